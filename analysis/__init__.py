@@ -1,0 +1,6 @@
+"""First floor: many separations, what is asked of them, and the worst of them."""
+
+import lazy_loader
+
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

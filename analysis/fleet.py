@@ -1,0 +1,100 @@
+"""Many runs of one separation, over worker processes."""
+
+import os
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future
+from types import TracebackType
+from typing import Self
+
+from loky import ProcessPoolExecutor
+
+from drakesep.systems.model import Separation
+from drakesep.systems.run import Run
+from drakesep.systems.settings import Integration
+from drakesep.systems.simulation import Simulation
+
+
+class Fleet:
+    """Flies variations of one separation, spread over processes.
+
+    A run is the same wherever it is flown: results do not depend on the number of
+    workers. A context manager; leaving it ends the workers.
+    """
+
+    def __init__(
+        self,
+        separation: Separation,
+        integration: Integration | None = None,
+        *,
+        workers: int | None = None,
+    ):
+        """Start the workers, which build their simulation while the caller goes on.
+
+        Args:
+            separation: to be flown and varied.
+            integration: how; the default of `Simulation` if None.
+            workers: number of processes; 1 flies in this one; None: one per core.
+
+        Raises:
+            ValueError: fewer than one worker.
+        """
+        workers = os.cpu_count() or 1 if workers is None else workers
+        if workers < 1:
+            raise ValueError(f"workers must be >= 1, got {workers}")
+        self._simulation = Simulation(separation, integration)
+        self._pool = None
+        if workers > 1:
+            self._pool = ProcessPoolExecutor(
+                max_workers=workers,
+                initializer=_prepare,
+                initargs=(separation, integration),
+            )
+            self._warm_up: list[Future[None]] = [
+                self._pool.submit(_nothing) for _ in range(workers)
+            ]
+
+    def fly(self, variations: Sequence[Mapping[str, float]]) -> list[Run]:
+        """Fly each variation.
+
+        Args:
+            variations: new values by parameter name, in SI, for each run.
+
+        Returns:
+            The runs in the same order; those that failed say so.
+
+        Raises:
+            ValueError: a parameter is unknown, or its value is not physical.
+        """
+        if self._pool is None or len(variations) == 1:
+            return [self._simulation.run(values) for values in variations]
+        return list(self._pool.map(_fly, [dict(values) for values in variations]))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(wait=True, kill_workers=error is not None)
+
+
+_simulation: Simulation | None = None
+"""Of a worker process: built once, since each build leaks (see drake #22515)."""
+
+
+def _prepare(separation: Separation, integration: Integration | None) -> None:
+    global _simulation
+    _simulation = Simulation(separation, integration)
+
+
+def _nothing() -> None:
+    pass
+
+
+def _fly(values: Mapping[str, float]) -> Run:
+    assert _simulation is not None  # set by the initializer
+    return _simulation.run(values)

@@ -1,0 +1,94 @@
+"""Requirements on a separation, and whether runs meet them."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from drakesep.analysis.metrics import ANGLES
+from drakesep.systems.checks import check_finite
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Requirement:
+    """A limit on one figure of a run.
+
+    Raises:
+        ValueError: the limit is not finite, or the sense is not "<=" or ">=".
+    """
+
+    metric: str
+    """Name of the figure; see `drakesep.analysis.metrics`."""
+    sense: Literal["<=", ">="]
+    limit: float
+    """In SI."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check_finite(f"{self.metric}: limit", self.limit)
+        if self.sense not in ("<=", ">="):
+            raise ValueError(
+                f"{self.metric}: sense must be '<=' or '>=', got {self.sense!r}"
+            )
+
+    def margin(self, value: float) -> float:
+        """Return how far a value lies inside the limit; negative if it is beyond."""
+        return self.limit - value if self.sense == "<=" else value - self.limit
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """How a requirement fares over several runs."""
+
+    requirement: Requirement
+    nominal: float
+    """Value of the nominal run."""
+    worst: float
+    """Value nearest to the limit, or farthest beyond it."""
+    run: str
+    """Label of the run with the worst value."""
+
+    @property
+    def margin(self) -> float:
+        """Margin of the worst value."""
+        return self.requirement.margin(self.worst)
+
+    @property
+    def met(self) -> bool:
+        """Whether every run meets the requirement."""
+        return self.margin >= 0.0
+
+
+def assess(
+    requirements: Sequence[Requirement],
+    runs: Mapping[str, Mapping[str, float]],
+    nominal: str,
+) -> list[Finding]:
+    """Return how each requirement fares over the runs.
+
+    Args:
+        requirements: to be judged.
+        runs: figures of each run, by its label.
+        nominal: label of the nominal run.
+    """
+    findings = []
+    for requirement in requirements:
+        values = {label: figures[requirement.metric] for label, figures in runs.items()}
+        label = min(values, key=lambda label: requirement.margin(values[label]))
+        findings.append(
+            Finding(
+                requirement=requirement,
+                nominal=values[nominal],
+                worst=values[label],
+                run=label,
+            )
+        )
+    return findings
+
+
+def deviation_limits(requirements: Sequence[Requirement]) -> tuple[float, ...]:
+    """Return the limits of roll, pitch and yaw, rad; infinite where there is none."""
+    limits = {r.metric: r.limit for r in requirements if r.sense == "<="}
+    return tuple(
+        limits.get(f"deviation_at_separation_{angle}", math.inf) for angle in ANGLES
+    )

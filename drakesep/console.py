@@ -1,0 +1,120 @@
+"""What the command line prints: tables, verdicts."""
+
+from collections.abc import Iterable
+
+import pandas as pd
+from rich.console import Console
+from rich.table import Table
+
+from drakesep.case import Case
+from drakesep.units import unit_of, with_unit
+
+
+def print_frame(
+    console: Console, title: str, frame: pd.DataFrame, digits: int = 5
+) -> None:
+    """Print a table; numbers to so many significant digits."""
+    table = Table(title=title, title_justify="left", title_style="bold")
+    for name in frame.columns:
+        number = pd.api.types.is_numeric_dtype(frame[name])
+        table.add_column(str(name), justify="right" if number else "left")
+    for row in frame.itertuples(index=False):
+        table.add_row(*(_cell(value, digits) for value in row))
+    console.print(table)
+
+
+def _cell(value: object, digits: int) -> str:
+    if value is None or value is pd.NA:
+        return ""
+    if isinstance(value, float):
+        return f"{value:.{digits}g}"
+    styles = {"met": "[green]met[/]", "not met": "[bold red]not met[/]"}
+    return styles.get(str(value), str(value))
+
+
+def print_cases(console: Console, cases: Iterable[Case]) -> None:
+    """Print the names and descriptions of cases."""
+    table = Table("case", "description")
+    for case in cases:
+        table.add_row(case.name, case.description)
+    console.print(table)
+
+
+def print_case(console: Console, case: Case) -> None:
+    """Print a case: bodies, attachments, dispersions, requirements."""
+    console.print(f"[bold]{case.name}[/]: {case.description}")
+    before = case.before_separation
+    orbit = f"circular, {case.orbit.altitude_km:g} km" if case.orbit else "none"
+    console.print(
+        f"{case.pair.B} leaves {case.pair.A}; orbit: {orbit}; before separation: "
+        f"attitude {list(before.attitude_deg)} deg, rate {list(before.rate_deg_s)} "
+        f"deg/s; run: {case.run.duration_s:g} s with {case.run.integrator} at accuracy "
+        f"{case.run.accuracy:g}"
+    )
+    print_frame(console, "Bodies", _bodies(case))
+    print_frame(console, "Attachments", _attachments(case))
+    print_frame(console, "Dispersions", _dispersions(case))
+    print_frame(console, "Requirements", _requirements(case))
+
+
+def _bodies(case: Case) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "body": name,
+            "mass (kg)": body.mass_kg,
+            "CG (mm)": _listed(body.cg_mm),
+            "moments xx yy zz (kg m²)": _listed(
+                (body.inertia_kg_m2.xx, body.inertia_kg_m2.yy, body.inertia_kg_m2.zz)
+            ),
+            "products xy xz yz (kg m²)": _listed(
+                (body.inertia_kg_m2.xy, body.inertia_kg_m2.xz, body.inertia_kg_m2.yz)
+            ),
+        }
+        for name, body in case.bodies.items()
+    )
+
+
+def _attachments(case: Case) -> pd.DataFrame:
+    rows = []
+    for name, attachment in case.attachments.items():
+        spring = attachment.spring
+        rows.append(
+            {
+                "attachment": name,
+                "from": attachment.A,
+                "to": attachment.B,
+                "position (mm)": _listed(attachment.position_mm),
+                "release (s)": attachment.release_time_s,
+                "spring": spring.name if spring else "",
+                "max. force (N)": spring.force_max_N if spring else None,
+                "stroke (mm)": spring.stroke_mm if spring else None,
+                "design mass (kg)": spring.design_mass_kg if spring else None,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _dispersions(case: Case) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "parameter": with_unit(d.name),
+            "nominal": unit_of(d.name).from_si(d.nominal),
+            "tolerance ±": unit_of(d.name).from_si(d.tolerance),
+        }
+        for d in case.box.dispersions
+    )
+
+
+def _requirements(case: Case) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "quantity": with_unit(requirement.metric),
+            "sense": requirement.sense,
+            "limit": unit_of(requirement.metric).from_si(requirement.limit),
+        }
+        for requirement in case.limits
+    )
+
+
+def _listed(values: Iterable[float]) -> str:
+    return " ".join(f"{value:.6g}" for value in values)

@@ -1,0 +1,127 @@
+"""Pictures of the motion, after the paper's Figs. 6 and 7."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from drakesep.analysis.metrics import ANGLES, AXES
+from drakesep.analysis.requirements import Requirement
+from drakesep.tables import Flight
+from drakesep.units import unit_of
+
+
+class _Row(NamedTuple):
+    quantity: str
+    title: str
+    axes: tuple[str, ...]
+    figure: str | None = None
+    """Stem of the figure that a requirement limits here."""
+
+
+_TRANSLATION = (
+    _Row(
+        "relative_velocity",
+        "relative velocity",
+        AXES,
+        "longitudinal_speed_after_separation",
+    ),
+    _Row("acceleration", "acceleration of the CG", AXES),
+    _Row("linear_momentum_change", "linear momentum change", AXES),
+)
+_ROTATION = (
+    _Row("angle", "angle", ANGLES, "deviation_at_separation"),
+    _Row("rate", "rate", AXES, "rate_after_separation"),
+    _Row("angular_momentum_change", "angular momentum change", AXES),
+)
+
+# Okabe and Ito's colours, told apart by the colour-blind; dashes tell apart curves
+# that coincide.
+_COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
+_DASHES = ((0, ()), (0, (6, 2)), (0, (2, 2)), (0, (6, 2, 1, 2)), (0, (1, 1)))
+_LIMIT = "#B00020"
+
+
+def save_figures(
+    flights: Sequence[Flight], limits: Sequence[Requirement], folder: Path
+) -> None:
+    """Write translation.png and rotation.png of completed runs into a folder."""
+    translation_figure(flights, limits).savefig(folder / "translation.png", dpi=130)
+    rotation_figure(flights, limits).savefig(folder / "rotation.png", dpi=130)
+
+
+def translation_figure(
+    flights: Sequence[Flight], limits: Sequence[Requirement]
+) -> Figure:
+    """Return relative velocity, acceleration and linear momentum over time."""
+    return _figure("Translation of {B} from {A}", _TRANSLATION, flights, limits)
+
+
+def rotation_figure(flights: Sequence[Flight], limits: Sequence[Requirement]) -> Figure:
+    """Return angles, rates and angular momentum over time."""
+    return _figure("Rotation of {B}", _ROTATION, flights, limits)
+
+
+def _figure(
+    title: str,
+    rows: Sequence[_Row],
+    flights: Sequence[Flight],
+    limits: Sequence[Requirement],
+) -> Figure:
+    figure = Figure(figsize=(12, 9), layout="constrained")
+    panels = figure.subplots(len(rows), 3, sharex=True, squeeze=False)
+    by_metric = {requirement.metric: requirement for requirement in limits}
+    for row, line in zip(rows, panels, strict=True):
+        for i, axes in enumerate(line):
+            _draw(axes, row, i, flights)
+            axes.set_title(f"{row.title}, {row.axes[i]}", fontsize=10)
+            name = f"{row.figure}_{row.axes[i]}"
+            requirement = by_metric.get(name) or (
+                by_metric.get(str(row.figure)) if i == 0 else None
+            )
+            if requirement is not None:
+                _draw_limit(axes, requirement)
+    for axes in panels[-1]:
+        axes.set_xlabel("time (s)")
+    handles, labels = panels[0][0].get_legend_handles_labels()
+    limited = [a for a in panels.flat if a.get_gid() == "limited"]
+    if limited:
+        handles.append(limited[0].lines[-1])
+        labels.append("limit")
+    figure.legend(
+        handles, labels, loc="outside lower center", ncols=len(labels), frameon=False
+    )
+    separation = flights[0].run.separation
+    figure.suptitle(title.format(A=separation.A, B=separation.B).replace("_", " "))
+    return figure
+
+
+def _draw(axes: Axes, row: _Row, i: int, flights: Sequence[Flight]) -> None:
+    unit = unit_of(f"{row.quantity}_{row.axes[i]}")
+    for k, flight in enumerate(flights):
+        motion = flight.run.completed_motion
+        axes.plot(
+            motion.time,
+            getattr(motion, row.quantity)[:, i] * unit.per_si,
+            color=_COLOURS[k % len(_COLOURS)],
+            linestyle=_DASHES[k % len(_DASHES)],
+            linewidth=1.6,
+            label=flight.label,
+        )
+    axes.set_ylabel(unit.symbol)
+    axes.set_xlim(motion.time[0], motion.time[-1])
+    axes.grid(alpha=0.3)
+
+
+def _draw_limit(axes: Axes, requirement: Requirement) -> None:
+    limit = unit_of(requirement.metric).from_si(requirement.limit)
+    data = np.concatenate([np.asarray(line.get_ydata()) for line in axes.lines])
+    sides = [limit]
+    if requirement.sense == "<=" and data.min() < -0.2 * limit:
+        sides.append(-limit)
+    for side in sides:
+        axes.axhline(side, color=_LIMIT, linestyle=(0, (8, 3)), linewidth=1.2)
+    axes.set_gid("limited")

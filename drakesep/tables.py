@@ -1,0 +1,271 @@
+"""Tables of runs, as pandas frames whose columns carry their units."""
+
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from drakesep.analysis.dispersions import Box
+from drakesep.analysis.metrics import ANGLES, AXES
+from drakesep.analysis.requirements import Finding
+from drakesep.analysis.worst_case import Iteration
+from drakesep.case import PublishedSection
+from drakesep.systems.parameters import parameters
+from drakesep.systems.run import Motion, Run
+from drakesep.units import split_axis, unit_of, with_unit
+
+
+@dataclass(frozen=True, kw_only=True)
+class Flight:
+    """A run of a study, under its label."""
+
+    label: str
+    run: Run
+    figures: Mapping[str, float]
+    """Its figures in SI, by name; empty if the run failed."""
+    objective: str | None = None
+    """Of the search that found it; None if none did."""
+    iterations: int | None = None
+    """Of that search."""
+    evaluations: int = 1
+    """Runs flown for it."""
+    status: str = "completed"
+    published: PublishedSection | None = field(default=None, repr=False)
+    """The publication that it comes from."""
+
+
+def write_csv(frame: pd.DataFrame, path: Path) -> None:
+    """Write a table; floats read back exactly (``float_precision="round_trip"``)."""
+    frame.to_csv(path, index=False)
+
+
+_MOTION = {
+    "rate": AXES,
+    "relative_rate": AXES,
+    "angle": ANGLES,
+    "relative_position": AXES,
+    "relative_velocity": AXES,
+    "acceleration": AXES,
+    "linear_momentum_change": AXES,
+    "angular_momentum_change": AXES,
+}
+
+
+def motion_table(motion: Motion) -> pd.DataFrame:
+    """Return the motion over time: a row for each sample."""
+    columns = {with_unit("time"): motion.time}
+    for quantity, axes in _MOTION.items():
+        for i, axis in enumerate(axes):
+            name = f"{quantity}_{axis}"
+            samples = getattr(motion, quantity)[:, i]
+            columns[with_unit(name)] = samples * unit_of(name).per_si
+    return pd.DataFrame(columns)
+
+
+def flights_table(flights: Iterable[Flight], names: Sequence[str]) -> pd.DataFrame:
+    """Return a row for each run: parameters, figures, and how it was found.
+
+    Args:
+        flights: the runs.
+        names: the parameters to show.
+    """
+    rows = []
+    for flight in flights:
+        values = parameters(flight.run.separation)
+        rows.append(
+            {
+                "label": flight.label,
+                **_in_units({name: values[name] for name in names}),
+                **_in_units(flight.figures),
+                "iterations": flight.iterations,
+                "evaluations": flight.evaluations,
+                "status": flight.status,
+            }
+        )
+    frame = pd.DataFrame(rows)
+    last = ["iterations", "evaluations", "status"]
+    frame = frame[[column for column in frame if column not in last] + last]
+    return frame.astype({"iterations": "Int64", "evaluations": "Int64"})
+
+
+def figures_table(flight: Flight) -> pd.DataFrame:
+    """Return a row for each figure of one run."""
+    return pd.DataFrame(
+        {
+            "figure": name,
+            "value": unit_of(name).from_si(value),
+            "unit": unit_of(name).symbol,
+        }
+        for name, value in flight.figures.items()
+    )
+
+
+def history_table(
+    iterations: Mapping[str, Sequence[Iteration]], box: Box
+) -> pd.DataFrame:
+    """Return a row for each iterate of each search, by objective."""
+    rows = []
+    for objective, history in iterations.items():
+        unit = unit_of(f"G_{objective}")
+        for iteration in history:
+            rows.append(
+                {
+                    "objective": objective,
+                    "iteration": iteration.number,
+                    "value": unit.from_si(iteration.value),
+                    "unit": unit.symbol,
+                    "evaluations": iteration.evaluations,
+                    **_in_units(box.values(iteration.u)),
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def comparison_table(flights: Sequence[Flight]) -> pd.DataFrame:
+    """Return, for each objective, the nominal, published and worst values.
+
+    ``increase_percent`` is how much the worst exceeds the published one, or the
+    nominal one where nothing is published.
+    """
+    rows = []
+    for flight in flights:
+        if flight.objective is None or not flight.figures:
+            continue
+        name = f"G_{flight.objective}"
+        unit = unit_of(name)
+        published = [
+            other
+            for other in flights
+            if other.published and flight.objective in other.published.objectives
+        ]
+        nominal = flights[0].figures[name]
+        reference = published[0].figures[name] if published else nominal
+        rows.append(
+            {
+                "objective": name,
+                "unit": unit.symbol,
+                "nominal": unit.from_si(nominal),
+                "published": unit.from_si(reference) if published else None,
+                "worst": unit.from_si(flight.figures[name]),
+                "increase_percent": 100.0
+                * (flight.figures[name] - reference)
+                / abs(reference),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def requirements_table(findings: Sequence[Finding]) -> pd.DataFrame:
+    """Return a row for each requirement and axis, with its margin and verdict."""
+    rows = []
+    for finding in findings:
+        requirement = finding.requirement
+        unit = unit_of(requirement.metric)
+        stem, axis = split_axis(requirement.metric)
+        rows.append(
+            {
+                "requirement": stem.replace("_", " "),
+                "axis": axis,
+                "unit": unit.symbol,
+                "sense": requirement.sense,
+                "limit": unit.from_si(requirement.limit),
+                "nominal": unit.from_si(finding.nominal),
+                "worst": unit.from_si(finding.worst),
+                "which_run": finding.run,
+                "margin": unit.from_si(finding.margin),
+                "verdict": "met" if finding.met else "not met",
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+_MARK = 5e-3
+"""How near to a bound or to the nominal a value is marked as M, m or Nom, as a part
+of its tolerance."""
+
+
+def table_4(flights: Sequence[Flight], box: Box) -> pd.DataFrame:
+    """Return the worst cases in the form of the paper's Table 4.
+
+    Conditions after separation, then M (maximum), m (minimum), Nom (nominal) or the
+    value of each property. A published run has what was printed in parentheses.
+
+    Args:
+        flights: the nominal run, then the worst cases.
+        box: the tolerances.
+    """
+    groups = _groups(box)
+    columns = {}
+    for flight in flights:
+        printed = flight.published and flight.published.printed
+        cells = _conditions(flight)
+        if printed:
+            numbers = [
+                *printed.rate_deg_s,
+                printed.deviation_within_limits_until_s,
+                printed.longitudinal_speed_m_s,
+            ]
+            cells = [
+                f"{cell} ({number:g})"
+                for cell, number in zip(cells, numbers, strict=True)
+            ]
+        values = parameters(flight.run.separation)
+        for names in groups.values():
+            cells.append(_marks({name: values[name] for name in names}, box))
+        if printed:
+            cells.append(f"({printed.iterations})")
+        else:
+            cells.append("-" if flight.iterations is None else str(flight.iterations))
+        columns[flight.label] = cells
+    labels = [
+        *(f"rate {axis} (deg/s)" for axis in AXES),
+        "deviation within limits until (s)",
+        "longitudinal speed, max (m/s)",
+        *groups,
+        "solver iterations",
+    ]
+    return pd.DataFrame({"condition or property": labels, **columns})
+
+
+def _conditions(flight: Flight) -> list[str]:
+    names = [f"final_rate_{axis}" for axis in AXES]
+    names += ["deviation_within_limits_until", "longitudinal_speed_max"]
+    figures = flight.figures
+    return [
+        f"{unit_of(name).from_si(figures[name]):.2f}" if figures else "failed"
+        for name in names
+    ]
+
+
+def _groups(box: Box) -> dict[str, list[str]]:
+    def group(name: str) -> str:
+        element, _, quantity = name.rpartition(".")
+        stem, axis = split_axis(quantity)
+        if stem == "inertia":
+            stem = "inertia moments" if axis[0] == axis[1] else "inertia products"
+        kind = element.rstrip("0123456789").rstrip("_")
+        return f"{kind} {stem} ({unit_of(name).symbol})".replace("_", " ")
+
+    return {key: list(names) for key, names in itertools.groupby(box.names, group)}
+
+
+def _marks(values: Mapping[str, float], box: Box) -> str:
+    index = [box.names.index(name) for name in values]
+    u = box.scaled(values)[index]
+    marks = []
+    for (name, value), scaled in zip(values.items(), u, strict=True):
+        nearest = np.round(scaled)
+        if abs(scaled - nearest) <= _MARK and abs(nearest) <= 1.0:
+            marks.append({1.0: "M", -1.0: "m", 0.0: "Nom"}[float(nearest)])
+        else:
+            marks.append(f"{unit_of(name).from_si(value):.4g}")
+    return " ".join(marks)
+
+
+def _in_units(values: Mapping[str, float]) -> dict[str, float]:
+    return {
+        with_unit(name): unit_of(name).from_si(value) for name, value in values.items()
+    }

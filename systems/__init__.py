@@ -1,0 +1,6 @@
+"""Ground floor: one separation, its equations, its Drake systems, its simulation."""
+
+import lazy_loader
+
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,15 @@
+from .model import Attachment as Attachment
+from .model import Body as Body
+from .model import InitialMotion as InitialMotion
+from .model import Joint as Joint
+from .model import Orbit as Orbit
+from .model import Separation as Separation
+from .model import Spring as Spring
+from .parameters import parameters as parameters
+from .parameters import with_values as with_values
+from .run import Motion as Motion
+from .run import Run as Run
+from .run import RunStatus as RunStatus
+from .separation_system import SeparationSystem as SeparationSystem
+from .settings import Integration as Integration
+from .simulation import Simulation as Simulation

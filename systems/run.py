@@ -1,0 +1,84 @@
+"""What comes out of one simulated separation."""
+
+import enum
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drakesep.systems.model import Separation
+
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motion:
+    """The motion of B at n sample times, in SI and radians; vectors are (n, 3)."""
+
+    time: Array
+    """(n,), s."""
+    rate: Array
+    """Angular velocity of B in W, in B, rad/s."""
+    relative_rate: Array
+    """Angular velocity of B in A, in B, rad/s."""
+    angle: Array
+    """Roll, pitch and yaw of B in W, rad."""
+    relative_position: Array
+    """B's CG from its mated place, in A, m."""
+    relative_velocity: Array
+    """Velocity of B's CG as seen from A, in A, m/s."""
+    acceleration: Array
+    """Acceleration of B's CG in W, m/s^2."""
+    linear_momentum_change: Array
+    """Given to B by the springs, in B, N s (Eq. 6)."""
+    angular_momentum_change: Array
+    """Given to B by the springs about its CG, in B, N m s (Eq. 7)."""
+
+
+class RunStatus(enum.Enum):
+    """How a run ended."""
+
+    COMPLETED = "completed"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Run:
+    """One simulated separation."""
+
+    separation: Separation
+    """As it was flown, with its varied values."""
+    status: RunStatus
+    message: str = ""
+    """Why the run failed; empty if it did not."""
+    motion: Motion | None = field(default=None, repr=False)
+    """None if the run failed."""
+    breaks: tuple[float, ...] = ()
+    """Where the motion has a kink: start, releases, ends of strokes, end, s."""
+    steps: int = 0
+    """Integration steps taken."""
+    evaluations: int = 0
+    """Evaluations of the time derivatives."""
+
+    @property
+    def completed_motion(self) -> Motion:
+        """The motion of a completed run.
+
+        Raises:
+            RuntimeError: the run failed.
+        """
+        if self.motion is None:
+            raise RuntimeError(f"the run failed: {self.message}")
+        return self.motion
+
+    @property
+    def separation_end(self) -> float:
+        """Time at which the last spring has reached its stroke, s.
+
+        Without springs, the time of the last release.
+        """
+        ends = self.separation.stroke_ends or tuple(
+            max(0.0, a.release_time) for a in self.separation.attachments
+        )
+        return max(ends, default=0.0)
