@@ -2,14 +2,13 @@
 
 import math
 
+import numpy as np
 from pydrake.systems.framework import (
     BasicVector,
     Context,
     DiscreteValues,
-    Event,
+    EventStatus,
     LeafSystem,
-    State,
-    UnrestrictedUpdateEvent,
     WitnessFunction,
     WitnessFunctionDirection,
 )
@@ -20,10 +19,10 @@ from drakesep.systems.model import Separation
 class Release(LeafSystem):
     """Lets go of each attachment at its scheduled time.
 
-    A release that is due at or before the start of the simulation happens at its
-    start. A later one is found by a witness function, within a hundredth of the
-    accuracy in seconds; the recorded time is then the scheduled one. The Context
-    of the whole diagram needs an accuracy (``context.SetAccuracy``).
+    A release that is due is latched at the start of the simulation and of every
+    step. Witness functions end a step where one becomes due, within a hundredth of
+    the accuracy in seconds; the recorded time is the scheduled one. The Context of
+    the whole diagram needs an accuracy (``context.SetAccuracy``).
 
     Output port:
         released: (n,) time at which each attachment was released, s; infinite
@@ -36,9 +35,10 @@ class Release(LeafSystem):
     def __init__(self, attachments: int):
         super().__init__()
         self._schedule = self.DeclareNumericParameter(BasicVector(attachments))
-        held = self.DeclareDiscreteState([math.inf] * attachments)
+        held = self.DeclareDiscreteState(np.full(attachments, math.inf))
         self.DeclareStateOutputPort("released", held)
-        self.DeclareInitializationDiscreteUpdateEvent(self._release_those_due)
+        self.DeclareInitializationDiscreteUpdateEvent(self._release_at_start)
+        self.DeclarePerStepDiscreteUpdateEvent(self._release_those_due)
         self._witnesses = [self._make_witness(i) for i in range(attachments)]
 
     def set_schedule(self, context: Context, separation: Separation) -> None:
@@ -46,39 +46,56 @@ class Release(LeafSystem):
         times = [attachment.release_time for attachment in separation.attachments]
         context.get_mutable_numeric_parameter(self._schedule).SetFromVector(times)
 
-    def _scheduled(self, context: Context) -> list[float]:
-        times: list[float] = context.get_numeric_parameter(self._schedule).value()
-        return times
+    def _get_schedule(self, context: Context) -> list[float]:
+        return context.get_numeric_parameter(self._schedule).value().tolist()
 
-    def _release_those_due(self, context: Context, update: DiscreteValues) -> None:
+    def _get_released(self, context: Context) -> list[float]:
+        return context.get_discrete_state_vector().value().tolist()
+
+    def _release_at_start(self, context: Context, update: DiscreteValues) -> None:
         now = context.get_time()
-        held = context.get_discrete_state_vector().value().tolist()
-        update.set_value(
-            [
-                now if math.isinf(released) and scheduled <= now else released
-                for released, scheduled in zip(
-                    held, self._scheduled(context), strict=True
-                )
-            ]
+        # What was due before the start happens at the start.
+        self._release(
+            context, update, [max(now, t) for t in self._get_schedule(context)]
         )
 
-    def _make_witness(self, i: int) -> WitnessFunction:
-        def release(_: LeafSystem, context: Context, __: Event, state: State) -> None:
-            released = state.get_mutable_discrete_state().get_mutable_value()
-            released[i] = self._scheduled(context)[i]
+    def _release_those_due(
+        self, context: Context, update: DiscreteValues
+    ) -> EventStatus:
+        return self._release(context, update, self._get_schedule(context))
 
+    def _release(
+        self, context: Context, update: DiscreteValues, times: list[float]
+    ) -> EventStatus:
+        now = context.get_time()
+        before = self._get_released(context)
+        after = [
+            time if math.isinf(released) and time <= now else released
+            for released, time in zip(before, times, strict=True)
+        ]
+        if after == before:
+            return EventStatus.DidNothing()  # spares a new evaluation of the forces
+        update.set_value(after)
+        return EventStatus.Succeeded()
+
+    def _make_witness(self, i: int) -> WitnessFunction:
+        # A step that ends at the scheduled time needs no search, and Drake ends the
+        # process when the crossing that it searches lies at the end of AdvanceTo:
+        # so the sign changes just after that time.
         return self.MakeWitnessFunction(
             f"release {i}",
             WitnessFunctionDirection.kNegativeThenNonNegative,
-            lambda context: context.get_time() - self._scheduled(context)[i],
-            UnrestrictedUpdateEvent(system_callback=release),
+            lambda context: (
+                1.0 if context.get_time() > self._get_schedule(context)[i] else -1.0
+            ),
         )
 
     def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
         """Return the witnesses of the attachments that still hold."""
-        held = context.get_discrete_state_vector().value().tolist()
         return [
             witness
-            for witness, released in zip(self._witnesses, held, strict=True)
+            for witness, released in zip(
+                self._witnesses, self._get_released(context), strict=True
+            )
             if math.isinf(released)
         ]

@@ -2,16 +2,17 @@
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
-from pydrake.trajectories import PiecewisePolynomial
+from pydrake.systems.framework import Context
 
 from drakesep.systems import laws
 from drakesep.systems.model import Separation
 from drakesep.systems.motion_analysis import Measured
 from drakesep.systems.parameters import with_values
+from drakesep.systems.recorder import Recorder
 from drakesep.systems.run import Array, Motion, Run, RunStatus
 from drakesep.systems.separation_system import SeparationSystem
 from drakesep.systems.settings import Integration
@@ -20,6 +21,7 @@ from drakesep.systems.settings import Integration
 _ROWS = 300
 """Sample intervals over a run, at least."""
 _NANOSECOND = 1e-9
+_FIRST_STEP = 1e-3
 _ROWS_PER_PUSH = 64
 """Sample intervals over the shortest push, where the motion changes fastest."""
 
@@ -52,6 +54,29 @@ class Simulation:
         separation = with_values(self.separation, values or {})
         context = self._system.CreateDefaultContext()
         self._system.set_separation(context, separation)
+        simulator = self._make_simulator(context)
+        try:
+            recorder = self._advance(simulator, context, find_breaks(separation))
+            motion = _sample(self._system, separation, recorder)
+        except (RuntimeError, ArithmeticError, ValueError) as error:
+            # Drake's: the step size collapsed, say. Python's: a number overflowed.
+            return Run(
+                separation=separation,
+                status=RunStatus.FAILED,
+                message=f"{error} (at t = {context.get_time():g} s)",
+            )
+        integrator = simulator.get_mutable_integrator()
+        return Run(
+            separation=separation,
+            status=RunStatus.COMPLETED,
+            motion=motion,
+            breaks=find_breaks(separation),
+            steps=integrator.get_num_steps_taken(),
+            evaluations=integrator.get_num_derivative_evaluations(),
+        )
+
+    def _make_simulator(self, context: Context) -> Simulator:
+        # New for every run: a used integrator remembers its last step size.
         context.SetAccuracy(self.integration.accuracy)
         simulator = Simulator(self._system, context)
         ApplySimulatorConfig(
@@ -63,48 +88,35 @@ class Simulation:
             ),
             simulator,
         )
-        try:
-            simulator.Initialize()
-            integrator = simulator.get_mutable_integrator()
-            integrator.StartDenseIntegration()
-            # Steps that end where a spring does spare the integrator a kink.
-            for t in _stops(separation.stroke_ends, separation.duration):
-                simulator.AdvanceTo(t)
-            dense = integrator.StopDenseIntegration()
-        except RuntimeError as error:  # Drake's: the step size collapsed, say
-            return _failed(separation, f"{error} (at t = {context.get_time():g} s)")
-        breaks = find_breaks(separation)
-        motion = _sample(self._system, separation, dense, sample_times(separation))
-        if not np.isfinite(motion.acceleration).all():
-            return _failed(separation, "the motion is not finite")
-        return Run(
-            separation=separation,
-            status=RunStatus.COMPLETED,
-            motion=motion,
-            breaks=breaks,
-            steps=integrator.get_num_steps_taken(),
-            evaluations=integrator.get_num_derivative_evaluations(),
-        )
+        # Drake's own first try, a tenth of the largest step, overflows stiff joints.
+        simulator.get_mutable_integrator().request_initial_step_size_target(_FIRST_STEP)
+        return simulator
 
-
-def _failed(separation: Separation, message: str) -> Run:
-    return Run(separation=separation, status=RunStatus.FAILED, message=message)
+    def _advance(
+        self, simulator: Simulator, context: Context, breaks: Sequence[float]
+    ) -> Recorder:
+        recorder = Recorder(self._system, context)
+        simulator.set_monitor(recorder.note)
+        simulator.Initialize()
+        # Steps end at kinks: none straddles one.
+        for t in breaks[1:]:
+            recorder.start_piece()
+            simulator.AdvanceTo(t)
+            recorder.end_piece()
+            simulator.AdvancePendingEvents()
+        return recorder
 
 
 def find_breaks(separation: Separation) -> tuple[float, ...]:
     """Return the times at which the motion has a kink, with start and end, s."""
     releases = [max(0.0, a.release_time) for a in separation.attachments]
-    kinks = (*releases, *separation.stroke_ends)
-    return (0.0, *_stops(kinks, separation.duration))
-
-
-def _stops(times: Iterable[float], end: float) -> list[float]:
-    stops = [0.0]
-    for t in sorted(times):
+    end = separation.duration
+    breaks = [0.0]
+    for t in sorted((*releases, *separation.stroke_ends)):
         # Kinks a nanosecond apart are one: nothing moves between them.
-        if t - stops[-1] > _NANOSECOND and end - t > _NANOSECOND:
-            stops.append(t)
-    return [*stops[1:], end]
+        if t - breaks[-1] > _NANOSECOND and end - t > _NANOSECOND:
+            breaks.append(t)
+    return (*breaks, end)
 
 
 def sample_times(separation: Separation) -> Array:
@@ -127,12 +139,11 @@ def sample_times(separation: Separation) -> Array:
 def _sample(
     system: SeparationSystem,
     separation: Separation,
-    dense: PiecewisePolynomial,
-    times: Array,
+    recorder: Recorder,
 ) -> Motion:
+    times = sample_times(separation)
     layout = system.layout
-    x = dense.vector_values(times)
-    xdot = dense.derivative(1).vector_values(times)
+    x, xdot = recorder.sample(times)
     names = [body.name for body in separation.bodies]
     bodies = layout.read(x)
     A, B = bodies[names.index(separation.A)], bodies[names.index(separation.B)]

@@ -1,0 +1,95 @@
+"""Separations that tests share."""
+
+import dataclasses
+import math
+
+import numpy as np
+
+from drakesep.case_file import load_case
+from drakesep.systems.model import (
+    Attachment,
+    Body,
+    InitialMotion,
+    Joint,
+    Orbit,
+    Separation,
+    Spring,
+)
+
+
+FREE = Joint(K_F=0.0, D_F=0.0, K_T=0.0, D_T=0.0)
+STIFF = Joint(K_F=1e7, D_F=5e4, K_T=1e6, D_T=5e3)
+GENERIC = InitialMotion(rpy_WA=(0.7, -0.5, 1.9), w_WA_A=(0.05, -0.03, 0.08))
+"""Far from the world's axes, where mistakes between frames show."""
+
+
+def vega() -> Separation:
+    return load_case("vega").separation
+
+
+def inertia_of_points(seed: int, mass: float) -> tuple[float, ...]:
+    """Inertia of a cloud of point masses: physical, with products."""
+    rng = np.random.default_rng(seed)
+    points = rng.normal(size=(8, 3)) * [1.0, 0.7, 0.5]
+    points -= points.mean(axis=0)
+    second = mass / len(points) * points.T @ points
+    inertia = np.trace(second) * np.eye(3) - second
+    order = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
+    return tuple(float(inertia[i]) for i in order)
+
+
+def generic_pair(
+    *,
+    release_times: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0),
+    joint: Joint = STIFF,
+    springs: bool = True,
+    initial: InitialMotion = GENERIC,
+    orbit: Orbit | None = None,
+    duration: float = 1.0,
+) -> Separation:
+    """Two bodies of generic mass properties, on pads around a ring."""
+    lower = Body(
+        name="lower",
+        mass=700.0,
+        p_BoBcm_B=(-0.8, 0.05, -0.03),
+        I_BBcm_B=inertia_of_points(1, 700.0),
+    )
+    upper = Body(
+        name="upper",
+        mass=1200.0,
+        p_BoBcm_B=(1.1, -0.02, 0.04),
+        I_BBcm_B=inertia_of_points(2, 1200.0),
+    )
+    attachments = []
+    for i, release_time in enumerate(release_times):
+        angle = 0.3 + 2.0 * math.pi * i / len(release_times)
+        spring = Spring(
+            name=f"spring_{i + 1}",
+            force_max=1200.0 + 40.0 * i,
+            stroke=0.1 + 0.002 * i,
+            design_mass=110.0,
+        )
+        attachments.append(
+            Attachment(
+                name=f"attachment_{i + 1}",
+                A="lower",
+                B="upper",
+                p_AoPad_A=(0.0, 0.5 * math.cos(angle), 0.5 * math.sin(angle)),
+                joint=joint,
+                spring=spring if springs else None,
+                release_time=release_time,
+            )
+        )
+    return Separation(
+        bodies=(lower, upper),
+        attachments=tuple(attachments),
+        A="lower",
+        B="upper",
+        initial=initial,
+        orbit=orbit,
+        duration=duration,
+    )
+
+
+def without_orbit(separation: Separation) -> Separation:
+    return dataclasses.replace(separation, orbit=None)
