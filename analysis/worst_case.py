@@ -108,7 +108,7 @@ def find_worst_case(
     """
     search = _Search(objective, box, physical, fly, step, on_iteration)
     u0 = np.zeros(len(box)) if start is None else np.asarray(start, dtype=float)
-    if np.abs(u0).max(initial=0.0) > 1.0 or not physical.contains(u0):
+    if not (np.abs(u0) <= 1.0).all() or not physical.contains(u0):
         raise ValueError("start must be in the box and physical")
     search.begin(u0)
     try:

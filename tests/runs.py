@@ -1,0 +1,46 @@
+"""Runs made up for tests, without a simulation."""
+
+import dataclasses
+
+import numpy as np
+from separations import generic_pair
+
+from drakesep.systems.model import Separation
+from drakesep.systems.parameters import parameters, with_values
+from drakesep.systems.run import Motion, Run, RunStatus
+from drakesep.systems.simulation import find_breaks, sample_times
+
+
+def made_up_run(separation: Separation | None = None, **columns) -> Run:
+    """A run whose motion is given as functions of time, (n,) -> (n, 3)."""
+    separation = separation or generic_pair(duration=3.0)
+    time = sample_times(separation)
+    motion = {
+        field.name: np.zeros((len(time), 3)) for field in dataclasses.fields(Motion)
+    }
+    for name, function in columns.items():
+        motion[name] = np.stack(np.broadcast_arrays(*function(time)), axis=1)
+    motion["time"] = time
+    return Run(
+        separation=separation,
+        status=RunStatus.COMPLETED,
+        motion=Motion(**motion),
+        breaks=find_breaks(separation),
+    )
+
+
+def fly_nothing(separation: Separation):
+    """Fly variations without simulating them: the run carries its parameters."""
+
+    def fly(variations):
+        return [
+            Run(separation=with_values(separation, v), status=RunStatus.COMPLETED)
+            for v in variations
+        ]
+
+    return fly
+
+
+def of_parameters(function):
+    """An objective that is a function of the parameters of a run."""
+    return lambda run: function(parameters(run.separation))
