@@ -3,7 +3,6 @@
 Keys carry their units; a `Case` hands everything on in SI and radians.
 """
 
-import functools
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
@@ -227,7 +226,7 @@ class Case(_Section):
             self.published_values(published)
         return self
 
-    @functools.cached_property
+    @property
     def separation(self) -> Separation:
         """The separation, in SI."""
         before = self.before_separation
@@ -247,7 +246,7 @@ class Case(_Section):
             duration=self.run.duration_s,
         )
 
-    @functools.cached_property
+    @property
     def integration(self) -> Integration:
         """How runs are integrated."""
         return Integration(
@@ -256,12 +255,12 @@ class Case(_Section):
             max_step=self.run.max_step_s,
         )
 
-    @functools.cached_property
+    @property
     def box(self) -> Box:
         """The tolerances, in SI."""
         return Box.around(self.separation, self.values_in_si(self.dispersions))
 
-    @functools.cached_property
+    @property
     def limits(self) -> tuple[Requirement, ...]:
         """The requirements, in SI, one for each axis."""
         return tuple(r for section in self.requirements for r in section.requirements())

@@ -38,7 +38,7 @@ class Flight:
 
 
 def write_csv(frame: pd.DataFrame, path: Path) -> None:
-    """Write a table; floats read back exactly (``float_precision="round_trip"``)."""
+    """Write a table; its floats are written to read back exactly."""
     frame.to_csv(path, index=False)
 
 

@@ -2,20 +2,37 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drakesep.systems import laws
-from drakesep.systems.body_states import declare_body_states_input
 from drakesep.systems.geometry import mated_orientation, pad_on_B
 from drakesep.systems.laws import BodyState, JointDeviation
 from drakesep.systems.model import Separation
+from drakesep.systems.state_layout import StateLayout
 from drakesep.systems.vectors import Vector
 from drakesep.systems.wrenches import WrenchSum
 
 
 _FIELDS = 14
 """Of a joint's parameters: the gains, the pads on A and B, the mated orientation."""
+
+
+class _Joint(NamedTuple):
+    """A joint's parameters, and the indices of its bodies."""
+
+    a: int
+    b: int
+    gains: Sequence[float]
+    p_AoPad_A: Sequence[float]
+    p_BoPad_B: Sequence[float]
+    q_AB: Sequence[float]
+
+    def deviation(self, A: BodyState, B: BodyState) -> tuple[JointDeviation, Vector]:
+        return laws.joint_deviation(
+            A, B, self.p_AoPad_A, self.p_BoPad_B, self.q_AB, math
+        )
 
 
 class CfeBushing(LeafSystem):
@@ -26,7 +43,7 @@ class CfeBushing(LeafSystem):
     exact; the rotation vector has no singularity below 180 deg.
 
     Input ports:
-        body_states: see `BodyStates`.
+        plant_state: state of the plant.
         released: (n,) time of each attachment's release, s; infinite while held.
 
     Output ports:
@@ -39,12 +56,13 @@ class CfeBushing(LeafSystem):
             and the orientation quaternion of B in A while mated.
     """
 
-    def __init__(self, separation: Separation):
+    def __init__(self, separation: Separation, layout: StateLayout):
         super().__init__()
         self._count = len(separation.bodies)
         index = {body.name: i for i, body in enumerate(separation.bodies)}
         self._ends = [(index[a.A], index[a.B]) for a in separation.attachments]
-        self._bodies = declare_body_states_input(self)
+        self._layout = layout
+        self._state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._released = self.DeclareVectorInputPort("released", len(self._ends))
         self._joints = self.DeclareNumericParameter(
             BasicVector(_FIELDS * len(self._ends))
@@ -62,37 +80,33 @@ class CfeBushing(LeafSystem):
             rows += mated_orientation(separation, attachment)
         context.get_mutable_numeric_parameter(self._joints).SetFromVector(rows)
 
-    def _deviations(
-        self, context: Context
-    ) -> Iterator[
-        tuple[int, int, list[BodyState], JointDeviation, Vector, Sequence[float]]
-    ]:
+    def _held(self, context: Context) -> Iterator[tuple[_Joint, list[BodyState]]]:
         released = self._released.Eval(context).tolist()
         held = [j for j, time in enumerate(released) if math.isinf(time)]
-        if not held:
-            return
-        bodies = self._bodies.Eval(context)
-        rows = context.get_numeric_parameter(self._joints).value().tolist()
-        for j in held:
-            row = rows[_FIELDS * j : _FIELDS * (j + 1)]
-            a, b = self._ends[j]
-            deviation, p_WPad = laws.joint_deviation(
-                bodies[a], bodies[b], row[4:7], row[7:10], row[10:14], math
-            )
-            yield a, b, bodies, deviation, p_WPad, row[:4]
+        if held:
+            bodies = self._layout.read(self._state.Eval(context).tolist())
+            rows = context.get_numeric_parameter(self._joints).value().tolist()
+            for j in held:
+                row = rows[_FIELDS * j : _FIELDS * (j + 1)]
+                yield (
+                    _Joint(*self._ends[j], row[:4], row[4:7], row[7:10], row[10:14]),
+                    bodies,
+                )
 
     def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
         total = WrenchSum(self._count)
-        for a, b, bodies, deviation, p_WPad, gains in self._deviations(context):
-            on_A, on_B = laws.joint_wrenches(
-                bodies[a], bodies[b], deviation, p_WPad, gains
-            )
-            total.add(a, on_A)
-            total.add(b, on_B)
-        output.SetFromVector(total.entries)
+        for joint, bodies in self._held(context):
+            A, B = bodies[joint.a], bodies[joint.b]
+            deviation, p_WPad = joint.deviation(A, B)
+            on_A, on_B = laws.joint_wrenches(A, B, deviation, p_WPad, joint.gains)
+            total.add(joint.a, on_A)
+            total.add(joint.b, on_B)
+        total.write(output)
 
     def _calc_energy(self, context: Context, output: BasicVector) -> None:
         energy = 0.0
-        for _, _, _, deviation, _, (K_F, _, K_T, _) in self._deviations(context):
+        for joint, bodies in self._held(context):
+            deviation, _ = joint.deviation(bodies[joint.a], bodies[joint.b])
+            K_F, _, K_T, _ = joint.gains
             energy += laws.joint_energy(deviation, K_F, K_T)
         output.SetFromVector([energy])

@@ -5,8 +5,8 @@ import math
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drakesep.systems import laws
-from drakesep.systems.body_states import declare_body_states_input
 from drakesep.systems.model import Separation
+from drakesep.systems.state_layout import StateLayout
 from drakesep.systems.wrenches import WrenchSum
 
 
@@ -21,7 +21,7 @@ class Gravity(LeafSystem):
     circular orbit; its axes do not turn.
 
     Input port:
-        body_states: see `BodyStates`.
+        plant_state: state of the plant.
 
     Output port:
         wrenches: (6 m,) torque about the origin, N m, and force, N, in W, on each
@@ -33,10 +33,11 @@ class Gravity(LeafSystem):
         1: (10 m,) mass, CG and inertia (xx, yy, zz, xy, xz, yz) of each body.
     """
 
-    def __init__(self, separation: Separation):
+    def __init__(self, separation: Separation, layout: StateLayout):
         super().__init__()
         self._count = len(separation.bodies)
-        self._bodies = declare_body_states_input(self)
+        self._layout = layout
+        self._state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._orbit = self.DeclareNumericParameter(BasicVector(2))
         self._mass_properties = self.DeclareNumericParameter(
             BasicVector(_FIELDS * self._count)
@@ -60,11 +61,11 @@ class Gravity(LeafSystem):
         if mu > 0.0:
             mean_motion = math.sqrt(mu / radius**3)
             r_W = laws.orbit_position(context.get_time(), radius, mean_motion, math)
-            bodies = self._bodies.Eval(context)
+            bodies = self._layout.read(self._state.Eval(context).tolist())
             rows = context.get_numeric_parameter(self._mass_properties).value().tolist()
             for i, body in enumerate(bodies):
                 row = rows[_FIELDS * i : _FIELDS * (i + 1)]
                 total.add(
                     i, laws.gravity_wrench(body, row[0], row[1:4], row[4:], r_W, mu)
                 )
-        output.SetFromVector(total.entries)
+        total.write(output)

@@ -117,32 +117,27 @@ def spring_force(
 
 
 def springs_wrenches(
-    A: BodyState,
-    B: BodyState,
-    pads_B: Sequence[Sequence[Scalar]],
-    forces: Sequence[Scalar],
+    A: BodyState, B: BodyState, forces: Sequence[tuple[Scalar, Sequence[Scalar]]]
 ) -> tuple[Wrench, Wrench]:
     """Return the wrenches on A and B of springs that push along A's x axis.
 
     Each force acts on B at its pad and on A at the same point in space. They are
-    parallel, so their sum and their moment about B's origin are all it takes.
+    parallel, so their sum and their first moment in B are all it takes.
 
     Args:
         A: body pushed from; it gives the direction.
         B: body pushed away.
-        pads_B: the springs' pads, fixed in B, m.
-        forces: the springs' forces, N.
+        forces: of each spring its force, N, and its pad, fixed in B, m.
     """
-    force = moment_x = moment_y = moment_z = 0.0
-    for f, (x, y, z) in zip(forces, pads_B, strict=True):
-        force = force + f
-        moment_x = moment_x + f * x
-        moment_y = moment_y + f * y
-        moment_z = moment_z + f * z
+    total = moment_x = moment_y = moment_z = 0.0
+    for force, (x, y, z) in forces:
+        total = total + force
+        moment_x = moment_x + force * x
+        moment_y = moment_y + force * y
+        moment_z = moment_z + force * z
     e_xA = A.R_WB[0], A.R_WB[3], A.R_WB[6]
-    moment_W = rotate(B.R_WB, (moment_x, moment_y, moment_z))
-    force_W = scale(force, e_xA)
-    torque_B = cross(moment_W, e_xA)
+    force_W = scale(total, e_xA)
+    torque_B = cross(rotate(B.R_WB, (moment_x, moment_y, moment_z)), e_xA)
     torque_A = add(torque_B, cross(subtract(B.p_WBo, A.p_WBo), force_W))
     return Wrench(negate(torque_A), negate(force_W)), Wrench(torque_B, force_W)
 
@@ -243,12 +238,13 @@ def differential_gravity(d: Vector, r_W: Vector, mu: Scalar) -> Vector:
         r_W: W's origin from the centre of the Earth, in W, m.
         mu: gravitational parameter, m^3/s^2.
     """
-    r = add(r_W, d)
-    r2 = dot(r_W, r_W)
-    e = dot(d, add(r_W, r)) / r2
+    (x, y, z), (X, Y, Z) = d, r_W
+    r2 = X * X + Y * Y + Z * Z
+    e = (x * (2.0 * X + x) + y * (2.0 * Y + y) + z * (2.0 * Z + z)) / r2
     s = (1.0 + e) ** 1.5
     g = e * (3.0 + e * (3.0 + e)) / (s * (s + 1.0))  # 1 - (1 + e)^(-3/2)
-    return scale(-mu / r2**1.5, subtract(d, scale(g, r)))
+    k = mu / r2**1.5
+    return k * (g * (X + x) - x), k * (g * (Y + y) - y), k * (g * (Z + z) - z)
 
 
 def gravity_gradient_torque(
@@ -261,9 +257,10 @@ def gravity_gradient_torque(
         I_BBcm_B: central inertia, matrix entries xx, yy, zz, xy, xz, yz, kg m^2.
         mu: gravitational parameter, m^3/s^2.
     """
+    x, y, z = r_B
     xx, yy, zz, xy, xz, yz = I_BBcm_B
-    Ir = rotate((xx, xy, xz, xy, yy, yz, xz, yz, zz), r_B)
-    return scale(3.0 * mu / dot(r_B, r_B) ** 2.5, cross(r_B, Ir))
+    Ir = xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z
+    return scale(3.0 * mu / (x * x + y * y + z * z) ** 2.5, cross(r_B, Ir))
 
 
 def gravity_wrench(

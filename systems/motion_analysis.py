@@ -11,10 +11,10 @@ from pydrake.systems.framework import (
 )
 
 from drakesep.systems import laws
-from drakesep.systems.body_states import declare_body_states_input
 from drakesep.systems.geometry import place_in_stack
 from drakesep.systems.laws import BodyState, Wrench
 from drakesep.systems.model import Separation
+from drakesep.systems.state_layout import StateLayout
 from drakesep.systems.vectors import Vector, scale
 
 
@@ -46,7 +46,7 @@ class MotionAnalysis(LeafSystem):
     """Measures the motion of B.
 
     Input ports:
-        body_states: see `BodyStates`.
+        plant_state: state of the plant.
         plant_acceleration: generalized accelerations of the plant.
         spring_wrenches: (6 m,) wrenches of the springs on each of the m bodies.
 
@@ -71,12 +71,13 @@ class MotionAnalysis(LeafSystem):
         alone would dictate the step size.
     """
 
-    def __init__(self, separation: Separation):
+    def __init__(self, separation: Separation, layout: StateLayout):
         super().__init__()
         names = [body.name for body in separation.bodies]
         self._a = names.index(separation.A)
         self._b = names.index(separation.B)
-        self._bodies = declare_body_states_input(self)
+        self._layout = layout
+        self._state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._acceleration = self.DeclareVectorInputPort(
             "plant_acceleration", 6 * len(names)
         )
@@ -100,8 +101,11 @@ class MotionAnalysis(LeafSystem):
         p = context.get_numeric_parameter(self._measured).value().tolist()
         return Measured(tuple(p[:3]), tuple(p[3:6]), p[6], p[7])
 
+    def _eval_B(self, context: Context) -> BodyState:
+        return self._layout.read_one(self._state.Eval(context).tolist(), self._b)
+
     def _eval_bodies(self, context: Context) -> tuple[BodyState, BodyState]:
-        bodies = self._bodies.Eval(context)
+        bodies = self._layout.read(self._state.Eval(context).tolist())
         return bodies[self._a], bodies[self._b]
 
     def _declare_motion_port(self, quantity: str) -> None:
@@ -118,7 +122,7 @@ class MotionAnalysis(LeafSystem):
         self.DeclareVectorOutputPort(quantity, 3, calc)
 
     def _calc_acceleration(self, context: Context, output: BasicVector) -> None:
-        _, B = self._eval_bodies(context)
+        B = self._eval_B(context)
         vdot = self._acceleration.Eval(context).tolist()
         v = 6 * self._b  # the bodies float, in order
         output.SetFromVector(
@@ -144,15 +148,17 @@ class MotionAnalysis(LeafSystem):
     ) -> None:
         """Set the rates of the momentum given to B."""
         w = self._springs.Eval(context).tolist()[6 * self._b : 6 * self._b + 6]
-        rates = (0.0,) * 6
-        if any(w):
-            measured = self._get_measured(context)
-            _, B = self._eval_bodies(context)
-            linear, angular = laws.momentum_rate(
-                B, measured.p_BoBcm_B, Wrench(tuple(w[:3]), tuple(w[3:]))
-            )
-            rates = (
+        if not any(w):
+            derivatives.get_mutable_vector().SetZero()
+            return
+        measured = self._get_measured(context)
+        B = self._eval_B(context)
+        linear, angular = laws.momentum_rate(
+            B, measured.p_BoBcm_B, Wrench(tuple(w[:3]), tuple(w[3:]))
+        )
+        derivatives.get_mutable_vector().SetFromVector(
+            [
                 *scale(1.0 / measured.mass, linear),
                 *scale(1.0 / measured.inertia, angular),
-            )
-        derivatives.get_mutable_vector().SetFromVector(rates)
+            ]
+        )

@@ -8,7 +8,6 @@ from pydrake.multibody.tree import RotationalInertia, SpatialInertia
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import Adder
 
-from drakesep.systems.body_states import BodyStates, state_layout
 from drakesep.systems.cfe_bushing import CfeBushing
 from drakesep.systems.geometry import place_in_stack
 from drakesep.systems.gravity import Gravity
@@ -16,6 +15,7 @@ from drakesep.systems.model import Body, Separation
 from drakesep.systems.motion_analysis import MotionAnalysis
 from drakesep.systems.release import Release
 from drakesep.systems.springs import Springs
+from drakesep.systems.state_layout import state_layout
 
 
 def spatial_inertia(body: Body) -> SpatialInertia:
@@ -50,27 +50,25 @@ class SeparationSystem(Diagram):
     def __init__(self, separation: Separation):
         super().__init__()
         builder = DiagramBuilder()
-        plant = builder.AddNamedSystem("plant", _make_plant(separation))
+        plant = builder.AddNamedSystem("plant", make_plant(separation))
         names = [body.name for body in separation.bodies]
         layout = state_layout(plant, names)
-        bodies = builder.AddNamedSystem("body_states", BodyStates(layout))
         release = builder.AddNamedSystem(
             "release", Release(len(separation.attachments))
         )
-        springs = builder.AddNamedSystem("springs", Springs(separation))
-        bushing = builder.AddNamedSystem("cfe_bushing", CfeBushing(separation))
-        gravity = builder.AddNamedSystem("gravity", Gravity(separation))
-        motion = builder.AddNamedSystem("motion_analysis", MotionAnalysis(separation))
+        springs = builder.AddNamedSystem("springs", Springs(separation, layout))
+        bushing = builder.AddNamedSystem("cfe_bushing", CfeBushing(separation, layout))
+        gravity = builder.AddNamedSystem("gravity", Gravity(separation, layout))
+        motion = builder.AddNamedSystem(
+            "motion_analysis", MotionAnalysis(separation, layout)
+        )
         forces = (springs, bushing, gravity)
         total = builder.AddNamedSystem("wrenches", Adder(len(forces), 6 * len(names)))
 
         state = plant.get_state_output_port()
-        builder.Connect(state, bodies.get_input_port())
         released = release.GetOutputPort("released")
         for i, system in enumerate(forces):
-            builder.Connect(
-                bodies.get_output_port(), system.GetInputPort("body_states")
-            )
+            builder.Connect(state, system.GetInputPort("plant_state"))
             builder.Connect(system.GetOutputPort("wrenches"), total.get_input_port(i))
         for system in (springs, bushing):
             builder.Connect(released, system.GetInputPort("released"))
@@ -78,7 +76,7 @@ class SeparationSystem(Diagram):
         builder.Connect(
             total.get_output_port(), plant.get_applied_generalized_force_input_port()
         )
-        builder.Connect(bodies.get_output_port(), motion.GetInputPort("body_states"))
+        builder.Connect(state, motion.GetInputPort("plant_state"))
         builder.Connect(
             plant.get_generalized_acceleration_output_port(),
             motion.GetInputPort("plant_acceleration"),
@@ -123,7 +121,7 @@ class SeparationSystem(Diagram):
             )
 
         def of(system: System) -> Context:
-            return system.GetMyMutableContextFromRoot(context)
+            return self.GetMutableSubsystemContext(system, context)
 
         for body in separation.bodies:
             self.plant.GetBodyByName(body.name).SetSpatialInertiaInBodyFrame(
@@ -134,7 +132,7 @@ class SeparationSystem(Diagram):
         self._bushing.set_joints(of(self._bushing), separation)
         self._gravity.set_gravity(of(self._gravity), separation)
         self._motion.set_measured(of(self._motion), separation)
-        _set_mated_motion(self.plant, of(self.plant), separation)
+        set_mated_motion(self.plant, of(self.plant), separation)
 
 
 def _structure(separation: Separation) -> tuple[object, ...]:
@@ -148,7 +146,8 @@ def _structure(separation: Separation) -> tuple[object, ...]:
     )
 
 
-def _make_plant(separation: Separation) -> MultibodyPlant:
+def make_plant(separation: Separation) -> MultibodyPlant:
+    """Return the continuous plant of a separation's bodies, free in W."""
     plant = MultibodyPlant(time_step=0.0)
     for body in separation.bodies:
         plant.AddRigidBody(body.name, spatial_inertia(body))
@@ -157,10 +156,13 @@ def _make_plant(separation: Separation) -> MultibodyPlant:
     return plant
 
 
-def _set_mated_motion(
+def set_mated_motion(
     plant: MultibodyPlant, context: Context, separation: Separation
 ) -> None:
-    # The stack moves as one rigid body, with A's origin at W's and A's CG at rest.
+    """Write the motion of the mated stack into the plant's Context.
+
+    It moves as one rigid body, with A's origin at W's and A's CG at rest.
+    """
     initial = separation.initial
     A = separation.body(separation.A)
     R_WA = RotationMatrix(RollPitchYaw(initial.rpy_WA))

@@ -5,9 +5,9 @@ import math
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drakesep.systems import laws
-from drakesep.systems.body_states import declare_body_states_input
 from drakesep.systems.geometry import pad_on_B
 from drakesep.systems.model import Separation
+from drakesep.systems.state_layout import StateLayout
 from drakesep.systems.wrenches import WrenchSum
 
 
@@ -22,7 +22,7 @@ class Springs(LeafSystem):
     on A at the same point in space.
 
     Input ports:
-        body_states: see `BodyStates`.
+        plant_state: state of the plant.
         released: (n,) time of each attachment's release, s; infinite while held.
 
     Output ports:
@@ -35,7 +35,7 @@ class Springs(LeafSystem):
             the place of its pad in B, m.
     """
 
-    def __init__(self, separation: Separation):
+    def __init__(self, separation: Separation, layout: StateLayout):
         super().__init__()
         self._count = len(separation.bodies)
         index = {body.name: i for i, body in enumerate(separation.bodies)}
@@ -45,7 +45,8 @@ class Springs(LeafSystem):
         for k, attachment in enumerate(pushing):
             ends = index[attachment.A], index[attachment.B]
             self._groups.setdefault(ends, []).append(k)
-        self._bodies = declare_body_states_input(self)
+        self._layout = layout
+        self._state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._released = self.DeclareVectorInputPort(
             "released", len(separation.attachments)
         )
@@ -67,40 +68,33 @@ class Springs(LeafSystem):
                 rows += [spring.force_max, spring.frequency, *pad]
         context.get_mutable_numeric_parameter(self._springs).SetFromVector(rows)
 
-    def _rows(self, context: Context) -> list[list[float]]:
+    def _forces(self, context: Context) -> list[tuple[float, list[float]]]:
+        """Return each spring's force and its pad on B."""
         p = context.get_numeric_parameter(self._springs).value().tolist()
-        return [p[i : i + _FIELDS] for i in range(0, len(p), _FIELDS)]
-
-    def _forces(self, context: Context, rows: list[list[float]]) -> list[float]:
         released = self._released.Eval(context).tolist()
         t = context.get_time()
         forces = []
-        for i, (force_max, frequency, *_) in zip(self._attachments, rows, strict=True):
+        for k, i in enumerate(self._attachments):
+            force_max, frequency, *pad = p[_FIELDS * k : _FIELDS * (k + 1)]
             elapsed = t - released[i]
-            pushes = 0.0 <= elapsed < 0.5 * math.pi / frequency
-            forces.append(
-                laws.spring_force(elapsed, force_max, frequency, math)
-                if pushes
-                else 0.0
-            )
+            force = 0.0
+            if 0.0 <= elapsed < 0.5 * math.pi / frequency:
+                force = laws.spring_force(elapsed, force_max, frequency, math)
+            forces.append((force, pad))
         return forces
 
     def _calc_forces(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._forces(context, self._rows(context)))
+        output.SetFromVector([force for force, _ in self._forces(context)])
 
     def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
-        rows = self._rows(context)
-        forces = self._forces(context, rows)
         total = WrenchSum(self._count)
-        if any(forces):
-            bodies = self._bodies.Eval(context)
+        forces = self._forces(context)
+        if any(force for force, _ in forces):
+            bodies = self._layout.read(self._state.Eval(context).tolist())
             for (a, b), springs in self._groups.items():
                 on_A, on_B = laws.springs_wrenches(
-                    bodies[a],
-                    bodies[b],
-                    [rows[k][2:] for k in springs],
-                    [forces[k] for k in springs],
+                    bodies[a], bodies[b], [forces[k] for k in springs]
                 )
                 total.add(a, on_A)
                 total.add(b, on_B)
-        output.SetFromVector(total.entries)
+        total.write(output)

@@ -6,6 +6,8 @@ generalized forces in Drake, so that a sum of such vectors goes into the plant a
 stands; a list of ExternallyAppliedSpatialForce would double the cost of a run.
 """
 
+from pydrake.systems.framework import BasicVector
+
 from drakesep.systems.laws import Wrench
 
 
@@ -13,11 +15,12 @@ class WrenchSum:
     """Adds wrenches up, body by body."""
 
     def __init__(self, bodies: int):
-        self.entries = [0.0] * (6 * bodies)
+        self._entries = [0.0] * (6 * bodies)
+        self._is_zero = True
 
     def add(self, body: int, wrench: Wrench) -> None:
         """Add a wrench on a body, given by its index."""
-        entries = self.entries
+        entries = self._entries
         (tx, ty, tz), (fx, fy, fz) = wrench
         i = 6 * body
         entries[i] += tx
@@ -26,3 +29,11 @@ class WrenchSum:
         entries[i + 3] += fx
         entries[i + 4] += fy
         entries[i + 5] += fz
+        self._is_zero = False
+
+    def write(self, output: BasicVector) -> None:
+        """Write the sums into an output port's vector."""
+        if self._is_zero:
+            output.SetZero()  # much cheaper, and most of a run
+        else:
+            output.SetFromVector(self._entries)

@@ -47,7 +47,7 @@ def test_springs_of_a_pair_are_the_sum_of_each():
     A, B = state(rng), state(rng)
     pads = rng.normal(size=(4, 3))
     forces = rng.uniform(0.0, 1500.0, size=4)
-    on_A, on_B = laws.springs_wrenches(A, B, pads, forces)
+    on_A, on_B = laws.springs_wrenches(A, B, list(zip(forces, pads, strict=True)))
 
     R_A, R_B = (np.reshape(body.R_WB, (3, 3)) for body in (A, B))
     points = np.array(B.p_WBo) + pads @ R_B.T

@@ -1,11 +1,9 @@
-"""The motion of each body, read out of the state of its plant."""
+"""Where the motion of each body stands in the state of its plant."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import Context, InputPort, LeafSystem
 
 from drakesep.systems.laws import BodyState, body_state
 
@@ -26,6 +24,10 @@ class StateLayout(NamedTuple):
         """
         return [body_state(x, q, v) for q, v in self.starts]
 
+    def read_one(self, x: Sequence[Any], index: int) -> BodyState:
+        """Return the state of one body."""
+        return body_state(x, *self.starts[index])
+
 
 def state_layout(plant: MultibodyPlant, names: Iterable[str]) -> StateLayout:
     """Return where the bodies' motion stands in the plant's state.
@@ -45,30 +47,3 @@ def state_layout(plant: MultibodyPlant, names: Iterable[str]) -> StateLayout:
             for body in bodies
         ),
     )
-
-
-class BodyStates(LeafSystem):
-    """Reads the plant's state once an evaluation, for every system that needs it.
-
-    Input port:
-        plant_state: state of the plant.
-
-    Output port:
-        body_states: list of `BodyState`, one for each body.
-    """
-
-    def __init__(self, layout: StateLayout):
-        super().__init__()
-        self._layout = layout
-        self._state = self.DeclareVectorInputPort("plant_state", layout.size)
-        self.DeclareAbstractOutputPort(
-            "body_states", lambda: AbstractValue.Make(object()), self._calc
-        )
-
-    def _calc(self, context: Context, output: AbstractValue) -> None:
-        output.set_value(self._layout.read(self._state.Eval(context).tolist()))
-
-
-def declare_body_states_input(system: LeafSystem) -> InputPort:
-    """Declare the input port that takes what `BodyStates` puts out."""
-    return system.DeclareAbstractInputPort("body_states", AbstractValue.Make(object()))

@@ -1,0 +1,140 @@
+"""The command line: commands, exit codes, errors without a traceback."""
+
+import subprocess
+import sys
+
+import pandas as pd
+import pytest
+
+from drakesep import cli
+
+
+def run(capsys, monkeypatch, *arguments):
+    """Exit code, standard output and standard error of a command."""
+    monkeypatch.setattr(sys, "argv", ["drakesep", *map(str, arguments)])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    captured = capsys.readouterr()
+    return exit_.value.code, captured.out, captured.err
+
+
+@pytest.fixture
+def drakesep(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")
+    return lambda *arguments: run(capsys, monkeypatch, *arguments)
+
+
+def test_cases(drakesep):
+    code, out, _ = drakesep("cases")
+    assert code == 0
+    assert "vega" in out
+
+
+def test_show(drakesep):
+    code, out, _ = drakesep("show", "vega")
+    assert code == 0
+    for text in ("1933 1 8", "spring_3", "payload.inertia_xz_kg_m2", "<="):
+        assert text in out
+
+
+def test_simulate(drakesep, tmp_path):
+    arguments = ("--set", "payload.mass_kg=1880", "--set", "spring_1.stroke_mm=120")
+    code, out, _ = drakesep("simulate", "vega", *arguments, "-o", tmp_path)
+    assert code == 0
+    assert "longitudinal_speed_max" in out
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"motion.csv", "summary.csv", "translation.png", "rotation.png"}
+    summary = pd.read_csv(tmp_path / "summary.csv")
+    assert summary["payload.mass_kg"].tolist() == [1880.0]
+
+
+def test_worst_case(drakesep, tmp_path):
+    code, out, _ = drakesep(
+        "worst-case", "vega", "--objective", "PM", "-o", tmp_path, "--workers", 1
+    )
+    assert code == 0
+    assert "worst_PM" in out
+    worst = pd.read_csv(tmp_path / "worst_cases.csv").set_index("label")
+    assert worst.loc["worst_PM", "payload.mass_kg"] == pytest.approx(1880.0)
+    assert set(pd.read_csv(tmp_path / "history.csv")["objective"]) == {"PM"}
+
+
+def test_verify_fails_where_a_requirement_is_not_met(drakesep, tmp_path):
+    """With 5 m/s wanted; one spring's force is the whole box, to be quick."""
+    from drakesep.case_file import builtin_cases
+
+    text = builtin_cases()["vega"].read_text()
+    text = text.replace("at_least: 0.5", "at_least: 5")
+    start, end = text.index("dispersions:"), text.index("requirements:")
+    text = text[:start] + "dispersions: {payload.mass_kg: 20}\n" + text[end:]
+    text = text[: text.index("published:")]
+    (tmp_path / "case.yaml").write_text(text)
+    code, out, _ = drakesep("verify", tmp_path / "case.yaml", "-o", tmp_path / "out")
+    assert code == 1
+    assert "Not every requirement is met" in out
+    requirements = pd.read_csv(tmp_path / "out" / "requirements.csv")
+    assert requirements["verdict"].tolist() == ["met"] * 6 + ["not met"]
+    assert requirements["margin"].iloc[-1] == pytest.approx(1.14 - 5.0, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ("show", "vga"),
+            "vga: must be a readable case file or a built-in case (vega)",
+        ),
+        (
+            ("simulate", "vega", "--set", "payload.mass=1"),
+            "unknown parameter 'payload.mass'; did you mean 'payload.mass_kg'?",
+        ),
+        (("simulate", "vega", "--set", "payload.mass_kg"), "--set: must be NAME=VALUE"),
+        (
+            ("simulate", "vega", "--set", "payload.mass_kg=x"),
+            "--set payload.mass_kg: must be a number, got 'x'",
+        ),
+        (
+            ("simulate", "vega", "--set", "payload.mass_kg=nan"),
+            "payload.mass must be finite, got nan",
+        ),
+        (
+            ("simulate", "vega", "--set", "payload.mass_kg=-1"),
+            "payload: mass must be > 0, got -1",
+        ),
+        (
+            ("worst-case", "vega", "--objective", "L3"),
+            "unknown objective 'L3'; did you mean",
+        ),
+    ],
+)
+def test_bad_input_is_one_line_and_code_2(drakesep, tmp_path, arguments, message):
+    output = () if arguments[0] == "show" else ("-o", tmp_path)
+    code, _, err = drakesep(*arguments, *output)
+    assert code == 2
+    assert err.startswith(f"drakesep: {message}")
+    assert len(err.splitlines()) == 1
+
+
+def test_output_that_cannot_be_written(drakesep, tmp_path):
+    (tmp_path / "file").write_text("")
+    code, _, err = drakesep("simulate", "vega", "-o", tmp_path / "file")
+    assert code == 2
+    assert err.startswith("drakesep: output: must be a folder that can be written")
+    assert len(err.splitlines()) == 1
+
+
+def test_help_imports_neither_drake_nor_scipy():
+    """So that it comes within a second."""
+    script = (
+        "import sys; sys.argv = ['drakesep', '--help']\n"
+        "from drakesep import cli\n"
+        "try: cli.main()\n"
+        "except SystemExit: pass\n"
+        "heavy = {'pydrake', 'scipy', 'pandas', 'matplotlib', 'numpy', 'pydantic'}\n"
+        "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert "verify" in done.stdout

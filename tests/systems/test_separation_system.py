@@ -1,0 +1,104 @@
+"""The diagram inside somebody else's."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import Integrator
+from separations import generic_pair
+
+from drakesep.systems.model import Body
+from drakesep.systems.separation_system import SeparationSystem, spatial_inertia
+from drakesep.systems.settings import Integration
+from drakesep.systems.simulation import Simulation
+
+
+SEPARATION = generic_pair(release_times=(0.0, 0.0, 0.1, 0.1))
+
+
+@pytest.mark.parametrize("scheme", ["runge_kutta3", "bogacki_shampine3"])
+def test_inside_a_parent_diagram(scheme):
+    """With another's state beside it, another integrator, and only AdvanceTo."""
+    builder = DiagramBuilder()
+    system = builder.AddNamedSystem("separation", SeparationSystem(SEPARATION))
+    angle = builder.AddSystem(Integrator(3))  # what a gyro of the payload would add up
+    builder.Connect(system.GetOutputPort("rate"), angle.get_input_port())
+    parent = builder.Build()
+
+    context = parent.CreateDefaultContext()
+    inner = system.GetMyMutableContextFromRoot(context)
+    system.set_separation(inner, SEPARATION)
+    context.SetAccuracy(1e-8)
+    simulator = Simulator(parent, context)
+    config = SimulatorConfig(integration_scheme=scheme, accuracy=1e-8)
+    ApplySimulatorConfig(config, simulator)
+    simulator.AdvanceTo(SEPARATION.duration)
+
+    motion = Simulation(SEPARATION, Integration(accuracy=1e-8)).run().motion
+    for name in ("rate", "relative_rate", "relative_position", "relative_velocity"):
+        final = system.GetOutputPort(name).Eval(inner)
+        # 1e-8 a step of joints that ring; the cruder scheme leaves 4e-7
+        assert final == pytest.approx(getattr(motion, name)[-1], abs=1e-6)
+    turned = np.trapezoid(motion.rate, motion.time, axis=0)
+    gyro = angle.get_output_port().Eval(angle.GetMyContextFromRoot(context))
+    assert gyro == pytest.approx(turned, abs=1e-5)  # trapezia of 3 ms
+
+
+def test_another_structure_is_refused():
+    system = SeparationSystem(SEPARATION)
+    context = system.CreateDefaultContext()
+    fewer = dataclasses.replace(SEPARATION, attachments=SEPARATION.attachments[:2])
+    with pytest.raises(ValueError, match="must have the bodies, attachments and"):
+        system.set_separation(context, fewer)
+
+
+def test_mass_properties_as_drake_takes_them():
+    """Products are entries of the matrix, about the CG."""
+    inertia = (2.0, 3.0, 4.0, 0.1, -0.2, 0.3)
+    body = Body(name="b", mass=5.0, p_BoBcm_B=(1.0, 2.0, 3.0), I_BBcm_B=inertia)
+    M = spatial_inertia(body)
+    central = M.Shift(M.get_com()).CalcRotationalInertia().CopyToFullMatrix3()
+    expected = [[2.0, 0.1, -0.2], [0.1, 3.0, 0.3], [-0.2, 0.3, 4.0]]
+    # shifted by sqrt(14) m and back, at 5 kg
+    assert central == pytest.approx(np.array(expected), abs=1e-13)
+
+
+def test_three_bodies_in_a_stack():
+    """The middle one is pushed both ways; the momentum of all is conserved."""
+    lower, upper = SEPARATION.bodies
+    middle = dataclasses.replace(upper, name="middle")
+    top = dataclasses.replace(upper, name="top", p_ABo=(2.5, 0.0, 0.0))
+    attachments = list(SEPARATION.attachments)
+    for i, (a, b, x, t) in enumerate(
+        [("lower", "middle", 0.0, 0.1), ("middle", "top", 2.5, 0.0)]
+    ):
+        attachments[i] = dataclasses.replace(
+            attachments[i], A=a, B=b, p_AoPad_A=(x, 0.1, 0.2), release_time=t
+        )
+    stack = dataclasses.replace(
+        SEPARATION,
+        bodies=(lower, middle, top),
+        attachments=tuple(attachments[:2]),
+        B="top",
+    )
+    system = SeparationSystem(stack)
+    context = system.CreateDefaultContext()
+    system.set_separation(context, stack)
+    context.SetAccuracy(1e-8)
+    plant_context = system.plant.GetMyContextFromRoot(context)
+
+    def momentum():
+        total = system.plant.CalcSpatialMomentumInWorldAboutPoint(
+            plant_context, np.zeros(3)
+        )
+        return np.append(total.translational(), total.rotational())
+
+    before = momentum()
+    simulator = Simulator(system, context)
+    simulator.get_mutable_integrator().set_target_accuracy(1e-8)
+    simulator.AdvanceTo(stack.duration)
+    assert momentum() == pytest.approx(before, abs=1e-6)  # as for two bodies
+    speed = Simulation(stack).run().motion.relative_velocity[-1, 0]
+    assert speed > 0.1  # the top has left
