@@ -11,7 +11,7 @@ from drakesep.systems.geometry import mated_orientation, pad_on_B
 from drakesep.systems.laws import BodyState, JointDeviation
 from drakesep.systems.model import Separation
 from drakesep.systems.state_layout import StateLayout
-from drakesep.systems.vectors import Vector
+from drakesep.systems.vectors import Quaternion, Vector
 from drakesep.systems.wrenches import WrenchSum
 
 
@@ -25,9 +25,9 @@ class _Joint(NamedTuple):
     a: int
     b: int
     gains: Sequence[float]
-    p_AoPad_A: Sequence[float]
-    p_BoPad_B: Sequence[float]
-    q_AB: Sequence[float]
+    p_AoPad_A: Vector
+    p_BoPad_B: Vector
+    q_AB: Quaternion
 
     def deviation(self, A: BodyState, B: BodyState) -> tuple[JointDeviation, Vector]:
         return laws.joint_deviation(

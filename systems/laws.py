@@ -8,7 +8,10 @@ Separation Analysis". SI units and radians throughout.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from drakesep.systems.vectors import (
     Ops,
@@ -30,6 +33,10 @@ from drakesep.systems.vectors import (
     subtract,
     unrotate,
 )
+
+
+State: TypeAlias = Sequence[Scalar] | NDArray[np.float64]
+"""State of a plant: (n,) scalars, or rows of lanes."""
 
 
 class BodyState(NamedTuple):
@@ -56,7 +63,7 @@ class Wrench(NamedTuple):
     """Force, N."""
 
 
-def body_state(x: Sequence[Scalar], q: int, v: int) -> BodyState:
+def body_state(x: State, q: int, v: int) -> BodyState:
     """Read a floating body from a plant's state.
 
     Args:

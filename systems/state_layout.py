@@ -1,11 +1,11 @@
 """Where the motion of each body stands in the state of its plant."""
 
-from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterable
+from typing import NamedTuple
 
 from pydrake.multibody.plant import MultibodyPlant
 
-from drakesep.systems.laws import BodyState, body_state
+from drakesep.systems.laws import BodyState, State, body_state
 
 
 class StateLayout(NamedTuple):
@@ -16,7 +16,7 @@ class StateLayout(NamedTuple):
     starts: tuple[tuple[int, int], ...]
     """Begin of each body's position and of its velocity."""
 
-    def read(self, x: Sequence[Any]) -> list[BodyState]:
+    def read(self, x: State) -> list[BodyState]:
         """Return the state of each body.
 
         Args:
@@ -24,7 +24,7 @@ class StateLayout(NamedTuple):
         """
         return [body_state(x, q, v) for q, v in self.starts]
 
-    def read_one(self, x: Sequence[Any], index: int) -> BodyState:
+    def read_one(self, x: State, index: int) -> BodyState:
         """Return the state of one body."""
         return body_state(x, *self.starts[index])
 
