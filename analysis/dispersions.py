@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drakesep.systems.checks import check_finite, check_positive, unknown
+from drakesep.systems.checks import InputError, check_finite, check_positive, unknown
 from drakesep.systems.model import Separation
 from drakesep.systems.parameters import parameters, with_values
 
@@ -64,7 +64,7 @@ class Box:
         dispersions = []
         for name, tolerance in tolerances.items():
             if name not in nominal:
-                raise ValueError(unknown("parameter", name, nominal))
+                raise InputError(unknown("parameter", name, nominal))
             dispersion = Dispersion(
                 name=name, nominal=nominal[name], tolerance=tolerance
             )
@@ -98,7 +98,7 @@ class Box:
         """
         for name in values:
             if name not in self.names:
-                raise ValueError(unknown("dispersed parameter", name, self.names))
+                raise InputError(unknown("dispersed parameter", name, self.names))
         point = [values.get(d.name, d.nominal) for d in self.dispersions]
         u: Array = (np.array(point) - self.nominal) / self.tolerance
         return u
@@ -108,7 +108,7 @@ def _check_reach(separation: Separation, name: str, bound: float) -> None:
     try:
         with_values(separation, {name: bound})
     except ValueError as error:
-        raise ValueError(
+        raise InputError(
             f"{name}: tolerance must keep to physical values, got {bound:g} "
             f"at its bound ({error})"
         ) from error

@@ -1,13 +1,17 @@
 """Many runs of one separation, over worker processes."""
 
+import contextlib
 import os
-from collections.abc import Mapping, Sequence
+import signal
+import threading
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from types import TracebackType
 from typing import Self
 
 from loky import ProcessPoolExecutor
 
+from drakesep.systems.checks import InputError
 from drakesep.systems.model import Separation
 from drakesep.systems.run import Run
 from drakesep.systems.settings import Integration
@@ -40,7 +44,7 @@ class Fleet:
         """
         workers = os.cpu_count() or 1 if workers is None else workers
         if workers < 1:
-            raise ValueError(f"workers must be >= 1, got {workers}")
+            raise InputError(f"workers must be >= 1, got {workers}")
         self._simulation = Simulation(separation, integration)
         self._pool = None
         if workers > 1:
@@ -49,9 +53,10 @@ class Fleet:
                 initializer=_prepare,
                 initargs=(separation, integration),
             )
-            self._warm_up: list[Future[None]] = [
-                self._pool.submit(_nothing) for _ in range(workers)
-            ]
+            with _interrupts_ignored():  # by the workers, which inherit it
+                self._warm_up: list[Future[None]] = [
+                    self._pool.submit(_nothing) for _ in range(workers)
+                ]
 
     def fly(self, variations: Sequence[Mapping[str, float]]) -> list[Run]:
         """Fly each variation.
@@ -67,7 +72,9 @@ class Fleet:
         """
         if self._pool is None or len(variations) == 1:
             return [self._simulation.run(values) for values in variations]
-        return list(self._pool.map(_fly, [dict(values) for values in variations]))
+        # Not with map(): interrupted, it cancels what the workers are about to return.
+        futures = [self._pool.submit(_fly, dict(values)) for values in variations]
+        return [future.result() for future in futures]
 
     def __enter__(self) -> Self:
         return self
@@ -80,6 +87,19 @@ class Fleet:
     ) -> None:
         if self._pool is not None:
             self._pool.shutdown(wait=True, kill_workers=error is not None)
+
+
+@contextlib.contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    # Only the main thread may set handlers, and only it is interrupted.
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
 
 
 _simulation: Simulation | None = None

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from drakesep.analysis.metrics import ANGLES
-from drakesep.systems.checks import check_finite
+from drakesep.systems.checks import InputError, check_finite
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,7 +27,7 @@ class Requirement:
         """Check the values."""
         check_finite(f"{self.metric}: limit", self.limit)
         if self.sense not in ("<=", ">="):
-            raise ValueError(
+            raise InputError(
                 f"{self.metric}: sense must be '<=' or '>=', got {self.sense!r}"
             )
 

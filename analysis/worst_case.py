@@ -16,6 +16,7 @@ from scipy.optimize import Bounds, minimize
 from drakesep.analysis.dispersions import Array, Box
 from drakesep.analysis.objectives import Objective
 from drakesep.analysis.physical_set import PhysicalSet
+from drakesep.systems.checks import InputError
 from drakesep.systems.run import Run, RunStatus
 
 
@@ -41,6 +42,7 @@ class SearchStatus(enum.Enum):
     """How a search ended; the value says it in words."""
 
     CONVERGED = "converged"
+    STALLED = "stopped without further ascent"
     ITERATION_LIMIT = "stopped at the iteration limit"
     FAILED = "failed"
 
@@ -78,8 +80,8 @@ def find_worst_case(
     fly: Fly,
     *,
     start: Array | None = None,
-    step: float = 1e-2,
-    tolerance: float = 1e-5,
+    step: float = 1e-3,
+    tolerance: float = 1e-6,
     max_iterations: int = 50,
     on_iteration: Callable[[Iteration], None] | None = None,
 ) -> WorstCase:
@@ -95,10 +97,10 @@ def find_worst_case(
         physical: the physical part of the box.
         fly: flies variations.
         start: (n,) scaled start; the nominal if None.
-        step: of the finite differences, scaled. Objectives are nearly linear over
-            a tolerance, and carry the integration's error of about 1e-7.
+        step: of the finite differences, scaled. Large against the integration's
+            error, 1e-8 of an objective; small against its curvature.
         tolerance: change of the objective at which the search ends, as a part of
-            its value at the start.
+            its value at the start, or of what the first step promises.
         max_iterations: at which the search gives up.
         on_iteration: called with every iterate.
 
@@ -109,11 +111,11 @@ def find_worst_case(
     search = _Search(objective, box, physical, fly, step, on_iteration)
     u0 = np.zeros(len(box)) if start is None else np.asarray(start, dtype=float)
     if not (np.abs(u0) <= 1.0).all() or not physical.contains(u0):
-        raise ValueError("start must be in the box and physical")
+        raise InputError("start must be in the box and physical")
     search.begin(u0)
     try:
         scale = search.scale(u0)
-        ftol = tolerance * abs(search.value(u0)) / scale
+        ftol = tolerance * max(1.0, abs(search.value(u0)) / scale)
         result = minimize(
             lambda u: -search.value(u) / scale,
             u0,
@@ -124,9 +126,7 @@ def find_worst_case(
             callback=search.log,
             options={"ftol": ftol, "maxiter": max_iterations},
         )
-        status = {0: SearchStatus.CONVERGED, 9: SearchStatus.ITERATION_LIMIT}.get(
-            result.status, SearchStatus.FAILED
-        )
+        status = _STATUS.get(result.status, SearchStatus.FAILED)
         return search.end(status, result.message)
     except _RunFailedError as error:
         return search.end(SearchStatus.FAILED, str(error))
@@ -145,6 +145,12 @@ def _constraints(physical: PhysicalSet, u: Array) -> list[dict[str, Any]]:
 
 
 _FIRST_SLOPE = 3.0
+_SMALLEST_PROBE = 1e-2
+_STATUS = {
+    0: SearchStatus.CONVERGED,
+    8: SearchStatus.STALLED,  # the line search finds no ascent beyond the noise
+    9: SearchStatus.ITERATION_LIMIT,
+}
 
 
 class _RunFailedError(Exception):
@@ -214,23 +220,24 @@ class _Search:
         """Return (n,) one-sided differences, each taken into the physical box."""
         value = self.value(u)
         point = self._flyable(u)
-        probes = []
-        for i in range(len(point)):
-            sides = [point.copy(), point.copy()]
-            sides[0][i] += self._step
-            sides[1][i] -= self._step
-            inside = [
-                side
-                for side in sides
-                if abs(side[i]) <= 1.0 and self._physical.contains(side)
-            ]
-            probes.append(inside[0] if inside else self._flyable(sides[1]))
+        probes = [self._probe(point, i) for i in range(len(point))]
         results = self._evaluate(probes)
         steps = np.diagonal(np.array(probes) - point)
         rises = np.array([probe_value - value for probe_value, _ in results])
         slopes = np.zeros(len(point))
         np.divide(rises, steps, out=slopes, where=steps != 0.0)
         return slopes
+
+    def _probe(self, point: Array, i: int) -> Array:
+        step = self._step
+        while step > _SMALLEST_PROBE * self._step:
+            for side in (step, -step):
+                probe = point.copy()
+                probe[i] += side
+                if abs(probe[i]) <= 1.0 and self._physical.contains(probe):
+                    return probe
+            step *= 0.5  # near the edge of the physical inertias
+        return point  # no room at all: the slope is taken as zero
 
     def scale(self, u: Array) -> float:
         """Return what to divide the objective by.

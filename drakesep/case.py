@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     Strict,
@@ -17,7 +18,7 @@ from pydantic import (
 from drakesep.analysis.dispersions import Box
 from drakesep.analysis.metrics import ANGLES, AXES
 from drakesep.analysis.requirements import Requirement
-from drakesep.systems.checks import unknown
+from drakesep.systems.checks import InputError, check_finite, unknown
 from drakesep.systems.model import (
     EARTH_RADIUS,
     Attachment,
@@ -29,17 +30,40 @@ from drakesep.systems.model import (
     Spring,
     Vector3,
 )
-from drakesep.systems.parameters import parameters
+from drakesep.systems.parameters import parameters, with_values
 from drakesep.systems.settings import Integration
 from drakesep.units import unit_of, with_unit
 
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
-Vector = Annotated[tuple[float, float, float], Strict(False)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")]
 
 
-class CaseError(ValueError):
+def _check_vector(value: Any) -> Any:
+    if not isinstance(value, list | tuple) or len(value) != 3:
+        raise ValueError(f"must be 3 numbers, got {value!r}")
+    return value
+
+
+def _as_limits(value: Any) -> Any:
+    return value if value is None or isinstance(value, list | tuple) else (value,)
+
+
+def _check_mark(value: Any) -> Any:
+    if value not in ("M", "m") and not isinstance(value, int | float):
+        raise ValueError(f"must be M, m or a number, got {value!r}")
+    return value
+
+
+Mark = Annotated[str | float, BeforeValidator(_check_mark)]
+Vector = Annotated[
+    tuple[float, float, float], Strict(False), BeforeValidator(_check_vector)
+]
+Limits = Annotated[tuple[float, ...], Strict(False), BeforeValidator(_as_limits)]
+
+
+class CaseError(InputError):
     """A case cannot be read; the message names the key, what was wanted and got."""
 
 
@@ -106,7 +130,7 @@ class JointSection(_Section):
 class SpringSection(_Section):
     """A separation spring."""
 
-    name: str
+    name: Name
     force_max_N: Positive
     stroke_mm: Positive
     design_mass_kg: Positive
@@ -144,29 +168,35 @@ class RequirementSection(_Section):
         "deviation_at_separation_deg",
         "longitudinal_speed_after_separation_m_s",
     ]
-    at_most: float | Vector | None = None
-    at_least: float | Vector | None = None
+    at_most: Limits | None = None
+    at_least: Limits | None = None
 
     @model_validator(mode="after")
     def _check_limits(self) -> Self:
         if (self.at_most is None) == (self.at_least is None):
-            raise ValueError("must have either 'at_most' or 'at_least'")
+            got = "none" if self.at_most is None else "both"
+            raise ValueError(f"must have one of 'at_most' and 'at_least', got {got}")
         axes = len(_requirement_axes(self.quantity))
-        limits = self.at_least if self.at_most is None else self.at_most
-        if axes != (len(limits) if isinstance(limits, tuple) else 1):
-            raise ValueError(f"limit must have {axes} values, got {limits}")
+        if len(self._limits) != axes:
+            raise ValueError(
+                f"must have {axes} limits, got {', '.join(map(str, self._limits))}"
+            )
         return self
+
+    @property
+    def _limits(self) -> tuple[float, ...]:
+        limits = self.at_least if self.at_most is None else self.at_most
+        assert limits is not None  # _check_limits
+        return limits
 
     def requirements(self) -> list[Requirement]:
         """Return the requirements in SI, one for each axis."""
         sense: Literal["<=", ">="] = "<=" if self.at_least is None else ">="
-        limits = self.at_most if self.at_least is None else self.at_least
-        values = limits if isinstance(limits, tuple) else (limits,)
-        axes = _requirement_axes(self.quantity)
         stem = _requirement_stem(self.quantity)
         requirements = []
-        for axis, value in zip(axes, values, strict=True):
-            assert value is not None  # _check_limits
+        for axis, value in zip(
+            _requirement_axes(self.quantity), self._limits, strict=True
+        ):
             metric = f"{stem}_{axis}" if axis else stem
             requirements.append(
                 Requirement(
@@ -180,7 +210,7 @@ class RunSection(_Section):
     """Length of the run, and how it is integrated."""
 
     duration_s: Positive
-    integrator: str = Integration().scheme
+    integrator: Literal["runge_kutta3", "bogacki_shampine3", "radau3"] = "runge_kutta3"
     accuracy: Positive = Integration().accuracy
     max_step_s: Positive = Integration().max_step
 
@@ -197,20 +227,20 @@ class PrintedSection(_Section):
 class PublishedSection(_Section):
     """A published worst case: M and m for the bounds of a tolerance, or a value."""
 
-    label: str
-    objectives: list[str]
-    values: dict[str, Literal["M", "m"] | float]
+    label: Name
+    objectives: list[Literal["L1", "L2", "Linf", "PM"]]
+    values: dict[str, Mark]
     printed: PrintedSection
 
 
 class Case(_Section):
     """A separation with its tolerances and requirements, as a case file holds it."""
 
-    name: str
+    name: Name
     description: str = ""
     pair: PairSection
-    bodies: dict[str, BodySection] = Field(min_length=2)
-    attachments: dict[str, AttachmentSection] = Field(min_length=1)
+    bodies: dict[Name, BodySection] = Field(min_length=2)
+    attachments: dict[Name, AttachmentSection] = Field(min_length=1)
     orbit: OrbitSection | None = None
     before_separation: BeforeSeparationSection = BeforeSeparationSection()
     dispersions: dict[str, Positive] = {}
@@ -221,10 +251,46 @@ class Case(_Section):
 
     @model_validator(mode="after")
     def _check_meaning(self) -> Self:
-        _ = self.separation, self.integration, self.box, self.limits
-        for published in self.published:
-            self.published_values(published)
+        _ = self.separation, self.integration
+        self._check_dispersions()
+        self._check_requirements()
+        self._check_published()
         return self
+
+    def _check_dispersions(self) -> None:
+        for key, tolerance in self.dispersions.items():
+            try:
+                Box.around(self.separation, self.values_in_si({key: tolerance}))
+            except InputError as error:
+                bound = f"{key} ± {tolerance:g}: " if error.__cause__ else ""
+                raise CaseError(
+                    f"dispersions: {bound}{error.__cause__ or error}"
+                ) from error
+
+    def _check_requirements(self) -> None:
+        quantities = [section.quantity for section in self.requirements]
+        for quantity in quantities:
+            if quantities.count(quantity) > 1:
+                raise CaseError(f"requirements: {quantity} must stand once")
+        for limit in self.limits:
+            if limit.sense == "<=" and limit.limit < 0.0:
+                raise CaseError(
+                    f"requirements: {with_unit(limit.metric)}: at_most must be >= 0, "
+                    f"got {unit_of(limit.metric).from_si(limit.limit):g}"
+                )
+
+    def _check_published(self) -> None:
+        labels = [published.label for published in self.published]
+        for published in self.published:
+            label = published.label
+            if labels.count(label) > 1:
+                raise CaseError(f"published: label {label!r} must stand once")
+            if label == "nominal" or label.startswith("worst_"):
+                raise CaseError(f"published: label {label!r} is taken by our own runs")
+            try:
+                with_values(self.separation, self.published_values(published))
+            except InputError as error:
+                raise CaseError(f"published: {label}: {error}") from error
 
     @property
     def separation(self) -> Separation:
@@ -279,6 +345,7 @@ class Case(_Section):
         for name, value in values.items():
             if name not in names:
                 raise CaseError(unknown("parameter", name, names))
+            check_finite(name, value)
             in_si[names[name]] = unit_of(names[name]).to_si(value)
         return in_si
 

@@ -66,7 +66,7 @@ def _shown(value: Any) -> str:
 
 def _explain(error: dict[str, Any]) -> str:
     place = "".join(
-        f"[{part + 1}]" if isinstance(part, int) else f".{part}"
+        f" (entry {part + 1})" if isinstance(part, int) else f".{part}"
         for part in error["loc"]
     ).lstrip(".")
     context = error.get("ctx", {})
@@ -84,6 +84,10 @@ def _explain(error: dict[str, Any]) -> str:
             message = f"must be a number{got}"
         case "string_type":
             message = f"must be text{got}"
+        case "string_pattern_mismatch":
+            message = f"must be made of letters, digits, _ and -{got}"
+        case "model_type" | "dict_type":
+            message = f"must be a mapping of keys{got}"
         case "value_error":
             message = str(context["error"])
         case _:

@@ -1,12 +1,15 @@
 """The command line. Imports that take time wait until a command needs them."""
 
 import contextlib
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
+
+from drakesep.systems.checks import InputError
 
 
 if TYPE_CHECKING:
@@ -16,7 +19,6 @@ if TYPE_CHECKING:
 
 
 app = typer.Typer(
-    help="How badly can a launch vehicle separation go, and is that within limits?",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -28,14 +30,39 @@ CaseArgument = Annotated[
 OutputOption = Annotated[
     Path | None,
     typer.Option(
-        "--output", "-o", help="Folder for the results; results/CASE if not given."
+        "--output",
+        "-o",
+        help="Folder for the results; results/CASE/COMMAND if not given.",
     ),
 ]
 WorkersOption = Annotated[
     int | None, typer.Option(min=1, help="Processes; one per core if not given.")
 ]
 
-FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+FAILED, BAD_INPUT, INTERRUPTED, TERMINATED = 1, 2, 130, 143
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"drakesep {version('drakesep')}, Drake {version('drake')}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version",
+            callback=_print_version,
+            is_eager=True,
+            help="Tell the versions of drakesep and Drake.",
+        ),
+    ] = False,
+) -> None:
+    """How badly can a launch vehicle separation go, and is that within limits?"""
 
 
 @app.command()
@@ -61,25 +88,30 @@ def simulate(
     case: CaseArgument,
     changes: Annotated[
         list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUE", help="Change a parameter."),
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="Change a parameter; can be repeated. `show` lists the names.",
+        ),
     ] = None,
     output: OutputOption = None,
 ) -> None:
     """Fly a case once: motion.csv, summary.csv and figures."""
-    values = dict(map(_parse_change, changes or []))
+    values = _parse_changes(changes or [])
     from drakesep import studies, tables
     from drakesep.case_file import load_case
     from drakesep.console import print_frame
 
     console = _console()
     loaded = load_case(case)
-    folder = studies.writable_folder(output or Path("results") / loaded.name)
-    result = studies.simulate(loaded, values)
-    result.save(folder)
+    folder = _folder(output, loaded.name, "simulate")
+    with console.status("flying"):
+        result = studies.simulate(loaded, values)
+        result.save(folder)
     if not result.completed:
         _fail(FAILED, result.flight.status)
     print_frame(console, "Figures of the run", tables.figures_table(result.flight))
-    console.print(f"Tables and figures are in {folder}")
+    console.print(f"Tables and figures are in {folder}", markup=False)
 
 
 @app.command("worst-case")
@@ -97,16 +129,18 @@ def worst_case(
     """Find the worst cases: worst_cases.csv, history.csv and figures."""
     from drakesep import studies
     from drakesep.case_file import load_case
+    from drakesep.console import print_frame
 
     console = _console()
     loaded = load_case(case)
-    folder = studies.writable_folder(output or Path("results") / loaded.name)
+    folder = _folder(output, loaded.name, "worst-case")
     with _progress(console, folder) as on_progress:
         study = studies.worst_case(
             loaded, objectives, output=folder, workers=workers, on_progress=on_progress
         )
-    _print_worst_cases(console, study)
-    console.print(f"Tables and figures are in {folder}")
+    print_frame(console, "Worst cases", study.comparison)
+    _print_table_4(console, study)
+    console.print(f"Tables and figures are in {folder}", markup=False)
     if not study.completed:
         _fail(FAILED, "a run or a search failed; see worst_cases.csv")
 
@@ -127,31 +161,38 @@ def verify(
 
     console = _console()
     loaded = load_case(case)
-    folder = studies.writable_folder(output or Path("results") / loaded.name)
+    folder = _folder(output, loaded.name, "verify")
     with _progress(console, folder) as on_progress:
         study = studies.verify(
             loaded, output=folder, workers=workers, on_progress=on_progress
         )
-    _print_worst_cases(console, study)
+    print_frame(console, "Worst cases", study.comparison)
     print_frame(console, "Requirements", study.requirements)
-    console.print(f"Tables and figures are in {folder}")
+    _print_table_4(console, study)
+    console.print(f"Tables and figures are in {folder}", markup=False)
     if not study.completed:
         _fail(FAILED, "a run or a search failed; see worst_cases.csv")
     if not study.passed:
         console.print("[bold red]Not every requirement is met.[/]")
         raise typer.Exit(FAILED)
-    console.print("[bold green]Every requirement is met.[/]")
+    console.print(
+        f"[bold green]Every requirement is met[/] in the {len(study.flights)} runs "
+        "above. The searches maximise the paper's objectives, not each requirement."
+    )
 
 
-def _print_worst_cases(console: "Console", study: "WorstCases") -> None:
+def _print_table_4(console: "Console", study: "WorstCases") -> None:
     from drakesep.console import print_frame
 
-    print_frame(console, "Worst cases", study.comparison)
     print_frame(
         console,
-        "In the form of the paper's Table 4 (its printed values in parentheses)",
+        "Runs after Table 4 of the paper: M maximum, m minimum, Nom nominal; "
+        "published values in parentheses",
         study.table_4,
     )
+    for flight in study.flights:
+        if flight.status not in ("completed", "converged"):
+            console.print(f"{flight.label}: {flight.status}", markup=False)
 
 
 @contextlib.contextmanager
@@ -174,14 +215,17 @@ def _progress(
     def show_progress(progress: "Progress") -> None:
         name = f"G_{progress.objective}"
         unit = unit_of(name)
-        bar.update(
-            task,
-            total=progress.searches,
-            completed=progress.done,
-            description=f"{name}: iteration {progress.iteration.number}, "
+        state = (
+            f"{name} ({progress.done + 1} of {progress.searches}): "
+            f"iteration {progress.iteration.number}, "
             f"{unit.from_si(progress.iteration.value):.5g} {unit.symbol}, "
-            f"{progress.iteration.evaluations} runs",
+            f"{progress.iteration.evaluations} runs"
         )
+        bar.update(
+            task, total=progress.searches, completed=progress.done, description=state
+        )
+        if not console.is_terminal:
+            print(state, file=sys.stderr)
 
     try:
         with bar:
@@ -190,20 +234,36 @@ def _progress(
         _fail(INTERRUPTED, f"interrupted; what was done is in {folder}")
 
 
-def _parse_change(text: str) -> tuple[str, float]:
-    name, equals, value = text.partition("=")
-    if not equals:
-        raise ValueError(f"--set: must be NAME=VALUE, got {text!r}")
-    try:
-        return name.strip(), float(value)
-    except ValueError:
-        raise ValueError(f"--set {name}: must be a number, got {value!r}") from None
+def _parse_changes(texts: list[str]) -> dict[str, float]:
+    values: dict[str, float] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals:
+            raise InputError(f"--set: must be NAME=VALUE, got {text!r}")
+        if name in values:
+            raise InputError(f"--set {name}: must stand once, got it twice")
+        try:
+            values[name] = float(value)
+        except ValueError:
+            raise InputError(f"--set {name}: must be a number, got {value!r}") from None
+    return values
 
 
 def _console() -> "Console":
+    import os
+
     from rich.console import Console
 
-    return Console()
+    console = Console()
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        console = Console(width=200)  # a file has no edge
+    return console
+
+
+def _folder(output: Path | None, case: str, command: str) -> Path:
+    from drakesep.studies import writable_folder
+
+    return writable_folder(output or Path("results") / case / command)
 
 
 def _fail(code: int, message: str) -> NoReturn:
@@ -214,10 +274,19 @@ def _fail(code: int, message: str) -> NoReturn:
 
 def main() -> None:
     """Run the command line; bad input ends in one line for each error."""
+    # So that leaving ends the workers, as it does for an interrupt.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))
     try:
         app()
-    except (ValueError, RuntimeError) as error:
-        bad_input = isinstance(error, ValueError)
-        for line in str(error).splitlines():
-            print(f"drakesep: {line}", file=sys.stderr)
-        sys.exit(BAD_INPUT if bad_input else FAILED)
+    except InputError as error:
+        _exit(BAD_INPUT, str(error))
+    except OSError as error:
+        _exit(BAD_INPUT, f"{error.filename}: {error.strerror}")
+    except RuntimeError as error:
+        _exit(FAILED, str(error))
+
+
+def _exit(code: int, message: str) -> NoReturn:
+    for line in message.splitlines():
+        print(f"drakesep: {line}", file=sys.stderr)
+    sys.exit(code)

@@ -1,59 +1,81 @@
 """What the command line prints: tables, verdicts."""
 
+import math
 from collections.abc import Iterable
+from typing import Any
 
 import pandas as pd
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from drakesep.case import Case
+from drakesep.systems.parameters import parameters
 from drakesep.units import unit_of, with_unit
+
+
+_FIRST_WIDTH, _OTHER_WIDTH = 32, 14
+"""Of the columns of a table, about."""
 
 
 def print_frame(
     console: Console, title: str, frame: pd.DataFrame, digits: int = 5
 ) -> None:
     """Print a table; numbers to so many significant digits."""
+    # A wide table goes out in parts, each with the first column.
+    others = max(1, (console.width - _FIRST_WIDTH) // _OTHER_WIDTH)
+    columns = list(frame.columns)
+    if len(columns) * _OTHER_WIDTH + _FIRST_WIDTH <= console.width:
+        others = len(columns)
+    for start in range(1, len(columns), others):
+        part = frame[[columns[0], *columns[start : start + others]]]
+        console.print(_table(escape(title) if start == 1 else "", part, digits))
+
+
+def _table(title: str, frame: pd.DataFrame, digits: int) -> Table:
     table = Table(title=title, title_justify="left", title_style="bold")
     for name in frame.columns:
         number = pd.api.types.is_numeric_dtype(frame[name])
-        table.add_column(str(name), justify="right" if number else "left")
+        table.add_column(
+            escape(str(name)), justify="right" if number else "left", overflow="fold"
+        )
     for row in frame.itertuples(index=False):
         table.add_row(*(_cell(value, digits) for value in row))
-    console.print(table)
+    return table
 
 
-def _cell(value: object, digits: int) -> str:
-    if value is None or value is pd.NA:
+def _cell(value: Any, digits: int) -> str:
+    if pd.isna(value):
         return ""
     if isinstance(value, float):
         return f"{value:.{digits}g}"
     styles = {"met": "[green]met[/]", "not met": "[bold red]not met[/]"}
-    return styles.get(str(value), str(value))
+    return styles.get(str(value), escape(str(value)))
 
 
 def print_cases(console: Console, cases: Iterable[Case]) -> None:
     """Print the names and descriptions of cases."""
     table = Table("case", "description")
     for case in cases:
-        table.add_row(case.name, case.description)
+        table.add_row(case.name, escape(case.description))
     console.print(table)
 
 
 def print_case(console: Console, case: Case) -> None:
     """Print a case: bodies, attachments, dispersions, requirements."""
-    console.print(f"[bold]{case.name}[/]: {case.description}")
+    console.print(f"{case.name}: {case.description}", markup=False)
     before = case.before_separation
     orbit = f"circular, {case.orbit.altitude_km:g} km" if case.orbit else "none"
     console.print(
         f"{case.pair.B} leaves {case.pair.A}; orbit: {orbit}; before separation: "
         f"attitude {list(before.attitude_deg)} deg, rate {list(before.rate_deg_s)} "
         f"deg/s; run: {case.run.duration_s:g} s with {case.run.integrator} at accuracy "
-        f"{case.run.accuracy:g}"
+        f"{case.run.accuracy:g}",
+        markup=False,
     )
     print_frame(console, "Bodies", _bodies(case))
     print_frame(console, "Attachments", _attachments(case))
-    print_frame(console, "Dispersions", _dispersions(case))
+    print_frame(console, "Parameters", _parameters(case))
     print_frame(console, "Requirements", _requirements(case))
 
 
@@ -94,14 +116,15 @@ def _attachments(case: Case) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _dispersions(case: Case) -> pd.DataFrame:
+def _parameters(case: Case) -> pd.DataFrame:
+    tolerances = {d.name: d.tolerance for d in case.box.dispersions}
     return pd.DataFrame(
         {
-            "parameter": with_unit(d.name),
-            "nominal": unit_of(d.name).from_si(d.nominal),
-            "tolerance ±": unit_of(d.name).from_si(d.tolerance),
+            "parameter": with_unit(name),
+            "value": unit_of(name).from_si(value),
+            "tolerance ±": unit_of(name).from_si(tolerances.get(name, math.nan)),
         }
-        for d in case.box.dispersions
+        for name, value in parameters(case.separation).items()
     )
 
 

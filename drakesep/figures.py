@@ -39,9 +39,10 @@ _ROTATION = (
 )
 
 # Okabe and Ito's colours, told apart by the colour-blind; dashes tell apart curves
-# that coincide.
+# that coincide. Published runs stay in the background.
 _COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
 _DASHES = ((0, ()), (0, (6, 2)), (0, (2, 2)), (0, (6, 2, 1, 2)), (0, (1, 1)))
+_PUBLISHED = ("#757575", "#A6A6A6", "#CCCCCC")
 _LIMIT = "#B00020"
 
 
@@ -89,11 +90,9 @@ def _figure(
     handles, labels = panels[0][0].get_legend_handles_labels()
     limited = [a for a in panels.flat if a.get_gid() == "limited"]
     if limited:
-        handles.append(limited[0].lines[-1])
+        handles.append(limited[0].get_lines()[-1])
         labels.append("limit")
-    figure.legend(
-        handles, labels, loc="outside lower center", ncols=len(labels), frameon=False
-    )
+    figure.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False)
     separation = flights[0].run.separation
     figure.suptitle(title.format(A=separation.A, B=separation.B).replace("_", " "))
     return figure
@@ -101,16 +100,26 @@ def _figure(
 
 def _draw(axes: Axes, row: _Row, i: int, flights: Sequence[Flight]) -> None:
     unit = unit_of(f"{row.quantity}_{row.axes[i]}")
-    for k, flight in enumerate(flights):
+    counts = {True: 0, False: 0}
+    for flight in flights:
+        published = flight.published is not None
+        colours = _PUBLISHED if published else _COLOURS
+        k = counts[published]
+        counts[published] += 1
         motion = flight.run.completed_motion
         axes.plot(
             motion.time,
             getattr(motion, row.quantity)[:, i] * unit.per_si,
-            color=_COLOURS[k % len(_COLOURS)],
-            linestyle=_DASHES[k % len(_DASHES)],
-            linewidth=1.6,
+            color=colours[k % len(colours)],
+            linestyle="-" if published else _DASHES[k % len(_DASHES)],
+            linewidth=2.4 if published else 1.5,
+            zorder=1 if published else 2,
             label=flight.label,
         )
+    end = flights[0].run.separation_end
+    axes.axvline(
+        end, color="#555555", linestyle=":", linewidth=1.0, label="end of push"
+    )
     axes.set_ylabel(unit.symbol)
     axes.set_xlim(motion.time[0], motion.time[-1])
     axes.grid(alpha=0.3)
@@ -118,7 +127,7 @@ def _draw(axes: Axes, row: _Row, i: int, flights: Sequence[Flight]) -> None:
 
 def _draw_limit(axes: Axes, requirement: Requirement) -> None:
     limit = unit_of(requirement.metric).from_si(requirement.limit)
-    data = np.concatenate([np.asarray(line.get_ydata()) for line in axes.lines])
+    data = np.concatenate([np.asarray(line.get_ydata()) for line in axes.lines[:-1]])
     sides = [limit]
     if requirement.sense == "<=" and data.min() < -0.2 * limit:
         sides.append(-limit)

@@ -16,7 +16,7 @@ from drakesep.analysis.requirements import Finding, assess, deviation_limits
 from drakesep.analysis.worst_case import Iteration, find_worst_case
 from drakesep.case import Case
 from drakesep.case_file import load_case
-from drakesep.systems.checks import unknown
+from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.run import Run
 from drakesep.systems.simulation import Simulation
 from drakesep.tables import Flight
@@ -45,11 +45,14 @@ class Simulated:
 
     case: Case
     flight: Flight
+    values: Mapping[str, float]
+    """What was changed, by parameter name with unit."""
 
     @functools.cached_property
     def summary(self) -> pd.DataFrame:
-        """One row: parameters, figures and status, as in `WorstCases.table`."""
-        return tables.flights_table([self.flight], self.case.box.names)
+        """One row, as in `WorstCases.table`, with what was changed."""
+        names = (*self.case.box.names, *self.case.values_in_si(self.values))
+        return tables.flights_table([self.flight], list(dict.fromkeys(names)))
 
     @functools.cached_property
     def motion(self) -> pd.DataFrame:
@@ -119,16 +122,13 @@ class WorstCases:
         folder = writable_folder(directory)
         tables.write_csv(self.table, folder / "worst_cases.csv")
         tables.write_csv(self.history, folder / "history.csv")
-        tables.write_csv(self.comparison, folder / "comparison.csv")
+        if self.iterations:
+            tables.write_csv(self.comparison, folder / "comparison.csv")
 
     def save(self, directory: str | Path) -> None:
         """Write the tables and figures into a folder."""
         self.save_tables(directory)
-        shown = [
-            flight
-            for flight in self.flights
-            if flight.run.motion is not None and flight.published is None
-        ]
+        shown = [flight for flight in self.flights if flight.run.motion is not None]
         figures.save_figures(shown, self.case.limits, Path(directory))
 
 
@@ -175,11 +175,23 @@ def writable_folder(directory: str | Path) -> Path:
         probe.touch()
         probe.unlink()
     except OSError as error:
-        raise ValueError(
+        raise InputError(
             f"output: must be a folder that can be written, got {folder} "
             f"({error.strerror})"
         ) from error
     return folder
+
+
+_RESULTS = (
+    *("worst_cases.csv", "history.csv", "comparison.csv"),
+    *("requirements.csv", "table_4.csv", "translation.png", "rotation.png"),
+)
+
+
+def _clear(folder: Path) -> None:
+    # An interrupted study must not stand beside the verdict of an earlier one.
+    for name in _RESULTS:
+        (folder / name).unlink(missing_ok=True)
 
 
 def simulate(
@@ -198,7 +210,8 @@ def simulate(
     run = Simulation(case.separation, case.integration).run(
         case.values_in_si(values or {})
     )
-    return Simulated(case=case, flight=_flight("run" if values else NOMINAL, run, case))
+    label = "run" if values else NOMINAL
+    return Simulated(case=case, flight=_flight(label, run, case), values=values or {})
 
 
 def worst_case(
@@ -224,6 +237,8 @@ def worst_case(
         RuntimeError: the nominal run fails.
     """
     study = WorstCases(case=_as_case(case))
+    if not study.case.dispersions:
+        raise InputError("dispersions: a worst case needs some, got none")
     _search(study, objectives, output, workers, on_progress)
     if output is not None:
         study.save(output)
@@ -252,8 +267,10 @@ def verify(
     """
     study = Verification(case=_as_case(case))
     if not study.case.limits:
-        raise ValueError("requirements: a case to verify must have some, got none")
-    _search(study, None, output, workers, on_progress)
+        raise InputError("requirements: a case to verify must have some, got none")
+    # Without dispersions, the nominal and the published runs are all there is.
+    objectives: Sequence[str] | None = None if study.case.dispersions else []
+    _search(study, objectives, output, workers, on_progress)
     if output is not None:
         study.save(output)
     return study
@@ -278,17 +295,19 @@ def _search(
     workers: int | None,
     on_progress: Callable[[Progress], None] | None,
 ) -> None:
-    names = list(OBJECTIVES) if objectives is None else list(objectives)
+    if isinstance(objectives, str):
+        objectives = [objectives]
+    names = list(OBJECTIVES if objectives is None else dict.fromkeys(objectives))
     for name in names:
         if name not in OBJECTIVES:
-            raise ValueError(unknown("objective", name, OBJECTIVES))
-    if not len(study.case.box):
-        raise ValueError("dispersions: a worst case needs some, got none")
+            raise InputError(unknown("objective", name, OBJECTIVES))
     if output is not None:
-        writable_folder(output)
+        _clear(writable_folder(output))
 
     with Fleet(study.case.separation, study.case.integration, workers=workers) as fleet:
         _fly_references(study, fleet)
+        if output is not None:
+            study.save_tables(output)
         for done, name in enumerate(names):
             _find(study, name, fleet, done, len(names), output, on_progress)
 

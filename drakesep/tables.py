@@ -1,6 +1,7 @@
 """Tables of runs, as pandas frames whose columns carry their units."""
 
 import itertools
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -127,35 +128,46 @@ def history_table(
 def comparison_table(flights: Sequence[Flight]) -> pd.DataFrame:
     """Return, for each objective, the nominal, published and worst values.
 
-    ``increase_percent`` is how much the worst exceeds the published one, or the
-    nominal one where nothing is published.
+    The worst is that of all runs, whichever search found it. Increases are
+    percentages of the nominal and of the published magnitude.
     """
+    flown = [flight for flight in flights if flight.figures]
     rows = []
-    for flight in flights:
-        if flight.objective is None or not flight.figures:
-            continue
-        name = f"G_{flight.objective}"
+    for objective in [f.objective for f in flown if f.objective is not None]:
+        name = f"G_{objective}"
         unit = unit_of(name)
+        values = {flight.label: flight.figures[name] for flight in flown}
         published = [
-            other
-            for other in flights
-            if other.published and flight.objective in other.published.objectives
+            values[flight.label]
+            for flight in flown
+            if flight.published and objective in flight.published.objectives
         ]
-        nominal = flights[0].figures[name]
-        reference = published[0].figures[name] if published else nominal
+        label = max(values, key=lambda label: values[label])
+        nominal, worst = flown[0].figures[name], values[label]
+        reference = max(published, default=math.nan)
         rows.append(
             {
                 "objective": name,
                 "unit": unit.symbol,
                 "nominal": unit.from_si(nominal),
-                "published": unit.from_si(reference) if published else None,
-                "worst": unit.from_si(flight.figures[name]),
-                "increase_percent": 100.0
-                * (flight.figures[name] - reference)
-                / abs(reference),
+                "published": unit.from_si(reference),
+                "worst": unit.from_si(worst),
+                "which_run": label,
+                "above_nominal_percent": _increase(nominal, worst),
+                "above_published_percent": _increase(reference, worst),
             }
         )
     return pd.DataFrame(rows)
+
+
+_ROUND_OFF = 1e-12
+"""A reference below this part of a value is zero but for round-off."""
+
+
+def _increase(reference: float, value: float) -> float:
+    if abs(reference) <= _ROUND_OFF * abs(value):
+        return math.nan
+    return 100.0 * (value - reference) / abs(reference)
 
 
 def requirements_table(findings: Sequence[Finding]) -> pd.DataFrame:
@@ -241,15 +253,28 @@ def _conditions(flight: Flight) -> list[str]:
 
 
 def _groups(box: Box) -> dict[str, list[str]]:
-    def group(name: str) -> str:
+    def key(name: str) -> tuple[str, str]:
         element, _, quantity = name.rpartition(".")
         stem, axis = split_axis(quantity)
         if stem == "inertia":
-            stem = "inertia moments" if axis[0] == axis[1] else "inertia products"
-        kind = element.rstrip("0123456789").rstrip("_")
-        return f"{kind} {stem} ({unit_of(name).symbol})".replace("_", " ")
+            stem += " moments" if axis[0] == axis[1] else " products"
+        # Axes of one element stand together, and so do elements without axes.
+        return stem, element if axis else ""
 
-    return {key: list(names) for key, names in itertools.groupby(box.names, group)}
+    def label(stem: str, names: list[str]) -> str:
+        elements = list(dict.fromkeys(name.rpartition(".")[0] for name in names))
+        axes = [split_axis(name)[1] for name in names]
+        first, last = elements[0], elements[-1]
+        element = first if first == last else f"{first} ... {last}"
+        return " ".join(
+            filter(None, [element, stem, *axes, f"({unit_of(names[0]).symbol})"])
+        ).replace("_", " ")
+
+    groups = {}
+    for (stem, _), group in itertools.groupby(box.names, key):
+        names = list(group)
+        groups[label(stem, names)] = names
+    return groups
 
 
 def _marks(values: Mapping[str, float], box: Box) -> str:
@@ -261,7 +286,7 @@ def _marks(values: Mapping[str, float], box: Box) -> str:
         if abs(scaled - nearest) <= _MARK and abs(nearest) <= 1.0:
             marks.append({1.0: "M", -1.0: "m", 0.0: "Nom"}[float(nearest)])
         else:
-            marks.append(f"{unit_of(name).from_si(value):.4g}")
+            marks.append(f"{unit_of(name).from_si(value):.6g}")
     return " ".join(marks)
 
 

@@ -2,28 +2,42 @@
 
 import difflib
 import math
-from collections.abc import Iterable
+import numbers
+from collections.abc import Iterable, Sequence
+
+
+class InputError(ValueError):
+    """Input that makes no sense; the message names the field."""
 
 
 def check_finite(name: str, *values: float) -> None:
-    """Raise ValueError if a value is NaN or infinite."""
+    """Raise InputError if a value is no number, NaN or infinite."""
     for value in values:
+        if isinstance(value, bool) or not isinstance(value, numbers.Real):
+            raise InputError(f"{name} must be a number, got {value!r}")
         if not math.isfinite(value):
-            raise ValueError(f"{name} must be finite, got {value}")
+            raise InputError(f"{name} must be finite, got {value}")
 
 
 def check_positive(name: str, value: float) -> None:
-    """Raise ValueError if the value is not finite and above zero."""
+    """Raise InputError if the value is not finite and above zero."""
     check_finite(name, value)
     if value <= 0:
-        raise ValueError(f"{name} must be > 0, got {value}")
+        raise InputError(f"{name} must be > 0, got {value}")
 
 
 def check_not_negative(name: str, value: float) -> None:
-    """Raise ValueError if the value is not finite or is below zero."""
+    """Raise InputError if the value is not finite or is below zero."""
     check_finite(name, value)
     if value < 0:
-        raise ValueError(f"{name} must be >= 0, got {value}")
+        raise InputError(f"{name} must be >= 0, got {value}")
+
+
+def check_entries(name: str, entries: Sequence[float], count: int) -> None:
+    """Raise InputError unless there are so many finite entries."""
+    if len(entries) != count:
+        raise InputError(f"{name} must have {count} entries, got {len(entries)}")
+    check_finite(name, *entries)
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> str:

@@ -10,6 +10,8 @@ I and the triangle inequality of its principal moments (Wensing, Kim and Slotine
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drakesep.systems.checks import InputError
+
 
 # A flat body has Sigma's smallest eigenvalue at zero, up to round-off.
 _ROUND_OFF = 16 * np.finfo(float).eps
@@ -62,12 +64,12 @@ def check_inertia(name: str, I_BBcm_B: tuple[float, ...]) -> None:
         )
     )
     if moments[0] <= 0:
-        raise ValueError(
+        raise InputError(
             f"{name} must be positive definite; got {entries} kg m^2, whose "
             f"smallest principal moment is {moments[0]:g}"
         )
     if physical_margin(I_BBcm_B) < -_ROUND_OFF * moments[2]:
-        raise ValueError(
+        raise InputError(
             f"{name} must have principal moments that obey the triangle inequality; "
             f"got {entries} kg m^2, with principal moments "
             + ", ".join(f"{moment:g}" for moment in moments)

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from drakesep.systems.checks import (
-    check_finite,
+    InputError,
+    check_entries,
     check_not_negative,
     check_positive,
     unknown,
@@ -23,6 +24,10 @@ Vector3: TypeAlias = tuple[float, float, float]
 Inertia: TypeAlias = tuple[float, float, float, float, float, float]
 """Matrix entries xx, yy, zz, xy, xz, yz (I_xy = -integral of x y dm), kg m^2."""
 
+STACK = "before_separation"
+"""Stands before the parameters of the mated stack's motion."""
+RESERVED_NAMES = (STACK, "world")
+"""Names that no element can have; the second is Drake's."""
 EARTH_MU = 3.986004418e14
 """Gravitational parameter of the Earth, m^3/s^2 (WGS 84)."""
 EARTH_RADIUS = 6378137.0
@@ -53,10 +58,11 @@ class Body:
     def __post_init__(self) -> None:
         """Check the values."""
         check_positive(f"{self.name}: mass", self.mass)
-        check_finite(f"{self.name}: CG", *self.p_BoBcm_B)
-        check_finite(f"{self.name}: inertia", *self.I_BBcm_B)
+        check_entries(f"{self.name}: CG", self.p_BoBcm_B, 3)
+        check_entries(f"{self.name}: inertia", self.I_BBcm_B, 6)
         check_inertia(f"{self.name}: inertia", self.I_BBcm_B)
-        check_finite(f"{self.name}: mated place", *self.p_ABo, *self.rpy_AB)
+        check_entries(f"{self.name}: mated position", self.p_ABo, 3)
+        check_entries(f"{self.name}: mated attitude", self.rpy_AB, 3)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,10 +143,10 @@ class Attachment:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        check_finite(f"{self.name}: position", *self.p_AoPad_A)
-        check_finite(f"{self.name}: release time", self.release_time)
+        check_entries(f"{self.name}: position", self.p_AoPad_A, 3)
+        check_not_negative(f"{self.name}: release time", self.release_time)
         if self.A == self.B:
-            raise ValueError(
+            raise InputError(
                 f"{self.name}: must join two different bodies, got {self.A!r} twice"
             )
 
@@ -184,8 +190,8 @@ class InitialMotion:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        check_finite("initial attitude", *self.rpy_WA)
-        check_finite("initial rate", *self.w_WA_A)
+        check_entries("attitude before separation", self.rpy_WA, 3)
+        check_entries("rate before separation", self.w_WA_A, 3)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -193,9 +199,9 @@ class Separation:
     """Everything that decides how bodies leave each other.
 
     Raises:
-        ValueError: a name is used twice or names nothing, A is not at the origin
-            of the mated stack, or a release or a spring's push does not end before
-            the end of the run.
+        ValueError: a name is used twice or names nothing, a body is not attached, A
+            is not at the origin of the mated stack, or a release or a spring's push
+            does not end before the end of the run.
     """
 
     bodies: tuple[Body, ...]
@@ -215,20 +221,21 @@ class Separation:
         check_positive("duration", self.duration)
         self._check_names()
         self._check_bodies_named()
+        self._check_bodies_attached()
         base = self.body(self.A)
         if any((*base.p_ABo, *base.rpy_AB)):
-            raise ValueError(
+            raise InputError(
                 f"{base.name}: mated place must be zero, since the stack is placed in "
                 f"its frame; got position {base.p_ABo}, attitude {base.rpy_AB}"
             )
         for attachment in self.attachments:
             if attachment.release_time >= self.duration:
-                raise ValueError(
+                raise InputError(
                     f"{attachment.name}: release time must lie before the end of the "
                     f"run at {self.duration} s, got {attachment.release_time} s"
                 )
         if max(self.stroke_ends, default=0.0) >= self.duration:
-            raise ValueError(
+            raise InputError(
                 "duration must be longer than it takes the springs to reach their "
                 f"stroke, {max(self.stroke_ends):.4g} s, got {self.duration} s"
             )
@@ -237,12 +244,12 @@ class Separation:
         names = [body.name for body in self.bodies]
         names += [attachment.name for attachment in self.attachments]
         names += [spring.name for spring in self.springs]
-        counts = Counter([*names, "initial"])
+        counts = Counter([*names, *RESERVED_NAMES])
         for name, count in counts.items():
             if count > 1:
-                raise ValueError(
+                raise InputError(
                     f"names must differ, got {name!r} {count} times"
-                    + (" ('initial' is reserved)" if name == "initial" else "")
+                    + (" (it is reserved)" if name in RESERVED_NAMES else "")
                 )
 
     def _check_bodies_named(self) -> None:
@@ -250,14 +257,20 @@ class Separation:
         for attachment in self.attachments:
             for name in (attachment.A, attachment.B):
                 if name not in names:
-                    raise ValueError(
+                    raise InputError(
                         f"{attachment.name}: {unknown('body', name, names)}"
                     )
         for name in (self.A, self.B):
             if name not in names:
-                raise ValueError(f"pair: {unknown('body', name, names)}")
+                raise InputError(f"pair: {unknown('body', name, names)}")
         if self.A == self.B:
-            raise ValueError(f"pair: must name two different bodies, got {self.A!r}")
+            raise InputError(f"pair: must name two different bodies, got {self.A!r}")
+
+    def _check_bodies_attached(self) -> None:
+        attached = {name for a in self.attachments for name in (a.A, a.B)}
+        for body in self.bodies:
+            if body.name not in attached:
+                raise InputError(f"{body.name}: must be attached, got no attachment")
 
     def body(self, name: str) -> Body:
         """Return the body of this name."""
@@ -270,15 +283,14 @@ class Separation:
 
     @property
     def release_start(self) -> float:
-        """Time of the first release, s; 0 if it was commanded before the run."""
-        times = (a.release_time for a in self.attachments)
-        return max(0.0, min(times, default=0.0))
+        """Time of the first release, s."""
+        return min(a.release_time for a in self.attachments)
 
     @property
     def stroke_ends(self) -> tuple[float, ...]:
         """Times at which the springs reach their stroke, s."""
         return tuple(
-            max(0.0, a.release_time) + a.spring.duration
+            a.release_time + a.spring.duration
             for a in self.attachments
             if a.spring is not None
         )

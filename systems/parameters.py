@@ -2,15 +2,15 @@
 
 A name is ``element.quantity``: a body's ``payload.mass``, a spring's
 ``spring_1.stroke``, an attachment's ``attachment_1.release_time``, the mated
-stack's ``initial.rate_x``. Values are in SI and radians.
+stack's ``before_separation.rate_x``. Values are in SI and radians.
 """
 
 import dataclasses
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from drakesep.systems.checks import check_finite, unknown
-from drakesep.systems.model import Separation
+from drakesep.systems.checks import InputError, check_finite, unknown
+from drakesep.systems.model import STACK, Separation
 
 
 _Field = tuple[str, int | None]
@@ -51,7 +51,7 @@ def _elements(
         yield attachment.name, attachment, _ATTACHMENT
     for spring in separation.springs:
         yield spring.name, spring, _SPRING
-    yield "initial", separation.initial, _INITIAL
+    yield STACK, separation.initial, _INITIAL
 
 
 def parameters(separation: Separation) -> dict[str, float]:
@@ -78,7 +78,7 @@ def with_values(separation: Separation, values: Mapping[str, float]) -> Separati
     changes: dict[str, dict[str, float]] = {}
     for name, value in values.items():
         if name not in known:
-            raise ValueError(unknown("parameter", name, known))
+            raise InputError(unknown("parameter", name, known))
         check_finite(name, value)
         element, _, quantity = name.rpartition(".")
         changes.setdefault(element, {})[quantity] = float(value)
@@ -97,7 +97,7 @@ def with_values(separation: Separation, values: Mapping[str, float]) -> Separati
             )
             for attachment in separation.attachments
         ),
-        initial=new["initial"],
+        initial=new[STACK],
     )
 
 

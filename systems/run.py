@@ -74,11 +74,6 @@ class Run:
 
     @property
     def separation_end(self) -> float:
-        """Time at which the last spring has reached its stroke, s.
-
-        Without springs, the time of the last release.
-        """
-        ends = self.separation.stroke_ends or tuple(
-            max(0.0, a.release_time) for a in self.separation.attachments
-        )
-        return max(ends, default=0.0)
+        """When all attachments are released and all strokes reached, s."""
+        releases = [a.release_time for a in self.separation.attachments]
+        return max(*self.separation.stroke_ends, *releases, 0.0)

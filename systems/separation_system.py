@@ -9,6 +9,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import Adder
 
 from drakesep.systems.cfe_bushing import CfeBushing
+from drakesep.systems.checks import InputError
 from drakesep.systems.geometry import place_in_stack
 from drakesep.systems.gravity import Gravity
 from drakesep.systems.model import Body, Separation
@@ -115,7 +116,7 @@ class SeparationSystem(Diagram):
             ValueError: the separation has other bodies, attachments or springs.
         """
         if _structure(separation) != self._structure:
-            raise ValueError(
+            raise InputError(
                 "separation must have the bodies, attachments and springs that the "
                 f"system was built for, {self._structure}; got {_structure(separation)}"
             )

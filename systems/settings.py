@@ -2,11 +2,18 @@
 
 from dataclasses import dataclass
 
-from drakesep.systems.checks import check_positive, unknown
+from drakesep.systems.checks import InputError, check_positive, unknown
 
 
-SCHEMES = ("runge_kutta3", "runge_kutta5", "bogacki_shampine3", "radau3")
-"""Integration schemes of Drake that control their error and suit separations."""
+SCHEMES = ("runge_kutta3", "bogacki_shampine3", "radau3")
+"""Integration schemes of Drake that control their error and suit separations.
+
+The third, implicit, is for stiff joints with much damping. Not runge_kutta5: its
+error estimate is optimistic, and its steps are too long for the `Recorder`.
+"""
+
+FINEST, COARSEST = 1e-12, 1e-3
+"""Of the accuracies: beyond them round-off, or the error, would rule the result."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -14,8 +21,8 @@ class Integration:
     """How a run is integrated.
 
     Raises:
-        ValueError: the scheme is unknown, or the accuracy or the largest step is
-            not positive.
+        ValueError: the scheme is unknown, the accuracy is out of bounds, or the
+            largest step is not positive.
     """
 
     scheme: str = "runge_kutta3"
@@ -28,6 +35,11 @@ class Integration:
     def __post_init__(self) -> None:
         """Check the values."""
         if self.scheme not in SCHEMES:
-            raise ValueError(unknown("integration scheme", self.scheme, SCHEMES))
+            raise InputError(unknown("integration scheme", self.scheme, SCHEMES))
         check_positive("accuracy", self.accuracy)
+        if not FINEST <= self.accuracy <= COARSEST:
+            raise InputError(
+                f"accuracy must be from {FINEST:g} to {COARSEST:g}, "
+                f"got {self.accuracy:g}"
+            )
         check_positive("max_step", self.max_step)

@@ -19,11 +19,11 @@ from drakesep.systems.settings import Integration
 
 
 _ROWS = 300
-"""Sample intervals over a run, at least."""
+"""Sample intervals over a run, common to all runs of a case."""
 _NANOSECOND = 1e-9
 _FIRST_STEP = 1e-3
 _ROWS_PER_PUSH = 64
-"""Sample intervals over the shortest push, where the motion changes fastest."""
+"""Sample intervals over a push, where the motion changes fastest."""
 
 
 class Simulation:
@@ -109,7 +109,7 @@ class Simulation:
 
 def find_breaks(separation: Separation) -> tuple[float, ...]:
     """Return the times at which the motion has a kink, with start and end, s."""
-    releases = [max(0.0, a.release_time) for a in separation.attachments]
+    releases = [a.release_time for a in separation.attachments]
     end = separation.duration
     breaks = [0.0]
     for t in sorted((*releases, *separation.stroke_ends)):
@@ -120,20 +120,30 @@ def find_breaks(separation: Separation) -> tuple[float, ...]:
 
 
 def sample_times(separation: Separation) -> Array:
-    """Return when a run is sampled, s: evenly between kinks, closer in the push."""
-    end = separation.duration
-    coast = end / _ROWS
-    pushes = [spring.duration for spring in separation.springs]
-    push = min(coast, min(pushes, default=end) / _ROWS_PER_PUSH)
-    push_start = separation.release_start
-    push_end = max(separation.stroke_ends, default=push_start)
-    breaks = find_breaks(separation)
+    """Return when a run is sampled, s.
+
+    At the multiples of a 300th of its length, which all runs of a case share, at
+    every kink, and closer while a spring pushes.
+    """
+    breaks = np.array(find_breaks(separation))
+    grid = np.linspace(0.0, separation.duration, _ROWS + 1)
+    apart = np.abs(grid[:, None] - breaks).min(axis=1) > _NANOSECOND
+    knots = np.union1d(grid[apart], breaks)
     times = [np.zeros(1)]
-    for t0, t1 in itertools.pairwise(breaks):
-        step = push if push_start <= t0 < push_end else coast
-        intervals = math.ceil((t1 - t0) / step)
+    for t0, t1 in itertools.pairwise(knots):
+        step = _sample_step(separation, 0.5 * (t0 + t1))
+        intervals = max(1, math.ceil((t1 - t0) / step))
         times.append(np.linspace(t0, t1, intervals + 1)[1:])
     return np.concatenate(times)
+
+
+def _sample_step(separation: Separation, t: float) -> float:
+    pushes = [
+        a.spring.duration
+        for a in separation.attachments
+        if a.spring and a.release_time < t < a.release_time + a.spring.duration
+    ]
+    return min(pushes, default=math.inf) / _ROWS_PER_PUSH
 
 
 def _sample(

@@ -1,8 +1,14 @@
 """What several test files share."""
 
+import hypothesis
 import pytest
 
 from drakesep.studies import Verification, verify
+
+
+# A busy machine is not a failure.
+hypothesis.settings.register_profile("drakesep", deadline=None)
+hypothesis.settings.load_profile("drakesep")
 
 
 @pytest.fixture(scope="session")

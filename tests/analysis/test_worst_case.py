@@ -46,8 +46,8 @@ def test_linear_function_ends_in_its_corner():
 def test_maximum_inside_the_box():
     inside = np.array([0.3, -0.6, 0.0, 0.5])
     worst = search(lambda p: 2.0 - ((scaled(p) - inside) ** 2).sum())
-    # one-sided differences shift the maximum by half a step, 1e-2 / 2
-    assert worst.u == pytest.approx(inside, abs=1e-2)
+    # one-sided differences shift the maximum by half a step, 1e-3 / 2
+    assert worst.u == pytest.approx(inside, abs=1e-3)
 
 
 def test_maximum_on_the_boundary_of_the_physical_inertias():

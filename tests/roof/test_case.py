@@ -114,11 +114,11 @@ BAD = {
     ),
     "infinity": (
         changed("before_separation.rate_deg_s", [0.0, math.inf, 0.0]),
-        "before_separation.rate_deg_s[2]: must be finite, got inf",
+        "before_separation.rate_deg_s (entry 2): must be finite, got inf",
     ),
     "two entries": (
         changed("bodies.payload.cg_mm", [1.0, 2.0]),
-        "bodies.payload.cg_mm[3]: missing",
+        "bodies.payload.cg_mm: must be 3 numbers, got [1.0, 2.0]",
     ),
     "negative mass": (
         changed("bodies.payload.mass_kg", -3),
@@ -154,7 +154,7 @@ BAD = {
     ),
     "non-physical tolerance": (
         changed("dispersions.payload.mass_kg", 1900),
-        "payload.mass: tolerance must keep to physical values, got -40",
+        "dispersions: payload.mass_kg ± 1900: payload: mass must be > 0, got -40",
     ),
     "zero tolerance": (
         changed("dispersions.payload.mass_kg", 0),
@@ -162,31 +162,92 @@ BAD = {
     ),
     "unknown tolerance": (
         changed("dispersions.payload.mas_kg", 20),
-        "unknown parameter 'payload.mas_kg'; did you mean 'payload.mass_kg'?",
+        "dispersions: unknown parameter 'payload.mas_kg'; did you mean 'payload.mass",
     ),
     "unknown integrator": (
         changed("run.integrator", "runge_kutta4"),
-        "unknown integration scheme 'runge_kutta4'; did you mean 'runge_kutta",
+        "run.integrator: must be 'runge_kutta3', 'bogacki_shampine3' or 'radau3', got",
     ),
     "zero accuracy": (changed("run.accuracy", 0.0), "run.accuracy: must be > 0, got 0"),
     "unknown quantity": (
         changed("requirements", [{"quantity": "speed", "at_least": 1.0}]),
-        "requirements[1].quantity: must be 'rate_after_separation_deg_s'",
+        "requirements (entry 1).quantity: must be 'rate_after_separation_deg_s'",
     ),
     "no limit": (
         changed("requirements", [{"quantity": "rate_after_separation_deg_s"}]),
-        "requirements[1]: must have either 'at_most' or 'at_least'",
+        "requirements (entry 1): must have one of 'at_most' and 'at_least', got none",
     ),
     "one limit of three": (
         changed(
             "requirements",
             [{"quantity": "rate_after_separation_deg_s", "at_most": 1.5}],
         ),
-        "requirements[1]: limit must have 3 values, got 1.5",
+        "requirements (entry 1): must have 3 limits, got 1.5",
     ),
     "one body": (
         changed("bodies", {"payload": VEGA["bodies"]["payload"]}),
         "bodies: dictionary should have at least 2 items",
+    ),
+    "NaN as a limit": (
+        changed(
+            "requirements",
+            [
+                {
+                    "quantity": "longitudinal_speed_after_separation_m_s",
+                    "at_least": math.nan,
+                }
+            ],
+        ),
+        "requirements (entry 1).at_least (entry 1): must be finite, got nan",
+    ),
+    "name that leaves its folder": (
+        changed("name", "../../elsewhere"),
+        "name: must be made of letters, digits, _ and -, got '../../elsewhere'",
+    ),
+    "number for a section": (
+        changed("bodies.payload.inertia_kg_m2", 60),
+        "bodies.payload.inertia_kg_m2: must be a mapping of keys, got 60",
+    ),
+    "negative release": (
+        changed("attachments.attachment_1.release_time_s", -0.1),
+        "attachment_1: release time must be >= 0, got -0.1",
+    ),
+    "negative limit": (
+        changed(
+            "requirements",
+            [{"quantity": "rate_after_separation_deg_s", "at_most": [1.0, -2.0, 1.0]}],
+        ),
+        "requirements: rate_after_separation_y_deg_s: at_most must be >= 0, got -2",
+    ),
+    "requirement twice": (
+        changed("requirements", 2 * VEGA["requirements"][:1]),
+        "requirements: rate_after_separation_deg_s must stand once",
+    ),
+    "published twice": (
+        changed("published", 2 * VEGA["published"][:1]),
+        "published: label 'paper_L1_Linf' must stand once",
+    ),
+    "published under our label": (
+        changed("published", [{**VEGA["published"][0], "label": "worst_L1"}]),
+        "published: label 'worst_L1' is taken by our own runs",
+    ),
+    "published with a bad mark": (
+        changed(
+            "published",
+            [{**VEGA["published"][0], "values": {"payload.mass_kg": "Q"}}],
+        ),
+        "published (entry 1).values.payload.mass_kg: must be M, m or a number, got 'Q'",
+    ),
+    "published but impossible": (
+        changed(
+            "published",
+            [{**VEGA["published"][0], "values": {"payload.inertia_xx_kg_m2": 1.0}}],
+        ),
+        "published: paper_L1_Linf: payload: inertia must have principal moments",
+    ),
+    "Drake's own name": (
+        changed("bodies", {**VEGA["bodies"], "world": VEGA["bodies"]["payload"]}),
+        "names must differ, got 'world' 2 times (it is reserved)",
     ),
     "not a mapping": ([1, 2], "must be a mapping of keys, got [1, 2]"),
 }

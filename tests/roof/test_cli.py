@@ -1,7 +1,10 @@
 """The command line: commands, exit codes, errors without a traceback."""
 
+import os
+import signal
 import subprocess
 import sys
+import time
 
 import pandas as pd
 import pytest
@@ -95,7 +98,11 @@ def test_verify_fails_where_a_requirement_is_not_met(drakesep, tmp_path):
         ),
         (
             ("simulate", "vega", "--set", "payload.mass_kg=nan"),
-            "payload.mass must be finite, got nan",
+            "payload.mass_kg must be finite, got nan",
+        ),
+        (
+            ("simulate", "vega", *("--set", "payload.mass_kg=1880") * 2),
+            "--set payload.mass_kg: must stand once, got it twice",
         ),
         (
             ("simulate", "vega", "--set", "payload.mass_kg=-1"),
@@ -121,6 +128,54 @@ def test_output_that_cannot_be_written(drakesep, tmp_path):
     assert code == 2
     assert err.startswith("drakesep: output: must be a folder that can be written")
     assert len(err.splitlines()) == 1
+
+
+def test_file_in_the_way(drakesep, tmp_path):
+    (tmp_path / "motion.csv").mkdir()
+    code, _, err = drakesep("simulate", "vega", "-o", tmp_path)
+    assert code == 2
+    assert err.splitlines() == [f"drakesep: {tmp_path / 'motion.csv'}: Is a directory"]
+
+
+def test_text_of_a_case_is_not_markup(drakesep, tmp_path):
+    from drakesep.case_file import builtin_cases
+
+    text = builtin_cases()["vega"].read_text()
+    text = text.replace("description: VEGA", "description: '[/oops] [bold]VEGA' #")
+    (tmp_path / "case.yaml").write_text(text)
+    code, out, _ = drakesep("show", tmp_path / "case.yaml")
+    assert code == 0
+    assert "[/oops] [bold]VEGA" in out
+
+
+def test_narrow_terminal_loses_nothing(drakesep, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    _, out, _ = drakesep("show", "vega")
+    assert "…" not in out
+    assert max(map(len, out.splitlines())) <= 80
+
+
+def test_interrupt_ends_in_one_line(tmp_path):
+    """Ctrl-C while workers fly: no traceback of theirs or of a library's."""
+    command = [sys.executable, "-c", "from drakesep.cli import main; main()"]
+    verify = subprocess.Popen(
+        [*command, "verify", "vega", "-o", str(tmp_path)],
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    history = tmp_path / "history.csv"
+    while verify.poll() is None and not history.exists():
+        time.sleep(0.05)
+    time.sleep(0.3)  # in the midst of the first gradient
+    os.killpg(verify.pid, signal.SIGINT)  # the terminal sends it to workers too
+    _, err = verify.communicate(timeout=60)
+    assert verify.returncode == 130
+    lines = [line for line in err.splitlines() if not line.startswith("G_")]
+    assert lines == [f"drakesep: interrupted; what was done is in {tmp_path}"]
+    labels = pd.read_csv(tmp_path / "worst_cases.csv")["label"]
+    assert labels.tolist()[:2] == ["nominal", "paper_L1_Linf"]
 
 
 def test_help_imports_neither_drake_nor_scipy():

@@ -52,6 +52,37 @@ def test_case_without_requirements_or_dispersions():
         )
 
 
+def test_verify_without_dispersions_judges_the_nominal(tmp_path):
+    case = drakesep.load_case("vega")
+    update = {"dispersions": {}, "published": []}
+    study = drakesep.verify(case.model_copy(update=update), output=tmp_path, workers=1)
+    assert study.passed
+    assert study.table["label"].tolist() == ["nominal"]
+    assert (study.requirements["which_run"] == "nominal").all()
+
+
+def test_verdict_of_an_earlier_study_does_not_outlive_it(tmp_path):
+    (tmp_path / "requirements.csv").write_text("met")
+    drakesep.worst_case("vega", "PM", output=tmp_path, workers=1)
+    assert not (tmp_path / "requirements.csv").exists()
+
+
+def test_nothing_turns_nominally():
+    """Objectives of zero at the nominal: no division, and the search still ends."""
+    data = drakesep.load_case("vega").model_dump()
+    data["orbit"] = None
+    data["before_separation"]["rate_deg_s"] = (0.0, 0.0, 0.0)
+    data["bodies"]["payload"]["cg_mm"] = (1933.0, 0.0, 0.0)
+    data["dispersions"] = {"payload.cg_y_mm": 13.0}
+    data["published"] = []
+    study = drakesep.worst_case(drakesep.Case.model_validate(data), ["L1", "L2"])
+    assert study.completed
+    assert study.comparison["above_nominal_percent"].isna().all()
+    assert (study.comparison["worst"] > 0.1).all()
+    cg = study.table.set_index("label").loc[["worst_L1", "worst_L2"], "payload.cg_y_mm"]
+    assert cg.abs().tolist() == pytest.approx([13.0, 13.0])
+
+
 def test_failed_run_is_a_row_with_its_reason(tmp_path):
     """Joints that no step can follow, while they hold."""
     case = drakesep.load_case("vega")

@@ -90,3 +90,8 @@ def test_summary_is_a_row_of_worst_cases():
     assert row["spring_1.stroke_mm"] == 120.0
     assert row["status"] == "completed"
     assert pd.isna(row["iterations"])
+
+
+def test_summary_holds_what_was_changed():
+    changed = drakesep.simulate("vega", {"launch_vehicle.mass_kg": 800.0})
+    assert changed.summary["launch_vehicle.mass_kg"].tolist() == [800.0]

@@ -10,12 +10,14 @@ from hypothesis import strategies as st
 from separations import generic_pair, inertia_of_points
 
 from drakesep.systems.model import Body, InitialMotion, Orbit
+from drakesep.systems.settings import Integration
 
 
 @pytest.mark.parametrize(
     ("field", "value", "message"),
     [
         ("mass", -3.0, "upper: mass must be > 0, got -3"),
+        ("p_BoBcm_B", (0.0, 1.0), "upper: CG must have 3 entries, got 2"),
         ("mass", math.nan, "upper: mass must be finite, got nan"),
         ("p_BoBcm_B", (0.0, math.inf, 0.0), "upper: CG must be finite, got inf"),
         ("I_BBcm_B", (1.0, 1.0, 3.0, 0, 0, 0), "triangle inequality; got xx 1"),
@@ -51,7 +53,8 @@ def test_impossible_spring(field, value, message):
         ({"release_time": math.nan}, "release time must be finite, got nan"),
         ({"release_time": 0.95}, "duration must be longer than it takes the springs"),
         ({"name": "spring_2"}, "names must differ, got 'spring_2' 2 times"),
-        ({"name": "initial"}, "'initial' is reserved"),
+        ({"name": "before_separation"}, "it is reserved"),
+        ({"release_time": -0.1}, "release time must be >= 0, got -0.1"),
     ],
 )
 def test_impossible_attachment(changes, message):
@@ -70,6 +73,7 @@ def test_impossible_attachment(changes, message):
         ({"B": "lower"}, "pair: must name two different bodies"),
         ({"A": "upper", "B": "lower"}, None),
         ({"duration": 0.0}, "duration must be > 0"),
+        ({"duration": "3"}, "duration must be a number, got '3'"),
     ],
 )
 def test_impossible_separation(changes, message):
@@ -88,10 +92,31 @@ def test_base_stands_at_the_origin_of_the_stack():
         dataclasses.replace(separation, bodies=(shifted, upper))
 
 
+def test_every_body_is_attached():
+    separation = generic_pair()
+    loose = dataclasses.replace(separation.body("upper"), name="loose")
+    with pytest.raises(ValueError, match="loose: must be attached"):
+        dataclasses.replace(separation, bodies=(*separation.bodies, loose))
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("scheme", "euler", "unknown integration scheme 'euler'"),
+        ("accuracy", 0.1, "accuracy must be from 1e-12 to 0.001, got 0.1"),
+        ("accuracy", 1e-15, "accuracy must be from 1e-12 to 0.001, got 1e-15"),
+        ("max_step", 0.0, "max_step must be > 0, got 0"),
+    ],
+)
+def test_impossible_integration(field, value, message):
+    with pytest.raises(ValueError, match=message):
+        Integration(**{field: value})
+
+
 def test_other_records_check_themselves():
     with pytest.raises(ValueError, match="orbit: radius must be > 0"):
         Orbit(radius=-1.0)
-    with pytest.raises(ValueError, match="initial rate must be finite"):
+    with pytest.raises(ValueError, match="rate before separation must be finite"):
         InitialMotion(w_WA_A=(0.0, math.nan, 0.0))
     joint = generic_pair().attachments[0].joint
     with pytest.raises(ValueError, match="joint D_T must be >= 0, got -1"):

@@ -38,9 +38,16 @@ def test_release_at_the_start():
     assert at_start == [0.0, 0.0]
 
 
-def test_release_commanded_before_the_start_happens_at_the_start():
-    [at_start] = released_after((-1.0, 0.3), [0.0])
-    assert at_start == [0.0, math.inf]
+def test_release_scheduled_before_the_start_happens_at_the_start():
+    separation = generic_pair(release_times=(0.1, 0.3))
+    system = SeparationSystem(separation)
+    context = system.CreateDefaultContext()
+    system.set_separation(context, separation)
+    context.SetAccuracy(ACCURACY)
+    context.SetTime(0.2)
+    Simulator(system, context).Initialize()
+    released = system.GetOutputPort("released").Eval(context)
+    assert released.tolist() == [0.2, math.inf]
 
 
 def test_release_is_neither_early_nor_late_and_records_the_scheduled_time():

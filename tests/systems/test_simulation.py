@@ -103,6 +103,28 @@ def test_releases_of_a_run_are_exact():
     assert np.linalg.norm(at_release) == pytest.approx(force / 1200.0, rel=1e-12)
 
 
+def test_runs_of_a_case_share_their_times():
+    """300 intervals of the run, whatever the springs do; more between them."""
+    simulation = Simulation(generic_pair())
+    grid = set(np.linspace(0.0, 1.0, 301))
+    for values in ({}, {"spring_1.stroke": 0.11, "spring_2.force_max": 1000.0}):
+        assert grid <= set(simulation.run(values).motion.time)
+
+
+def test_short_stroke_does_not_multiply_the_samples():
+    run = Simulation(generic_pair()).run({"spring_1.stroke": 1e-9})
+    assert len(run.motion.time) < 700
+
+
+def test_separation_ends_with_the_last_release():
+    """An attachment without a spring may hold longest."""
+    separation = generic_pair(release_times=(0.0, 0.0, 0.0, 0.5))
+    *others, last = separation.attachments
+    last = dataclasses.replace(last, spring=None)
+    separation = dataclasses.replace(separation, attachments=(*others, last))
+    assert Simulation(separation).run().separation_end == 0.5
+
+
 def test_values_are_those_flown():
     run = Simulation(generic_pair()).run({"upper.mass": 1300.0})
     assert run.separation.body("upper").mass == 1300.0
