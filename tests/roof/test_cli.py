@@ -8,6 +8,8 @@ import time
 
 import pandas as pd
 import pytest
+from ruamel.yaml import YAML
+from test_case import BAD
 
 from drakesep import cli
 
@@ -119,6 +121,18 @@ def test_bad_input_is_one_line_and_code_2(drakesep, tmp_path, arguments, message
     code, _, err = drakesep(*arguments, *output)
     assert code == 2
     assert err.startswith(f"drakesep: {message}")
+    assert len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_case_is_one_line_and_code_2(drakesep, tmp_path, name):
+    data, message = BAD[name]
+    path = tmp_path / "case.yaml"
+    with path.open("w") as file:
+        YAML(typ="safe").dump(data, file)
+    code, _, err = drakesep("show", path)
+    assert code == 2
+    assert err.startswith(f"drakesep: {path}: {message}")
     assert len(err.splitlines()) == 1
 
 
