@@ -25,6 +25,7 @@ from drakesep.systems.model import (
     Body,
     InitialMotion,
     Joint,
+    LinearSpring,
     Orbit,
     Separation,
     Spring,
@@ -128,12 +129,25 @@ class JointSection(_Section):
 
 
 class SpringSection(_Section):
-    """A separation spring."""
+    """A separation spring: driven by time, as the paper's, or by displacement."""
 
     name: Name
+    law: Literal["time", "displacement"] = "time"
     force_max_N: Positive
     stroke_mm: Positive
-    design_mass_kg: Positive
+    design_mass_kg: Positive | None = None
+    damping_N_s_m: NotNegative = 0.0
+
+    @model_validator(mode="after")
+    def _check_law(self) -> Self:
+        timed = self.law == "time"
+        if timed and self.design_mass_kg is None:
+            raise ValueError("design_mass_kg: missing; law: time needs it")
+        if not timed and self.design_mass_kg is not None:
+            raise ValueError("design_mass_kg: only law: time has one, got displacement")
+        if timed and self.damping_N_s_m:
+            raise ValueError("damping_N_s_m: only law: displacement has it, got time")
+        return self
 
 
 class AttachmentSection(_Section):
@@ -406,11 +420,19 @@ def _orbit(orbit: OrbitSection) -> Orbit:
     return Orbit(radius=EARTH_RADIUS + 1000.0 * orbit.altitude_km)
 
 
-def _spring(spring: SpringSection) -> Spring:
+def _spring(spring: SpringSection) -> Spring | LinearSpring:
+    stroke = unit_of("stroke").to_si(spring.stroke_mm)
+    if spring.design_mass_kg is None:
+        return LinearSpring(
+            name=spring.name,
+            force_max=spring.force_max_N,
+            stroke=stroke,
+            damping=spring.damping_N_s_m,
+        )
     return Spring(
         name=spring.name,
         force_max=spring.force_max_N,
-        stroke=unit_of("stroke").to_si(spring.stroke_mm),
+        stroke=stroke,
         design_mass=spring.design_mass_kg,
     )
 

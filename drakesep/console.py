@@ -110,7 +110,9 @@ def _attachments(case: Case) -> pd.DataFrame:
                 "spring": spring.name if spring else "",
                 "max. force (N)": spring.force_max_N if spring else None,
                 "stroke (mm)": spring.stroke_mm if spring else None,
+                "law": spring.law if spring else "",
                 "design mass (kg)": spring.design_mass_kg if spring else None,
+                "damping (N s/m)": spring.damping_N_s_m if spring else None,
             }
         )
     return pd.DataFrame(rows)

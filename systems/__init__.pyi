@@ -2,6 +2,7 @@ from .model import Attachment as Attachment
 from .model import Body as Body
 from .model import InitialMotion as InitialMotion
 from .model import Joint as Joint
+from .model import LinearSpring as LinearSpring
 from .model import Orbit as Orbit
 from .model import Separation as Separation
 from .model import Spring as Spring

@@ -123,6 +123,42 @@ def spring_force(
     return force_max * ops.cos(frequency * elapsed)  # Eq. 5
 
 
+def spring_displacement(
+    A: BodyState,
+    B: BodyState,
+    p_AoPad_A: Sequence[Scalar],
+    p_BoPad_B: Sequence[Scalar],
+) -> tuple[Scalar, Scalar]:
+    """Return how far, m, and how fast, m/s, B's pad has moved along A's x axis.
+
+    Args:
+        A: body pushed from.
+        B: body pushed away.
+        p_AoPad_A: mated place of the pad in A, m.
+        p_BoPad_B: the pad, fixed in B, m.
+    """
+    r_B = rotate(B.R_WB, (p_BoPad_B[0], p_BoPad_B[1], p_BoPad_B[2]))
+    r_A = subtract(add(B.p_WBo, r_B), A.p_WBo)
+    v_APad = subtract(velocity_at(B, r_B), velocity_at(A, r_A))
+    e_xA = A.R_WB[0], A.R_WB[3], A.R_WB[6]
+    return dot(e_xA, r_A) - p_AoPad_A[0], dot(e_xA, v_APad)
+
+
+def linear_spring_force(
+    displacement: Scalar,
+    speed: Scalar,
+    force_max: Scalar,
+    stroke: Scalar,
+    damping: Scalar,
+) -> Scalar:
+    """Return the force of a spring and damper within its stroke, N.
+
+    With `spring_displacement` as its argument, the spring's work is exactly what its
+    energy loses: the force acts along the axis on which displacement is measured.
+    """
+    return force_max * (1.0 - displacement / stroke) - damping * speed
+
+
 def springs_wrenches(
     A: BodyState, B: BodyState, forces: Sequence[tuple[Scalar, Sequence[Scalar]]]
 ) -> tuple[Wrench, Wrench]:

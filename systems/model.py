@@ -90,7 +90,7 @@ class Joint:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spring:
-    """A separation spring, Eq. 5.
+    """A separation spring driven by time, Eq. 5.
 
     Raises:
         ValueError: the force, the stroke or the design mass is not positive.
@@ -122,6 +122,37 @@ class Spring:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class LinearSpring:
+    """A separation spring driven by displacement, with a damper beside it.
+
+    Its force falls from `force_max` at the mated place to zero at its stroke, less
+    what the damper takes; it never pulls.
+
+    Raises:
+        ValueError: the force or the stroke is not positive, or the damping negative.
+    """
+
+    name: str
+    force_max: float
+    """Force while mated, N."""
+    stroke: float
+    """m."""
+    damping: float = 0.0
+    """N s/m."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check_positive(f"{self.name}: maximum force", self.force_max)
+        check_positive(f"{self.name}: stroke", self.stroke)
+        check_not_negative(f"{self.name}: damping", self.damping)
+
+    @property
+    def energy(self) -> float:
+        """Energy stored while mated, J."""
+        return 0.5 * self.force_max * self.stroke
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Attachment:
     """A place where B is held to A, and pushed from it by a spring after release.
 
@@ -137,7 +168,7 @@ class Attachment:
     p_AoPad_A: Vector3
     """Place in A, m; the pad on B is where it coincides with this while mated."""
     joint: Joint
-    spring: Spring | None = None
+    spring: Spring | LinearSpring | None = None
     release_time: float = 0.0
     """s."""
 
@@ -234,10 +265,11 @@ class Separation:
                     f"{attachment.name}: release time must lie before the end of the "
                     f"run at {self.duration} s, got {attachment.release_time} s"
                 )
-        if max(self.stroke_ends, default=0.0) >= self.duration:
+        last = max(self.timed_stroke_ends.values(), default=0.0)
+        if last >= self.duration:
             raise InputError(
                 "duration must be longer than it takes the springs to reach their "
-                f"stroke, {max(self.stroke_ends):.4g} s, got {self.duration} s"
+                f"stroke, {last:.4g} s, got {self.duration} s"
             )
 
     def _check_names(self) -> None:
@@ -277,7 +309,7 @@ class Separation:
         return next(body for body in self.bodies if body.name == name)
 
     @property
-    def springs(self) -> tuple[Spring, ...]:
+    def springs(self) -> tuple[Spring | LinearSpring, ...]:
         """The springs, in the order of their attachments."""
         return tuple(a.spring for a in self.attachments if a.spring is not None)
 
@@ -287,10 +319,10 @@ class Separation:
         return min(a.release_time for a in self.attachments)
 
     @property
-    def stroke_ends(self) -> tuple[float, ...]:
-        """Times at which the springs reach their stroke, s."""
-        return tuple(
-            a.release_time + a.spring.duration
+    def timed_stroke_ends(self) -> dict[str, float]:
+        """When the springs driven by time reach their stroke, s, by their names."""
+        return {
+            a.spring.name: a.release_time + a.spring.duration
             for a in self.attachments
-            if a.spring is not None
-        )
+            if isinstance(a.spring, Spring)
+        }

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from drakesep.systems.checks import InputError, check_finite, unknown
-from drakesep.systems.model import STACK, Separation
+from drakesep.systems.model import STACK, LinearSpring, Separation
 
 
 _Field = tuple[str, int | None]
@@ -36,6 +36,11 @@ _SPRING: dict[str, _Field] = {
     "stroke": ("stroke", None),
     "design_mass": ("design_mass", None),
 }
+_LINEAR_SPRING: dict[str, _Field] = {
+    "force_max": ("force_max", None),
+    "stroke": ("stroke", None),
+    "damping": ("damping", None),
+}
 _INITIAL: dict[str, _Field] = {
     **_vector("attitude", "rpy_WA", _RPY),
     **_vector("rate", "w_WA_A", _XYZ),
@@ -50,7 +55,8 @@ def _elements(
     for attachment in separation.attachments:
         yield attachment.name, attachment, _ATTACHMENT
     for spring in separation.springs:
-        yield spring.name, spring, _SPRING
+        linear = isinstance(spring, LinearSpring)
+        yield spring.name, spring, _LINEAR_SPRING if linear else _SPRING
     yield STACK, separation.initial, _INITIAL
 
 

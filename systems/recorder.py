@@ -59,6 +59,10 @@ class Recorder:
     def _slope(self) -> Array:
         return self._system.EvalTimeDerivatives(self._context).CopyToVector()
 
+    def step_times(self) -> Array:
+        """Return the times at which steps ended, increasing, s."""
+        return np.unique(np.concatenate([piece.times for piece in self._pieces]))
+
     def sample(self, times: Array) -> tuple[Array, Array]:
         """Return the state and its derivatives, (nx, n) each, at increasing times.
 

@@ -1,6 +1,7 @@
 """What comes out of one simulated separation."""
 
 import enum
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -56,6 +57,8 @@ class Run:
     """None if the run failed."""
     breaks: tuple[float, ...] = ()
     """Where the motion has a kink: start, releases, ends of strokes, end, s."""
+    stroke_ends: Mapping[str, float] = field(default_factory=dict)
+    """When each spring reached its stroke, s, by its name."""
     steps: int = 0
     """Integration steps taken."""
     evaluations: int = 0
@@ -76,4 +79,4 @@ class Run:
     def separation_end(self) -> float:
         """When all attachments are released and all strokes reached, s."""
         releases = [a.release_time for a in self.separation.attachments]
-        return max(*self.separation.stroke_ends, *releases, 0.0)
+        return max(*self.stroke_ends.values(), *releases, 0.0)

@@ -41,7 +41,7 @@ class SeparationSystem(Diagram):
         plant_state: state of the plant; q and v of each body, in the order of
             `Separation.bodies`.
         released: see `Release`.
-        spring_forces: see `Springs`.
+        spring_forces, spring_energy: see `Springs`.
         joint_energy: see `CfeBushing`.
         rate, relative_rate, angle, relative_position, relative_velocity,
         acceleration, linear_momentum_change, angular_momentum_change: see
@@ -89,6 +89,7 @@ class SeparationSystem(Diagram):
         builder.ExportOutput(state, "plant_state")
         builder.ExportOutput(released, "released")
         builder.ExportOutput(springs.GetOutputPort("forces"), "spring_forces")
+        builder.ExportOutput(springs.GetOutputPort("energy"), "spring_energy")
         builder.ExportOutput(bushing.GetOutputPort("energy"), "joint_energy")
         for i in range(motion.num_output_ports()):
             port = motion.get_output_port(i)
@@ -140,7 +141,7 @@ def _structure(separation: Separation) -> tuple[object, ...]:
     return (
         tuple(body.name for body in separation.bodies),
         tuple(
-            (a.name, a.A, a.B, a.spring and a.spring.name)
+            (a.name, a.A, a.B, a.spring and a.spring.name, type(a.spring))
             for a in separation.attachments
         ),
         (separation.A, separation.B),

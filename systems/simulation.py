@@ -3,13 +3,16 @@
 import itertools
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import Context
+from scipy.optimize import brentq
 
 from drakesep.systems import laws
-from drakesep.systems.model import Separation
+from drakesep.systems.geometry import pad_on_B
+from drakesep.systems.model import LinearSpring, Separation
 from drakesep.systems.motion_analysis import Measured
 from drakesep.systems.parameters import with_values
 from drakesep.systems.recorder import Recorder
@@ -56,8 +59,10 @@ class Simulation:
         self._system.set_separation(context, separation)
         simulator = self._make_simulator(context)
         try:
-            recorder = self._advance(simulator, context, find_breaks(separation))
-            motion = _sample(self._system, separation, recorder)
+            recorder = self._advance(simulator, context, _known_breaks(separation))
+            ends = _find_stroke_ends(self._system, separation, recorder)
+            breaks = find_breaks(separation, ends)
+            motion = _sample(self._system, separation, recorder, ends)
         except (RuntimeError, ArithmeticError, ValueError) as error:
             # Drake's: the step size collapsed, say. Python's: a number overflowed.
             return Run(
@@ -70,7 +75,8 @@ class Simulation:
             separation=separation,
             status=RunStatus.COMPLETED,
             motion=motion,
-            breaks=find_breaks(separation),
+            breaks=breaks,
+            stroke_ends=ends,
             steps=integrator.get_num_steps_taken(),
             evaluations=integrator.get_num_derivative_evaluations(),
         )
@@ -107,51 +113,101 @@ class Simulation:
         return recorder
 
 
-def find_breaks(separation: Separation) -> tuple[float, ...]:
+def _known_breaks(separation: Separation) -> tuple[float, ...]:
+    return find_breaks(separation, separation.timed_stroke_ends)
+
+
+def find_breaks(
+    separation: Separation, stroke_ends: Mapping[str, float]
+) -> tuple[float, ...]:
     """Return the times at which the motion has a kink, with start and end, s."""
     releases = [a.release_time for a in separation.attachments]
     end = separation.duration
     breaks = [0.0]
-    for t in sorted((*releases, *separation.stroke_ends)):
+    for t in sorted((*releases, *stroke_ends.values())):
         # Kinks a nanosecond apart are one: nothing moves between them.
         if t - breaks[-1] > _NANOSECOND and end - t > _NANOSECOND:
             breaks.append(t)
     return (*breaks, end)
 
 
-def sample_times(separation: Separation) -> Array:
+def _find_stroke_ends(
+    system: SeparationSystem, separation: Separation, recorder: Recorder
+) -> dict[str, float]:
+    """Return when each spring reached its stroke.
+
+    Raises:
+        RuntimeError: a spring driven by displacement did not within the run.
+    """
+    ends = separation.timed_stroke_ends
+    names = [body.name for body in separation.bodies]
+    for attachment in separation.attachments:
+        spring = attachment.spring
+        if not isinstance(spring, LinearSpring):
+            continue
+        a, b = names.index(attachment.A), names.index(attachment.B)
+        pads = attachment.p_AoPad_A, pad_on_B(separation, attachment)
+
+        def left(
+            times: Array, a: int = a, b: int = b, pads: Any = pads, spring: Any = spring
+        ) -> Array:
+            bodies = system.layout.read(recorder.sample(times)[0])
+            displacement, _ = laws.spring_displacement(bodies[a], bodies[b], *pads)
+            return spring.stroke - np.asarray(displacement)
+
+        times = recorder.step_times()
+        times = times[times >= attachment.release_time]
+        beyond = np.flatnonzero(left(times) <= 0.0)
+        if not beyond.size:
+            raise RuntimeError(f"{spring.name} has not reached its stroke")
+        after = beyond[0]
+        ends[spring.name] = float(
+            brentq(
+                lambda t, left=left: left(np.array([t]))[0],
+                times[after - 1],
+                times[after],
+                xtol=_NANOSECOND,
+            )
+        )
+    return ends
+
+
+def sample_times(separation: Separation, stroke_ends: Mapping[str, float]) -> Array:
     """Return when a run is sampled, s.
 
     At the multiples of a 300th of its length, which all runs of a case share, at
     every kink, and closer while a spring pushes.
+
+    Args:
+        separation: as it was flown.
+        stroke_ends: when each spring reached its stroke, s, by its name.
     """
-    breaks = np.array(find_breaks(separation))
+    breaks = np.array(find_breaks(separation, stroke_ends))
     grid = np.linspace(0.0, separation.duration, _ROWS + 1)
     apart = np.abs(grid[:, None] - breaks).min(axis=1) > _NANOSECOND
     knots = np.union1d(grid[apart], breaks)
+    pushes = [
+        (a.release_time, stroke_ends[a.spring.name])
+        for a in separation.attachments
+        if a.spring
+    ]
     times = [np.zeros(1)]
     for t0, t1 in itertools.pairwise(knots):
-        step = _sample_step(separation, 0.5 * (t0 + t1))
+        middle = 0.5 * (t0 + t1)
+        lengths = [end - start for start, end in pushes if start < middle < end]
+        step = min(lengths, default=math.inf) / _ROWS_PER_PUSH
         intervals = max(1, math.ceil((t1 - t0) / step))
         times.append(np.linspace(t0, t1, intervals + 1)[1:])
     return np.concatenate(times)
-
-
-def _sample_step(separation: Separation, t: float) -> float:
-    pushes = [
-        a.spring.duration
-        for a in separation.attachments
-        if a.spring and a.release_time < t < a.release_time + a.spring.duration
-    ]
-    return min(pushes, default=math.inf) / _ROWS_PER_PUSH
 
 
 def _sample(
     system: SeparationSystem,
     separation: Separation,
     recorder: Recorder,
+    stroke_ends: Mapping[str, float],
 ) -> Motion:
-    times = sample_times(separation)
+    times = sample_times(separation, stroke_ends)
     layout = system.layout
     x, xdot = recorder.sample(times)
     names = [body.name for body in separation.bodies]

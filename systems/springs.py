@@ -6,20 +6,22 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drakesep.systems import laws
 from drakesep.systems.geometry import pad_on_B
-from drakesep.systems.model import Separation
+from drakesep.systems.laws import BodyState
+from drakesep.systems.model import LinearSpring, Separation
 from drakesep.systems.state_layout import StateLayout
 from drakesep.systems.wrenches import WrenchSum
 
 
-_FIELDS = 5
-"""Of a spring's parameters: maximum force, frequency, and the pad on B."""
+_FIELDS = 10
+"""Of a spring's parameters: see `Springs`."""
 
 
 class Springs(LeafSystem):
-    """Pushes B from A by the spring of each released attachment, Eq. 5.
+    """Pushes B from A by the spring of each released attachment.
 
-    The force acts on B at the pad fixed in B, along A's x axis; the reaction acts
-    on A at the same point in space.
+    A `Spring` is driven by time (Eq. 5), a `LinearSpring` by the displacement of its
+    pad along A's x axis. The force acts on B at the pad fixed in B, along A's x axis;
+    the reaction acts on A at the same point in space.
 
     Input ports:
         plant_state: state of the plant.
@@ -29,10 +31,12 @@ class Springs(LeafSystem):
         wrenches: (6 m,) torque about the origin, N m, and force, N, in W, on each
             of the m bodies.
         forces: (k,) force of each spring, N.
+        energy: (1,) energy that the linear springs store, J.
 
     Parameters:
-        0: (5 k,) for each spring its maximum force, N, its frequency, rad/s, and
-            the place of its pad in B, m.
+        0: (10 k,) for each spring its maximum force, N, its frequency, rad/s (0 for
+            a linear spring), stroke, m, and damping, N s/m, and the place of its pad
+            in A, while mated, and in B, m.
     """
 
     def __init__(self, separation: Separation, layout: StateLayout):
@@ -41,9 +45,9 @@ class Springs(LeafSystem):
         index = {body.name: i for i, body in enumerate(separation.bodies)}
         pushing = [a for a in separation.attachments if a.spring is not None]
         self._attachments = [separation.attachments.index(a) for a in pushing]
+        self._ends = [(index[a.A], index[a.B]) for a in pushing]
         self._groups: dict[tuple[int, int], list[int]] = {}
-        for k, attachment in enumerate(pushing):
-            ends = index[attachment.A], index[attachment.B]
+        for k, ends in enumerate(self._ends):
             self._groups.setdefault(ends, []).append(k)
         self._layout = layout
         self._state = self.DeclareVectorInputPort("plant_state", layout.size)
@@ -54,47 +58,87 @@ class Springs(LeafSystem):
             BasicVector(_FIELDS * len(self._attachments))
         )
         self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
-        self.DeclareVectorOutputPort(
-            "forces", len(self._attachments), self._calc_forces
-        )
+        self.DeclareVectorOutputPort("forces", len(pushing), self._calc_forces)
+        self.DeclareVectorOutputPort("energy", 1, self._calc_energy)
 
     def set_springs(self, context: Context, separation: Separation) -> None:
         """Write the springs of a separation into this system's Context."""
         rows: list[float] = []
         for attachment in separation.attachments:
             spring = attachment.spring
-            if spring is not None:
-                pad = pad_on_B(separation, attachment)
-                rows += [spring.force_max, spring.frequency, *pad]
+            if spring is None:
+                continue
+            if isinstance(spring, LinearSpring):
+                rows += [spring.force_max, 0.0, spring.stroke, spring.damping]
+            else:
+                rows += [spring.force_max, spring.frequency, spring.stroke, 0.0]
+            rows += [*attachment.p_AoPad_A, *pad_on_B(separation, attachment)]
         context.get_mutable_numeric_parameter(self._springs).SetFromVector(rows)
 
-    def _forces(self, context: Context) -> list[tuple[float, list[float]]]:
-        """Return each spring's force and its pad on B."""
+    def _rows(self, context: Context) -> list[list[float]]:
         p = context.get_numeric_parameter(self._springs).value().tolist()
+        return [p[i : i + _FIELDS] for i in range(0, len(p), _FIELDS)]
+
+    def _read_bodies(self, context: Context) -> list[BodyState]:
+        return self._layout.read(self._state.Eval(context).tolist())
+
+    def _linear_force(self, bodies: list[BodyState], k: int, row: list[float]) -> float:
+        force_max, _, stroke, damping = row[:4]
+        a, b = self._ends[k]
+        displacement, speed = laws.spring_displacement(
+            bodies[a], bodies[b], row[4:7], row[7:10]
+        )
+        if displacement >= stroke:
+            return 0.0
+        return max(
+            0.0,
+            laws.linear_spring_force(displacement, speed, force_max, stroke, damping),
+        )
+
+    def _forces(self, context: Context, rows: list[list[float]]) -> list[float]:
         released = self._released.Eval(context).tolist()
         t = context.get_time()
-        forces = []
-        for k, i in enumerate(self._attachments):
-            force_max, frequency, *pad = p[_FIELDS * k : _FIELDS * (k + 1)]
-            elapsed = t - released[i]
-            force = 0.0
-            if 0.0 <= elapsed < 0.5 * math.pi / frequency:
-                force = laws.spring_force(elapsed, force_max, frequency, math)
-            forces.append((force, pad))
+        bodies: list[BodyState] = []
+        forces = [0.0] * len(rows)
+        for k, row in enumerate(rows):
+            elapsed = t - released[self._attachments[k]]
+            force_max, frequency = row[:2]
+            if elapsed < 0.0:
+                continue
+            if frequency > 0.0:
+                if elapsed < 0.5 * math.pi / frequency:
+                    forces[k] = laws.spring_force(elapsed, force_max, frequency, math)
+            else:
+                bodies = bodies or self._read_bodies(context)
+                forces[k] = self._linear_force(bodies, k, row)
         return forces
 
     def _calc_forces(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector([force for force, _ in self._forces(context)])
+        output.SetFromVector(self._forces(context, self._rows(context)))
 
     def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
         total = WrenchSum(self._count)
-        forces = self._forces(context)
-        if any(force for force, _ in forces):
-            bodies = self._layout.read(self._state.Eval(context).tolist())
+        rows = self._rows(context)
+        forces = self._forces(context, rows)
+        if any(forces):
+            bodies = self._read_bodies(context)
             for (a, b), springs in self._groups.items():
                 on_A, on_B = laws.springs_wrenches(
-                    bodies[a], bodies[b], [forces[k] for k in springs]
+                    bodies[a], bodies[b], [(forces[k], rows[k][7:]) for k in springs]
                 )
                 total.add(a, on_A)
                 total.add(b, on_B)
         total.write(output)
+
+    def _calc_energy(self, context: Context, output: BasicVector) -> None:
+        energy = 0.0
+        bodies = self._read_bodies(context)
+        for (a, b), row in zip(self._ends, self._rows(context), strict=True):
+            force_max, frequency, stroke = row[:3]
+            if frequency == 0.0:
+                displacement, _ = laws.spring_displacement(
+                    bodies[a], bodies[b], row[4:7], row[7:10]
+                )
+                left = max(0.0, stroke - displacement)
+                energy += 0.5 * force_max / stroke * left**2
+        output.SetFromVector([energy])

@@ -14,7 +14,8 @@ from drakesep.systems.simulation import find_breaks, sample_times
 def made_up_run(separation: Separation | None = None, **columns) -> Run:
     """A run whose motion is given as functions of time, (n,) -> (n, 3)."""
     separation = separation or generic_pair(duration=3.0)
-    time = sample_times(separation)
+    ends = separation.timed_stroke_ends
+    time = sample_times(separation, ends)
     motion = {
         field.name: np.zeros((len(time), 3)) for field in dataclasses.fields(Motion)
     }
@@ -25,7 +26,8 @@ def made_up_run(separation: Separation | None = None, **columns) -> Run:
         separation=separation,
         status=RunStatus.COMPLETED,
         motion=Motion(**motion),
-        breaks=find_breaks(separation),
+        breaks=find_breaks(separation, ends),
+        stroke_ends=ends,
     )
 
 

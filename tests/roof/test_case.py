@@ -11,7 +11,7 @@ from ruamel.yaml import YAML
 
 import drakesep
 from drakesep.case_file import builtin_cases, load_case
-from drakesep.systems.model import EARTH_RADIUS
+from drakesep.systems.model import EARTH_RADIUS, LinearSpring
 
 
 VEGA = YAML(typ="safe").load(builtin_cases()["vega"])
@@ -78,6 +78,18 @@ def test_a_users_file(written):
     assert case.separation.body("payload").mass == 1900.0
 
 
+def test_springs_driven_by_displacement(written):
+    data = copy.deepcopy(VEGA)
+    for attachment in data["attachments"].values():
+        del attachment["spring"]["design_mass_kg"]
+        attachment["spring"] |= {"law": "displacement", "damping_N_s_m": 20.0}
+    case = load_case(written(data))
+    assert case.separation.springs[2] == LinearSpring(
+        name="spring_3", force_max=1485.0, stroke=0.121, damping=20.0
+    )
+    assert case.values_in_si({"spring_1.damping_N_s_m": 5}) == {"spring_1.damping": 5.0}
+
+
 def test_values_in_si():
     values = load_case("vega").values_in_si({"payload.cg_x_mm": 1953.0})
     assert values == {"payload.cg_x": 1.953}
@@ -135,6 +147,22 @@ BAD = {
     "indefinite inertia": (
         changed("bodies.payload.inertia_kg_m2.xy", 5000),
         "payload: inertia must be positive definite",
+    ),
+    "no design mass": (
+        changed("attachments.attachment_1.spring.design_mass_kg"),
+        "attachments.attachment_1.spring: design_mass_kg: missing; law: time needs it",
+    ),
+    "design mass too many": (
+        changed("attachments.attachment_1.spring.law", "displacement"),
+        "attachments.attachment_1.spring: design_mass_kg: only law: time has one",
+    ),
+    "damper of a timed spring": (
+        changed("attachments.attachment_1.spring.damping_N_s_m", 1.0),
+        "attachments.attachment_1.spring: damping_N_s_m: only law: displacement has",
+    ),
+    "unknown law": (
+        changed("attachments.attachment_1.spring.law", "force"),
+        "attachments.attachment_1.spring.law: must be 'time' or 'displacement', got",
     ),
     "no such body": (
         changed("attachments.attachment_1.B", "payloud"),

@@ -88,9 +88,9 @@ def test_samples():
     assert len(time) > 300
     assert (time[0], time[-1]) == (0.0, separation.duration)
     assert (np.diff(time) > 0.0).all()
-    kinks = {0.1, 0.2, *separation.stroke_ends}
+    kinks = {0.1, 0.2, *separation.timed_stroke_ends.values()}
     assert kinks <= set(run.breaks) <= set(time)
-    assert run.separation_end == max(separation.stroke_ends)
+    assert run.separation_end == max(separation.timed_stroke_ends.values())
 
 
 def test_releases_of_a_run_are_exact():
