@@ -37,6 +37,11 @@ class SeparationSystem(Diagram):
     ``plant``, ``release``, ``springs``, ``cfe_bushing``, ``gravity``,
     ``motion_analysis``.
 
+    Input port, if asked for with `external_wrenches`:
+        external_wrenches: (6 m,) torque about the origin, N m, and force, N, in W, on
+            each of the m bodies, in the order of `Separation.bodies`: thrust,
+            disturbances, whatever the surrounding diagram knows of.
+
     Output ports:
         plant_state: state of the plant; q and v of each body, in the order of
             `Separation.bodies`.
@@ -48,7 +53,14 @@ class SeparationSystem(Diagram):
             `MotionAnalysis`.
     """
 
-    def __init__(self, separation: Separation):
+    def __init__(self, separation: Separation, *, external_wrenches: bool = False):
+        """Build the diagram.
+
+        Args:
+            separation: the bodies, attachments and springs.
+            external_wrenches: whether to have that input port, which must then be
+                connected.
+        """
         super().__init__()
         builder = DiagramBuilder()
         plant = builder.AddNamedSystem("plant", make_plant(separation))
@@ -64,7 +76,11 @@ class SeparationSystem(Diagram):
             "motion_analysis", MotionAnalysis(separation, layout)
         )
         forces = (springs, bushing, gravity)
-        total = builder.AddNamedSystem("wrenches", Adder(len(forces), 6 * len(names)))
+        sums = len(forces) + external_wrenches
+        total = builder.AddNamedSystem("wrenches", Adder(sums, 6 * len(names)))
+        if external_wrenches:
+            last = total.get_input_port(len(forces))
+            builder.ExportInput(last, "external_wrenches")
 
         state = plant.get_state_output_port()
         released = release.GetOutputPort("released")

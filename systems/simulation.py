@@ -3,7 +3,6 @@
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
@@ -12,7 +11,7 @@ from scipy.optimize import brentq
 
 from drakesep.systems import laws
 from drakesep.systems.geometry import pad_on_B
-from drakesep.systems.model import LinearSpring, Separation
+from drakesep.systems.model import Attachment, LinearSpring, Separation
 from drakesep.systems.motion_analysis import Measured
 from drakesep.systems.parameters import with_values
 from drakesep.systems.recorder import Recorder
@@ -134,42 +133,47 @@ def find_breaks(
 def _find_stroke_ends(
     system: SeparationSystem, separation: Separation, recorder: Recorder
 ) -> dict[str, float]:
-    """Return when each spring reached its stroke.
+    """Return when each spring reached its stroke, s, by its name."""
+    ends = separation.timed_stroke_ends
+    for attachment in separation.attachments:
+        if isinstance(attachment.spring, LinearSpring):
+            end = _find_stroke_end(system, separation, recorder, attachment)
+            ends[attachment.spring.name] = end
+    return ends
+
+
+def _find_stroke_end(
+    system: SeparationSystem,
+    separation: Separation,
+    recorder: Recorder,
+    attachment: Attachment,
+) -> float:
+    """Return when a spring driven by displacement reached its stroke, s.
 
     Raises:
-        RuntimeError: a spring driven by displacement did not within the run.
+        RuntimeError: it did not within the run.
     """
-    ends = separation.timed_stroke_ends
+    spring = attachment.spring
+    assert spring is not None  # _find_stroke_ends
     names = [body.name for body in separation.bodies]
-    for attachment in separation.attachments:
-        spring = attachment.spring
-        if not isinstance(spring, LinearSpring):
-            continue
-        a, b = names.index(attachment.A), names.index(attachment.B)
-        pads = attachment.p_AoPad_A, pad_on_B(separation, attachment)
+    a, b = names.index(attachment.A), names.index(attachment.B)
+    pad_B = pad_on_B(separation, attachment)
 
-        def left(
-            times: Array, a: int = a, b: int = b, pads: Any = pads, spring: Any = spring
-        ) -> Array:
-            bodies = system.layout.read(recorder.sample(times)[0])
-            displacement, _ = laws.spring_displacement(bodies[a], bodies[b], *pads)
-            return spring.stroke - np.asarray(displacement)
-
-        times = recorder.step_times()
-        times = times[times >= attachment.release_time]
-        beyond = np.flatnonzero(left(times) <= 0.0)
-        if not beyond.size:
-            raise RuntimeError(f"{spring.name} has not reached its stroke")
-        after = beyond[0]
-        ends[spring.name] = float(
-            brentq(
-                lambda t, left=left: left(np.array([t]))[0],
-                times[after - 1],
-                times[after],
-                xtol=_NANOSECOND,
-            )
+    def left(times: Array) -> Array:
+        bodies = system.layout.read(recorder.sample(times)[0])
+        displacement, _ = laws.spring_displacement(
+            bodies[a], bodies[b], attachment.p_AoPad_A, pad_B
         )
-    return ends
+        return spring.stroke - np.asarray(displacement)
+
+    times = recorder.step_times()
+    times = times[times >= attachment.release_time]
+    beyond = np.flatnonzero(left(times) <= 0.0)
+    if not beyond.size:
+        raise RuntimeError(f"{spring.name} has not reached its stroke")
+    t0, t1 = times[beyond[0] - 1 : beyond[0] + 1]
+    end = brentq(lambda t: left(np.array([t]))[0], t0, t1, xtol=_NANOSECOND)
+    return float(end)
 
 
 def sample_times(separation: Separation, stroke_ends: Mapping[str, float]) -> Array:

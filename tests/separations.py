@@ -15,6 +15,7 @@ from drakesep.systems.model import (
     Separation,
     Spring,
 )
+from drakesep.systems.parameters import with_values
 
 
 FREE = Joint(K_F=0.0, D_F=0.0, K_T=0.0, D_T=0.0)
@@ -91,5 +92,19 @@ def generic_pair(
     )
 
 
-def without_orbit(separation: Separation) -> Separation:
-    return dataclasses.replace(separation, orbit=None)
+def coaxial(separation: Separation) -> Separation:
+    """CGs on the axis, principal axes along it, equal springs: no rotation."""
+    bodies = tuple(
+        dataclasses.replace(
+            body,
+            p_BoBcm_B=(body.p_BoBcm_B[0], 0.0, 0.0),
+            I_BBcm_B=(*body.I_BBcm_B[:3], 0.0, 0.0, 0.0),
+        )
+        for body in separation.bodies
+    )
+    values = {f"{spring.name}.force_max": 1200.0 for spring in separation.springs}
+    values |= {f"{spring.name}.stroke": 0.1 for spring in separation.springs}
+    separation = dataclasses.replace(
+        separation, bodies=bodies, initial=InitialMotion(rpy_WA=GENERIC.rpy_WA)
+    )
+    return with_values(separation, values)

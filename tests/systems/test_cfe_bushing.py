@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from flying import start
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.math import SpatialVelocity
 from pydrake.multibody.plant import MultibodyPlant
@@ -113,13 +114,7 @@ def test_mated_bodies_move_as_the_composite_body():
     joint = Joint(K_F=1e8, D_F=5e5, K_T=1e7, D_T=5e4)
     separation = held_pair(4, joint)
     times = np.linspace(0.0, 0.85, 18)
-    system = SeparationSystem(separation)
-    context = system.CreateDefaultContext()
-    system.set_separation(context, separation)
-    context.SetAccuracy(1e-8)
-    simulator = Simulator(system, context)
-    simulator.get_mutable_integrator().set_target_accuracy(1e-8)
-    simulator.Initialize()
+    system, context, simulator = start(separation, 1e-8)
     poses = []
     for t in times:
         simulator.AdvanceTo(t)

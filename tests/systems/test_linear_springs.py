@@ -5,13 +5,12 @@ import math
 
 import numpy as np
 import pytest
-from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
-from separations import FREE, GENERIC, generic_pair
+from flying import momentum, start
+from separations import FREE, GENERIC, coaxial, generic_pair
 
-from drakesep.systems.model import InitialMotion, LinearSpring
+from drakesep.systems.model import LinearSpring
 from drakesep.systems.parameters import parameters, with_values
 from drakesep.systems.run import RunStatus
-from drakesep.systems.separation_system import SeparationSystem
 from drakesep.systems.settings import Integration
 from drakesep.systems.simulation import Simulation
 
@@ -33,24 +32,6 @@ def linear_pair(damping=0.0, **options):
     return dataclasses.replace(separation, attachments=attachments)
 
 
-def coaxial(separation):
-    """CGs on the axis, principal axes along it, equal springs: no rotation."""
-    bodies = tuple(
-        dataclasses.replace(
-            body,
-            p_BoBcm_B=(body.p_BoBcm_B[0], 0.0, 0.0),
-            I_BBcm_B=(*body.I_BBcm_B[:3], 0.0, 0.0, 0.0),
-        )
-        for body in separation.bodies
-    )
-    values = {f"spring_{i}.force_max": 1200.0 for i in (1, 2, 3, 4)}
-    values |= {f"spring_{i}.stroke": 0.1 for i in (1, 2, 3, 4)}
-    separation = dataclasses.replace(
-        separation, bodies=bodies, initial=InitialMotion(rpy_WA=GENERIC.rpy_WA)
-    )
-    return with_values(separation, values)
-
-
 def reduced_mass(separation):
     lower, upper = separation.bodies
     return lower.mass * upper.mass / (lower.mass + upper.mass)
@@ -58,14 +39,7 @@ def reduced_mass(separation):
 
 def energies(separation, times, accuracy):
     """Kinetic, spring and joint energy at the times."""
-    system = SeparationSystem(separation)
-    context = system.CreateDefaultContext()
-    system.set_separation(context, separation)
-    context.SetAccuracy(accuracy)
-    simulator = Simulator(system, context)
-    config = SimulatorConfig(integration_scheme="runge_kutta3", accuracy=accuracy)
-    ApplySimulatorConfig(config, simulator)
-    simulator.get_mutable_integrator().request_initial_step_size_target(1e-4)
+    system, context, simulator = start(separation, accuracy)
     plant = system.plant.GetMyContextFromRoot(context)
     rows = []
     for t in times:
@@ -130,22 +104,11 @@ def test_damper_takes_energy_and_never_pulls():
 @pytest.mark.parametrize("release_times", [(0.0,) * 4, (0.0, 0.0, 0.05, 0.051)])
 def test_momentum_of_the_pair_is_conserved(release_times):
     separation = linear_pair(damping=50.0, release_times=release_times)
-    system = SeparationSystem(separation)
-    context = system.CreateDefaultContext()
-    system.set_separation(context, separation)
-    context.SetAccuracy(1e-8)
-    simulator = Simulator(system, context)
-    simulator.get_mutable_integrator().set_target_accuracy(1e-8)
-    plant = system.plant.GetMyContextFromRoot(context)
-
-    def momentum():
-        total = system.plant.CalcSpatialMomentumInWorldAboutPoint(plant, np.zeros(3))
-        return np.append(total.translational(), total.rotational())
-
-    before = momentum()
+    system, context, simulator = start(separation, 1e-8)
+    before = momentum(system, context)
     simulator.AdvanceTo(1.0)
     # 1e-8 a step, of which the steps leave a tenth, on a ton and a ton m^2
-    assert momentum() == pytest.approx(before, abs=1e-6)
+    assert momentum(system, context) == pytest.approx(before, abs=1e-6)
 
 
 def test_both_laws_agree_for_the_design():

@@ -4,12 +4,14 @@ import dataclasses
 
 import numpy as np
 import pytest
+from flying import momentum, start
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import DiagramBuilder
-from pydrake.systems.primitives import Integrator
+from pydrake.systems.primitives import ConstantVectorSource, Integrator
 from separations import generic_pair
 
-from drakesep.systems.model import Body
+from drakesep.systems.inertia import inertia_matrix
+from drakesep.systems.model import Body, InitialMotion
 from drakesep.systems.separation_system import SeparationSystem, spatial_inertia
 from drakesep.systems.settings import Integration
 from drakesep.systems.simulation import Simulation
@@ -44,6 +46,31 @@ def test_inside_a_parent_diagram(scheme):
     turned = np.trapezoid(motion.rate, motion.time, axis=0)
     gyro = angle.get_output_port().Eval(angle.GetMyContextFromRoot(context))
     assert gyro == pytest.approx(turned, abs=1e-5)  # trapezia of 3 ms
+
+
+def test_external_wrenches():
+    """Thrust and torque on one body, from outside, give what Newton says."""
+    apart = generic_pair(springs=False, initial=InitialMotion())
+    builder = DiagramBuilder()
+    system = builder.AddSystem(SeparationSystem(apart, external_wrenches=True))
+    torque, force = np.array([3.0, -5.0, 7.0]), np.array([200.0, -100.0, 50.0])
+    upper = apart.body("upper")
+    moment = torque + np.cross(upper.p_BoBcm_B, force)  # the force acts at the CG
+    wrenches = np.concatenate([np.zeros(6), moment, force])
+    source = builder.AddSystem(ConstantVectorSource(wrenches))
+    builder.Connect(source.get_output_port(), system.get_input_port())
+    parent = builder.Build()
+    context = parent.CreateDefaultContext()
+    inner = system.GetMyMutableContextFromRoot(context)
+    system.set_separation(inner, apart)
+    parent.ExecuteInitializationEvents(context)  # lets go
+
+    acceleration = system.GetOutputPort("acceleration").Eval(inner)
+    assert acceleration == pytest.approx(force / upper.mass, rel=1e-12)
+    rates = system.EvalTimeDerivatives(inner).CopyToVector()[14:26].reshape(2, 6)
+    assert rates[0] == pytest.approx(np.zeros(6), abs=1e-15)
+    turning = np.linalg.solve(inertia_matrix(upper.I_BBcm_B), torque)
+    assert rates[1, :3] == pytest.approx(turning, rel=1e-11)
 
 
 def test_another_structure_is_refused():
@@ -88,19 +115,8 @@ def test_three_bodies_in_a_stack():
         attachments=tuple(attachments[:2]),
         B="top",
     )
-    system = SeparationSystem(stack)
-    context = system.CreateDefaultContext()
-    system.set_separation(context, stack)
-    context.SetAccuracy(1e-8)
-    plant_context = system.plant.GetMyContextFromRoot(context)
-
-    def momentum():
-        total = system.plant.CalcSpatialMomentumInWorldAboutPoint(
-            plant_context, np.zeros(3)
-        )
-        return np.append(total.translational(), total.rotational())
-
-    before = momentum()
+    system, context, simulator = start(stack, 1e-8)
+    before = momentum(system, context)
     # Mated as it stands, no joint pulls: the top is not held, so its spring alone acts,
     # and the lower body feels nothing yet.
     system.ExecuteInitializationEvents(context)
@@ -109,10 +125,8 @@ def test_three_bodies_in_a_stack():
     turning = np.dot(at_rest.w_WA_A, at_rest.w_WA_A)
     assert np.abs(rates[0]).max() < 10.0 * turning
     assert np.linalg.norm(rates[2]) > 0.5
-    simulator = Simulator(system, context)
-    simulator.get_mutable_integrator().set_target_accuracy(1e-8)
     simulator.AdvanceTo(stack.duration)
-    assert momentum() == pytest.approx(before, abs=1e-6)  # as for two bodies
+    assert momentum(system, context) == pytest.approx(before, abs=1e-6)  # as for two
     run = Simulation(stack).run()
     assert run.motion.relative_velocity[-1, 0] > 0.1  # the top has left the stack
     assert run.separation_end == 0.9

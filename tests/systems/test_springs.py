@@ -1,41 +1,20 @@
 """Springs push as Eq. 5 says, and as hard on one body as on the other."""
 
-import dataclasses
 import math
 
-import numpy as np
 import pytest
+from flying import momentum, start
 from pydrake.systems.analysis import Simulator
-from separations import generic_pair
+from separations import coaxial, generic_pair
 
-from drakesep.systems.model import InitialMotion
 from drakesep.systems.separation_system import SeparationSystem
 from drakesep.systems.settings import Integration
 from drakesep.systems.simulation import Simulation
 
 
-def coaxial_pair():
-    """Springs around a common axis through both CGs: no rotation."""
-    separation = generic_pair(initial=InitialMotion(rpy_WA=(0.7, -0.5, 1.9)))
-    bodies = tuple(
-        dataclasses.replace(
-            body,
-            p_BoBcm_B=(body.p_BoBcm_B[0], 0.0, 0.0),
-            I_BBcm_B=(*body.I_BBcm_B[:3], 0.0, 0.0, 0.0),
-        )
-        for body in separation.bodies
-    )
-    first = separation.springs[0]
-    attachments = tuple(
-        dataclasses.replace(a, spring=dataclasses.replace(first, name=a.spring.name))
-        for a in separation.attachments
-    )
-    return dataclasses.replace(separation, bodies=bodies, attachments=attachments)
-
-
 def test_relative_speed_of_coaxial_springs():
     """Four impulses F_max / w on the reduced mass, Eq. 5's integral."""
-    separation = coaxial_pair()
+    separation = coaxial(generic_pair())
     run = Simulation(separation, Integration(accuracy=1e-10)).run()
     lower, upper = separation.bodies
     reduced_mass = lower.mass * upper.mass / (lower.mass + upper.mass)
@@ -51,27 +30,12 @@ def test_relative_speed_of_coaxial_springs():
 def test_momentum_of_the_pair_is_conserved(release_times):
     """In a generic attitude, far from the world's axes, staged or not."""
     separation = generic_pair(release_times=release_times)
-    system = SeparationSystem(separation)
-    context = system.CreateDefaultContext()
-    system.set_separation(context, separation)
-    context.SetAccuracy(1e-8)
-    simulator = Simulator(system, context)
-    simulator.get_mutable_integrator().set_target_accuracy(1e-8)
-    plant = system.plant
-    plant_context = plant.GetMyContextFromRoot(context)
-
-    def momentum():
-        L = plant.CalcSpatialMomentumInWorldAboutPoint(plant_context, np.zeros(3))
-        return L.translational(), L.rotational()
-
-    p0, H0 = momentum()
-    simulator.Initialize()
+    system, context, simulator = start(separation, 1e-8)
+    before = momentum(system, context)
     simulator.AdvanceTo(separation.duration)
-    p1, H1 = momentum()
     # The forces cancel to round-off; momentum is kept to the integration's, 1e-8 m/s
     # and rad/s a step, of which the steps leave a tenth, on a ton and a ton m^2.
-    assert p1 == pytest.approx(p0, abs=1e-9 * 1000.0)
-    assert H1 == pytest.approx(H0, abs=1e-9 * 1000.0)
+    assert momentum(system, context) == pytest.approx(before, abs=1e-9 * 1000.0)
 
 
 def test_force_port_is_equation_5():

@@ -1,0 +1,32 @@
+"""Diagrams under a plain Simulator, as somebody else would fly them."""
+
+import numpy as np
+from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
+from pydrake.systems.framework import Context
+
+from drakesep.systems.model import Separation
+from drakesep.systems.separation_system import SeparationSystem
+
+
+def start(
+    separation: Separation, accuracy: float
+) -> tuple[SeparationSystem, Context, Simulator]:
+    """The diagram of a separation, its Context, and a simulator at its start."""
+    system = SeparationSystem(separation)
+    context = system.CreateDefaultContext()
+    system.set_separation(context, separation)
+    context.SetAccuracy(accuracy)
+    simulator = Simulator(system, context)
+    config = SimulatorConfig(integration_scheme="runge_kutta3", accuracy=accuracy)
+    ApplySimulatorConfig(config, simulator)
+    simulator.get_mutable_integrator().request_initial_step_size_target(1e-4)
+    return system, context, simulator
+
+
+def momentum(system: SeparationSystem, context: Context) -> np.ndarray:
+    """Linear and angular momentum of all bodies about W's origin, (6,)."""
+    plant = system.plant
+    total = plant.CalcSpatialMomentumInWorldAboutPoint(
+        plant.GetMyContextFromRoot(context), np.zeros(3)
+    )
+    return np.append(total.translational(), total.rotational())
