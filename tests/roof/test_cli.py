@@ -171,7 +171,12 @@ def test_narrow_terminal_loses_nothing(drakesep, monkeypatch):
 
 def test_interrupt_ends_in_one_line(tmp_path):
     """Ctrl-C while workers fly: no traceback of theirs or of a library's."""
-    command = [sys.executable, "-c", "from drakesep.cli import main; main()"]
+    script = (
+        # a test run in the background inherits that interrupts are ignored
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "from drakesep.cli import main; main()"
+    )
+    command = [sys.executable, "-c", script]
     verify = subprocess.Popen(
         [*command, "verify", "vega", "-o", str(tmp_path)],
         stderr=subprocess.PIPE,
