@@ -5,7 +5,6 @@ import os
 import signal
 import threading
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import Future
 from types import TracebackType
 from typing import Self
 
@@ -54,9 +53,8 @@ class Fleet:
                 initargs=(separation, integration),
             )
             with _interrupts_ignored():  # by the workers, which inherit it
-                self._warm_up: list[Future[None]] = [
-                    self._pool.submit(_nothing) for _ in range(workers)
-                ]
+                for _ in range(workers):
+                    self._pool.submit(_nothing)
 
     def fly(self, variations: Sequence[Mapping[str, float]]) -> list[Run]:
         """Fly each variation.

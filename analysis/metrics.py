@@ -19,9 +19,8 @@ def metrics(run: Run, deviation_limits: Sequence[float]) -> dict[str, float]:
     """Return every figure of a completed run, by name.
 
     Separation ends when every attachment is released and the last spring has reached
-    its stroke. Rates are those of
-    B in W, in B; deviations are its roll, pitch and yaw in W; the longitudinal
-    speed is that of B's CG as seen from A.
+    its stroke. Rates are those of B in W, in B; deviations are its roll, pitch and yaw
+    in W; the longitudinal speed is that of B's CG as seen from A.
 
     Args:
         run: a completed run.

@@ -7,7 +7,7 @@ look at the motion of B relative to A from release to the end of the run.
 import math
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from drakesep.systems.run import Run
 
 
 Objective: TypeAlias = Callable[[Run], float]
+ObjectiveName: TypeAlias = Literal["L1", "L2", "Linf", "PM"]
 
 
 def _since_release(run: Run, samples: NDArray[np.float64]) -> list[PPoly]:

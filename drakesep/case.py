@@ -17,6 +17,7 @@ from pydantic import (
 
 from drakesep.analysis.dispersions import Box
 from drakesep.analysis.metrics import ANGLES, AXES
+from drakesep.analysis.objectives import ObjectiveName
 from drakesep.analysis.requirements import Requirement
 from drakesep.systems.checks import InputError, check_finite, unknown
 from drakesep.systems.model import (
@@ -32,7 +33,7 @@ from drakesep.systems.model import (
     Vector3,
 )
 from drakesep.systems.parameters import parameters, with_values
-from drakesep.systems.settings import Integration
+from drakesep.systems.settings import Integration, Scheme
 from drakesep.units import unit_of, with_unit
 
 
@@ -224,7 +225,7 @@ class RunSection(_Section):
     """Length of the run, and how it is integrated."""
 
     duration_s: Positive
-    integrator: Literal["runge_kutta3", "bogacki_shampine3", "radau3"] = "runge_kutta3"
+    integrator: Scheme = Integration().scheme
     accuracy: Positive = Integration().accuracy
     max_step_s: Positive = Integration().max_step
 
@@ -242,7 +243,7 @@ class PublishedSection(_Section):
     """A published worst case: M and m for the bounds of a tolerance, or a value."""
 
     label: Name
-    objectives: list[Literal["L1", "L2", "Linf", "PM"]]
+    objectives: list[ObjectiveName]
     values: dict[str, Mark]
     printed: PrintedSection
 

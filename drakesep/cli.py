@@ -269,7 +269,7 @@ def _folder(output: Path | None, case: str, command: str) -> Path:
 def _fail(code: int, message: str) -> NoReturn:
     for line in message.splitlines():
         print(f"drakesep: {line}", file=sys.stderr)
-    raise typer.Exit(code)
+    sys.exit(code)
 
 
 def main() -> None:
@@ -279,14 +279,8 @@ def main() -> None:
     try:
         app()
     except InputError as error:
-        _exit(BAD_INPUT, str(error))
+        _fail(BAD_INPUT, str(error))
     except OSError as error:
-        _exit(BAD_INPUT, f"{error.filename}: {error.strerror}")
+        _fail(BAD_INPUT, f"{error.filename}: {error.strerror}")
     except RuntimeError as error:
-        _exit(FAILED, str(error))
-
-
-def _exit(code: int, message: str) -> NoReturn:
-    for line in message.splitlines():
-        print(f"drakesep: {line}", file=sys.stderr)
-    sys.exit(code)
+        _fail(FAILED, str(error))

@@ -159,6 +159,13 @@ def linear_spring_force(
     return force_max * (1.0 - displacement / stroke) - damping * speed
 
 
+def linear_spring_energy(
+    displacement: Scalar, force_max: Scalar, stroke: Scalar
+) -> Scalar:
+    """Return the energy that a linear spring stores within its stroke, J."""
+    return 0.5 * force_max / stroke * (stroke - displacement) ** 2
+
+
 def springs_wrenches(
     A: BodyState, B: BodyState, forces: Sequence[tuple[Scalar, Sequence[Scalar]]]
 ) -> tuple[Wrench, Wrench]:

@@ -83,7 +83,7 @@ class MotionAnalysis(LeafSystem):
         )
         self._springs = self.DeclareVectorInputPort("spring_wrenches", 6 * len(names))
         self._measured = self.DeclareNumericParameter(BasicVector(8))
-        self._momentum = self.DeclareContinuousState(6)
+        self.DeclareContinuousState(6)
         for quantity in laws.RelativeMotion._fields:
             self._declare_motion_port(quantity)
         self.DeclareVectorOutputPort("acceleration", 3, self._calc_acceleration)

@@ -1,11 +1,13 @@
 """How a run is integrated. No Drake here: the command line reads it."""
 
 from dataclasses import dataclass
+from typing import Literal, TypeAlias, get_args
 
 from drakesep.systems.checks import InputError, check_positive, unknown
 
 
-SCHEMES = ("runge_kutta3", "bogacki_shampine3", "radau3")
+Scheme: TypeAlias = Literal["runge_kutta3", "bogacki_shampine3", "radau3"]
+SCHEMES: tuple[str, ...] = get_args(Scheme)
 """Integration schemes of Drake that control their error and suit separations.
 
 The third, implicit, is for stiff joints with much damping. Not runge_kutta5: its
@@ -25,7 +27,7 @@ class Integration:
             largest step is not positive.
     """
 
-    scheme: str = "runge_kutta3"
+    scheme: Scheme = "runge_kutta3"
     """One of `SCHEMES`."""
     accuracy: float = 1e-6
     """Of Drake's error control, in m, rad, m/s and rad/s a step."""

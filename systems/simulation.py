@@ -58,7 +58,8 @@ class Simulation:
         self._system.set_separation(context, separation)
         simulator = self._make_simulator(context)
         try:
-            recorder = self._advance(simulator, context, _known_breaks(separation))
+            stops = find_breaks(separation, separation.timed_stroke_ends)
+            recorder = self._advance(simulator, context, stops)
             ends = _find_stroke_ends(self._system, separation, recorder)
             breaks = find_breaks(separation, ends)
             motion = _sample(self._system, separation, recorder, ends)
@@ -98,22 +99,18 @@ class Simulation:
         return simulator
 
     def _advance(
-        self, simulator: Simulator, context: Context, breaks: Sequence[float]
+        self, simulator: Simulator, context: Context, stops: Sequence[float]
     ) -> Recorder:
         recorder = Recorder(self._system, context)
         simulator.set_monitor(recorder.note)
         simulator.Initialize()
         # Steps end at kinks: none straddles one.
-        for t in breaks[1:]:
+        for t in stops[1:]:
             recorder.start_piece()
             simulator.AdvanceTo(t)
             recorder.end_piece()
             simulator.AdvancePendingEvents()
         return recorder
-
-
-def _known_breaks(separation: Separation) -> tuple[float, ...]:
-    return find_breaks(separation, separation.timed_stroke_ends)
 
 
 def find_breaks(

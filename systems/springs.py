@@ -95,7 +95,10 @@ class Springs(LeafSystem):
             laws.linear_spring_force(displacement, speed, force_max, stroke, damping),
         )
 
-    def _forces(self, context: Context, rows: list[list[float]]) -> list[float]:
+    def _forces(
+        self, context: Context, rows: list[list[float]]
+    ) -> tuple[list[float], list[BodyState]]:
+        """Return the forces, and the bodies if they had to be read for them."""
         released = self._released.Eval(context).tolist()
         t = context.get_time()
         bodies: list[BodyState] = []
@@ -111,17 +114,18 @@ class Springs(LeafSystem):
             else:
                 bodies = bodies or self._read_bodies(context)
                 forces[k] = self._linear_force(bodies, k, row)
-        return forces
+        return forces, bodies
 
     def _calc_forces(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._forces(context, self._rows(context)))
+        forces, _ = self._forces(context, self._rows(context))
+        output.SetFromVector(forces)
 
     def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
         total = WrenchSum(self._count)
         rows = self._rows(context)
-        forces = self._forces(context, rows)
+        forces, bodies = self._forces(context, rows)
         if any(forces):
-            bodies = self._read_bodies(context)
+            bodies = bodies or self._read_bodies(context)
             for (a, b), springs in self._groups.items():
                 on_A, on_B = laws.springs_wrenches(
                     bodies[a], bodies[b], [(forces[k], rows[k][7:]) for k in springs]
@@ -139,6 +143,6 @@ class Springs(LeafSystem):
                 displacement, _ = laws.spring_displacement(
                     bodies[a], bodies[b], row[4:7], row[7:10]
                 )
-                left = max(0.0, stroke - displacement)
-                energy += 0.5 * force_max / stroke * left**2
+                if displacement < stroke:
+                    energy += laws.linear_spring_energy(displacement, force_max, stroke)
         output.SetFromVector([energy])
