@@ -23,7 +23,7 @@ ObjectiveName: TypeAlias = Literal["L1", "L2", "Linf", "PM"]
 
 def _since_release(run: Run, samples: NDArray[np.float64]) -> list[PPoly]:
     interpolants = signals.interpolate(run.completed_motion.time, samples, run.breaks)
-    start, end = run.separation.release_start, run.separation.duration
+    start, end = run.separation_start, run.separation.duration
     return [signals.between(signal, start, end) for signal in interpolants]
 
 

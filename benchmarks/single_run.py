@@ -49,8 +49,9 @@ def with_systems(separation: Separation, count: int) -> tuple[Callable, Context]
         return system
 
     if count:
-        release = Release(len(separation.attachments))
+        release = Release(separation, layout)
         add(release, release.set_schedule)
+        builder.Connect(state, release.GetInputPort("plant_state"))
     forces = []
     if count >= 1:
         springs = Springs(separation, layout)

@@ -19,20 +19,18 @@ from drakesep.analysis.dispersions import Box
 from drakesep.analysis.metrics import ANGLES, AXES
 from drakesep.analysis.objectives import ObjectiveName
 from drakesep.analysis.requirements import Requirement
-from drakesep.systems.checks import InputError, check_finite, unknown
+from drakesep.systems.checks import InputError, Vector3, check_finite, unknown
+from drakesep.systems.joints import Joint
 from drakesep.systems.model import (
     EARTH_RADIUS,
     Attachment,
     Body,
     InitialMotion,
-    Joint,
-    LinearSpring,
     Orbit,
     Separation,
-    Spring,
-    Vector3,
 )
 from drakesep.systems.parameters import parameters, with_values
+from drakesep.systems.pushers import DisplacementSpring, Spring
 from drakesep.systems.settings import Integration, Scheme
 from drakesep.units import unit_of, with_unit
 
@@ -421,10 +419,10 @@ def _orbit(orbit: OrbitSection) -> Orbit:
     return Orbit(radius=EARTH_RADIUS + 1000.0 * orbit.altitude_km)
 
 
-def _spring(spring: SpringSection) -> Spring | LinearSpring:
+def _spring(spring: SpringSection) -> Spring | DisplacementSpring:
     stroke = unit_of("stroke").to_si(spring.stroke_mm)
     if spring.design_mass_kg is None:
-        return LinearSpring(
+        return DisplacementSpring(
             name=spring.name,
             force_max=spring.force_max_N,
             stroke=stroke,

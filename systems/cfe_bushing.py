@@ -1,46 +1,85 @@
 """The attachments' joints by constraint forces (CFE)."""
 
 import math
-from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drakesep.systems import laws
-from drakesep.systems.geometry import mated_orientation, pad_on_B
-from drakesep.systems.laws import BodyState, JointDeviation
+from drakesep.systems.geometry import axis_on_B, mated_orientation, pad_on_B
+from drakesep.systems.joints import JointType
+from drakesep.systems.laws import BodyState, PairState, Turn
 from drakesep.systems.model import Separation
 from drakesep.systems.state_layout import StateLayout
-from drakesep.systems.vectors import Quaternion, Vector
+from drakesep.systems.vectors import (
+    Rotation,
+    Vector,
+    add,
+    cross,
+    rotate,
+    unrotate,
+)
 from drakesep.systems.wrenches import WrenchSum
 
 
-_FIELDS = 14
-"""Of a joint's parameters: the gains, the pads on A and B, the mated orientation."""
+_FIELDS = 21
+"""Of a joint's parameters: see `CfeBushing`."""
+_ZERO = (0.0, 0.0, 0.0)
+_NO_TURN = Turn(_ZERO, 0.0, _ZERO)
+_A_AXES = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 class _Joint(NamedTuple):
-    """A joint's parameters, and the indices of its bodies."""
+    """What is fixed of a joint when the system is built."""
+
+    attachment: int
+    """Its index."""
+    type: JointType
+    R_AJ: Rotation | None
+    """Orientation of its frame J in A; None if it is that of A."""
+
+    @property
+    def holds_all_rotations(self) -> bool:
+        return self.type in ("fixed", "prismatic")
+
+    def in_J(self, v_A: Vector) -> Vector:
+        return v_A if self.R_AJ is None else unrotate(self.R_AJ, v_A)
+
+    def in_A(self, v_J: Vector) -> Vector:
+        return v_J if self.R_AJ is None else rotate(self.R_AJ, v_J)
+
+
+class _Pull(NamedTuple):
+    """What a joint does to B, in its frame J, and the energy that it holds."""
+
+    force: Vector
+    torque: Vector
+    """About B's pad, but for `moment`, N m."""
+    moment: Vector
+    """Of a joint that holds all rotations, conjugate to `Turn.theta`; else zero."""
+    energy: float
+
+
+class _HeldPair(NamedTuple):
+    """Two bodies that joints still hold."""
 
     a: int
     b: int
-    gains: Sequence[float]
-    p_AoPad_A: Vector
-    p_BoPad_B: Vector
-    q_AB: Quaternion
-
-    def deviation(self, A: BodyState, B: BodyState) -> tuple[JointDeviation, Vector]:
-        return laws.joint_deviation(
-            A, B, self.p_AoPad_A, self.p_BoPad_B, self.q_AB, math
-        )
+    A: BodyState
+    B: BodyState
+    motion: PairState
+    turn: Turn
+    held: list[tuple[_Joint, Vector, _Pull]]
+    """The joints, each with its pad from B's origin, in A, and what it does."""
 
 
 class CfeBushing(LeafSystem):
     """Holds B to A at each attachment that is not released, Eq. 1-4.
 
-    All six directions are held. The stiffness and damping are isotropic in
-    translation and in rotation, in the frame of A, so that the elastic energy is
-    exact; the rotation vector has no singularity below 180 deg.
+    Each joint holds the directions of its type, in its frame fixed in A. Its forces and
+    torques have a potential, whatever the gains. No type has a singularity below 180
+    deg of rotation, but for the universal one, which locks when its axes fall together.
 
     Input ports:
         plant_state: state of the plant.
@@ -49,25 +88,29 @@ class CfeBushing(LeafSystem):
     Output ports:
         wrenches: (6 m,) torque about the origin, N m, and force, N, in W, on each
             of the m bodies.
+        loads: (6 n,) torque, N m, and force, N, of each joint on B at its pad, in the
+            joint's frame; zero after release.
         energy: (1,) elastic energy of the joints that hold, J.
 
     Parameters:
-        0: (14 n,) for each attachment K_F, D_F, K_T, D_T, its place in A and in B,
-            and the orientation quaternion of B in A while mated.
+        0: (21 n,) for each attachment its gains K_F, D_F, K_T, D_T along x, y and z of
+            the joint's frame, zero where it is free; its place in A and in B; and the
+            joint's x axis, or y of a universal one, fixed in B.
+        1: (4 p,) for each pair of attached bodies the mated orientation q_AB.
     """
 
     def __init__(self, separation: Separation, layout: StateLayout):
         super().__init__()
         self._count = len(separation.bodies)
-        index = {body.name: i for i, body in enumerate(separation.bodies)}
-        self._ends = [(index[a.A], index[a.B]) for a in separation.attachments]
+        self._size = len(separation.attachments)
+        self._pairs = _pairs(separation)
         self._layout = layout
         self._state = self.DeclareVectorInputPort("plant_state", layout.size)
-        self._released = self.DeclareVectorInputPort("released", len(self._ends))
-        self._joints = self.DeclareNumericParameter(
-            BasicVector(_FIELDS * len(self._ends))
-        )
+        self._released = self.DeclareVectorInputPort("released", self._size)
+        self._joints = self.DeclareNumericParameter(BasicVector(_FIELDS * self._size))
+        self._mated = self.DeclareNumericParameter(BasicVector(4 * len(self._pairs)))
         self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
+        self.DeclareVectorOutputPort("loads", 6 * self._size, self._calc_loads)
         self.DeclareVectorOutputPort("energy", 1, self._calc_energy)
 
     def set_joints(self, context: Context, separation: Separation) -> None:
@@ -75,38 +118,109 @@ class CfeBushing(LeafSystem):
         rows: list[float] = []
         for attachment in separation.attachments:
             joint = attachment.joint
-            rows += [joint.K_F, joint.D_F, joint.K_T, joint.D_T]
+            axis_A = joint.y_axis_A if joint.type == "universal" else joint.x_axis_A
+            rows += joint.held_gains()
             rows += [*attachment.p_AoPad_A, *pad_on_B(separation, attachment)]
-            rows += mated_orientation(separation, attachment)
+            rows += axis_on_B(separation, attachment, axis_A)
         context.get_mutable_numeric_parameter(self._joints).SetFromVector(rows)
+        bodies = separation.bodies
+        orientations: list[float] = []
+        for a, b in self._pairs:
+            orientations += mated_orientation(bodies[a], bodies[b])
+        context.get_mutable_numeric_parameter(self._mated).SetFromVector(orientations)
 
-    def _held(self, context: Context) -> Iterator[tuple[_Joint, list[BodyState]]]:
+    def _held_pairs(self, context: Context) -> Iterator[_HeldPair]:
         released = self._released.Eval(context).tolist()
-        held = [j for j, time in enumerate(released) if math.isinf(time)]
-        if held:
-            bodies = self._layout.read(self._state.Eval(context).tolist())
-            rows = context.get_numeric_parameter(self._joints).value().tolist()
-            for j in held:
-                row = rows[_FIELDS * j : _FIELDS * (j + 1)]
-                yield (
-                    _Joint(*self._ends[j], row[:4], row[4:7], row[7:10], row[10:14]),
-                    bodies,
+        if all(map(math.isfinite, released)):
+            return
+        bodies = self._layout.read(self._state.Eval(context).tolist())
+        rows = context.get_numeric_parameter(self._joints).value().tolist()
+        mated = context.get_numeric_parameter(self._mated).value().tolist()
+        for i, ((a, b), joints) in enumerate(self._pairs.items()):
+            held = [joint for joint in joints if math.isinf(released[joint.attachment])]
+            if not held:
+                continue
+            A, B = bodies[a], bodies[b]
+            motion = laws.pair_state(A, B)
+            turn = _NO_TURN
+            if any(joint.holds_all_rotations for joint in held):
+                q_AB = (
+                    mated[4 * i],
+                    mated[4 * i + 1],
+                    mated[4 * i + 2],
+                    mated[4 * i + 3],
                 )
+                turn = laws.rotation_deviation(A, B, q_AB, motion.w_AB, math)
+            pulls = []
+            for joint in held:
+                start = _FIELDS * joint.attachment
+                row = rows[start : start + _FIELDS]
+                pulls.append((joint, *_pull(joint, row, motion, turn)))
+            yield _HeldPair(a, b, A, B, motion, turn, pulls)
 
     def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
         total = WrenchSum(self._count)
-        for joint, bodies in self._held(context):
-            A, B = bodies[joint.a], bodies[joint.b]
-            deviation, p_WPad = joint.deviation(A, B)
-            on_A, on_B = laws.joint_wrenches(A, B, deviation, p_WPad, joint.gains)
-            total.add(joint.a, on_A)
-            total.add(joint.b, on_B)
+        for pair in self._held_pairs(context):
+            force, torque, moment = _ZERO, _ZERO, _ZERO
+            for joint, r_A, pull in pair.held:
+                force_A = joint.in_A(pull.force)
+                force = add(force, force_A)
+                torque = add(torque, cross(r_A, force_A))
+                torque = add(torque, joint.in_A(pull.torque))
+                moment = add(moment, joint.in_A(pull.moment))
+            torque = add(torque, laws.turning_torque(pair.turn, moment))
+            on_A, on_B = laws.wrenches_at_origin(
+                pair.A, pair.motion.p_AoBo, force, torque
+            )
+            total.add(pair.a, on_A)
+            total.add(pair.b, on_B)
         total.write(output)
+
+    def _calc_loads(self, context: Context, output: BasicVector) -> None:
+        loads = [0.0] * (6 * self._size)
+        for pair in self._held_pairs(context):
+            for joint, _, pull in pair.held:
+                moment_A = laws.turning_torque(pair.turn, joint.in_A(pull.moment))
+                torque = add(pull.torque, joint.in_J(moment_A))
+                start = 6 * joint.attachment
+                loads[start : start + 6] = [*torque, *pull.force]
+        output.SetFromVector(loads)
 
     def _calc_energy(self, context: Context, output: BasicVector) -> None:
         energy = 0.0
-        for joint, bodies in self._held(context):
-            deviation, _ = joint.deviation(bodies[joint.a], bodies[joint.b])
-            K_F, _, K_T, _ = joint.gains
-            energy += laws.joint_energy(deviation, K_F, K_T)
+        for pair in self._held_pairs(context):
+            energy += sum(pull.energy for *_, pull in pair.held)
         output.SetFromVector([energy])
+
+
+def _pairs(separation: Separation) -> dict[tuple[int, int], list[_Joint]]:
+    """Return the joints between each pair of bodies, by the bodies' indices."""
+    index = {body.name: i for i, body in enumerate(separation.bodies)}
+    pairs: dict[tuple[int, int], list[_Joint]] = {}
+    for i, attachment in enumerate(separation.attachments):
+        joint = attachment.joint
+        R_AJ = None if joint.R_AJ == _A_AXES else joint.R_AJ
+        ends = index[attachment.A], index[attachment.B]
+        pairs.setdefault(ends, []).append(_Joint(i, joint.type, R_AJ))
+    return pairs
+
+
+def _pull(
+    joint: _Joint, row: Any, motion: PairState, turn: Turn
+) -> tuple[Vector, _Pull]:
+    """Return B's pad from B's origin, in A, m, and what the joint does."""
+    K_F, D_F, K_T, D_T = row[0:3], row[3:6], row[6:9], row[9:12]
+    (dx_A, v_A), r_A = laws.translation_deviation(motion, row[12:15], row[15:18])
+    force, energy = laws.constraint_force(joint.in_J(dx_A), joint.in_J(v_A), K_F, D_F)
+    torque = moment = _ZERO
+    if joint.holds_all_rotations:
+        moment, held = laws.constraint_force(
+            joint.in_J(turn.theta), joint.in_J(turn.rate), K_T, D_T
+        )
+        energy += held
+    elif joint.type != "spherical":
+        axis_J = joint.in_J(rotate(motion.R_AB, row[18:21]))
+        law = laws.universal_torque if joint.type == "universal" else laws.swing_torque
+        torque, held = law(axis_J, joint.in_J(motion.w_AB), K_T, D_T, math)
+        energy += held
+    return r_A, _Pull(force, torque, moment, energy)

@@ -4,6 +4,14 @@ import difflib
 import math
 import numbers
 from collections.abc import Iterable, Sequence
+from typing import TypeAlias
+
+
+Vector3: TypeAlias = tuple[float, float, float]
+"""Three numbers: a point, a force, roll pitch yaw."""
+
+_DECIMALS = 1e-6
+"""Of unit vectors that are written in decimals."""
 
 
 class InputError(ValueError):
@@ -38,6 +46,16 @@ def check_entries(name: str, entries: Sequence[float], count: int) -> None:
     if len(entries) != count:
         raise InputError(f"{name} must have {count} entries, got {len(entries)}")
     check_finite(name, *entries)
+
+
+def check_unit(name: str, vector: Sequence[float]) -> None:
+    """Raise InputError unless the vector has three entries and length one."""
+    check_entries(name, vector, 3)
+    length = math.hypot(*vector)
+    if abs(length - 1.0) > _DECIMALS:
+        raise InputError(
+            f"{name} must be of length 1, got {tuple(vector)} of length {length:.9g}"
+        )
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> str:

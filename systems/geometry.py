@@ -2,7 +2,8 @@
 
 import math
 
-from drakesep.systems.model import Attachment, Body, Separation, Vector3
+from drakesep.systems.checks import Vector3
+from drakesep.systems.model import Attachment, Body, Separation
 from drakesep.systems.vectors import (
     Quaternion,
     add,
@@ -30,8 +31,15 @@ def pad_on_B(separation: Separation, attachment: Attachment) -> Vector3:
     return unrotate(R_SB, subtract(p_SPad, B.p_ABo))
 
 
-def mated_orientation(separation: Separation, attachment: Attachment) -> Quaternion:
-    """Return the orientation q_AB of an attachment's body B in its body A."""
-    q_SA = quaternion(separation.body(attachment.A).rpy_AB, math)
-    q_SB = quaternion(separation.body(attachment.B).rpy_AB, math)
+def axis_on_B(
+    separation: Separation, attachment: Attachment, axis_A: Vector3
+) -> Vector3:
+    """Return, in the attachment's body B, an axis given in A, while mated."""
+    A, B = separation.body(attachment.A), separation.body(attachment.B)
+    return unrotate(rotation_matrix(mated_orientation(A, B)), axis_A)
+
+
+def mated_orientation(A: Body, B: Body) -> Quaternion:
+    """Return the orientation q_AB of one body in another while mated."""
+    q_SA, q_SB = quaternion(A.rpy_AB, math), quaternion(B.rpy_AB, math)
     return multiply(conjugate(q_SA), q_SB)

@@ -28,8 +28,7 @@ class Gravity(LeafSystem):
             of the m bodies.
 
     Parameters:
-        0: (2,) gravitational parameter, m^3/s^2 (0: free of gravity), and radius
-            of the orbit, m.
+        0: (2,) gravitational parameter, m^3/s^2, and radius of the orbit, m.
         1: (10 m,) mass, CG and inertia (xx, yy, zz, xy, xz, yz) of each body.
     """
 
@@ -47,8 +46,9 @@ class Gravity(LeafSystem):
     def set_gravity(self, context: Context, separation: Separation) -> None:
         """Write the orbit and the mass properties into this system's Context."""
         orbit = separation.orbit
+        assert orbit is not None  # the structure of SeparationElements
         context.get_mutable_numeric_parameter(self._orbit).SetFromVector(
-            [orbit.mu, orbit.radius] if orbit else [0.0, 1.0]
+            [orbit.mu, orbit.radius]
         )
         rows: list[float] = []
         for body in separation.bodies:
@@ -58,14 +58,11 @@ class Gravity(LeafSystem):
     def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
         total = WrenchSum(self._count)
         mu, radius = context.get_numeric_parameter(self._orbit).value().tolist()
-        if mu > 0.0:
-            mean_motion = math.sqrt(mu / radius**3)
-            r_W = laws.orbit_position(context.get_time(), radius, mean_motion, math)
-            bodies = self._layout.read(self._state.Eval(context).tolist())
-            rows = context.get_numeric_parameter(self._mass_properties).value().tolist()
-            for i, body in enumerate(bodies):
-                row = rows[_FIELDS * i : _FIELDS * (i + 1)]
-                total.add(
-                    i, laws.gravity_wrench(body, row[0], row[1:4], row[4:], r_W, mu)
-                )
+        mean_motion = math.sqrt(mu / radius**3)
+        r_W = laws.orbit_position(context.get_time(), radius, mean_motion, math)
+        bodies = self._layout.read(self._state.Eval(context).tolist())
+        rows = context.get_numeric_parameter(self._mass_properties).value().tolist()
+        for i, body in enumerate(bodies):
+            row = rows[_FIELDS * i : _FIELDS * (i + 1)]
+            total.add(i, laws.gravity_wrench(body, row[0], row[1:4], row[4:], r_W, mu))
         total.write(output)

@@ -7,6 +7,7 @@ equations are those of Simplicio and Bennani, "Worst-case Launch Vehicle Stage
 Separation Analysis". SI units and radians throughout.
 """
 
+import itertools
 from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
@@ -14,12 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drakesep.systems.vectors import (
+    TINY,
     Ops,
     Quaternion,
     Rotation,
     Scalar,
     Vector,
     add,
+    compose,
     conjugate,
     cross,
     dot,
@@ -31,6 +34,7 @@ from drakesep.systems.vectors import (
     rotation_vector,
     scale,
     subtract,
+    transpose,
     unrotate,
 )
 
@@ -86,29 +90,6 @@ def velocity_at(body: BodyState, r_W: Vector) -> Vector:
     return add(body.v_WBo, cross(body.w_WB, r_W))
 
 
-def action_and_reaction(
-    A: BodyState, B: BodyState, p_WQ: Vector, force: Vector, torque: Vector
-) -> tuple[Wrench, Wrench]:
-    """Return the wrenches on A and on B of an interaction at one point in space.
-
-    Both bodies feel the force on the same line of action, so that linear and
-    angular momentum are conserved exactly.
-
-    Args:
-        A: the body that feels the reaction.
-        B: the body that feels `force` and `torque`.
-        p_WQ: the point, from W's origin, m.
-        force: force on B, in W, N.
-        torque: torque on B, in W, N m.
-    """
-    moment_A = cross(subtract(p_WQ, A.p_WBo), force)
-    moment_B = cross(subtract(p_WQ, B.p_WBo), force)
-    return (
-        Wrench(negate(add(moment_A, torque)), negate(force)),
-        Wrench(add(moment_B, torque), force),
-    )
-
-
 def spring_force(
     elapsed: Scalar, force_max: Scalar, frequency: Scalar, ops: Ops
 ) -> Scalar:
@@ -144,26 +125,71 @@ def spring_displacement(
     return dot(e_xA, r_A) - p_AoPad_A[0], dot(e_xA, v_APad)
 
 
-def linear_spring_force(
+def ramps(profile: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Return a piecewise straight line as ramps: where each begins, and its slope.
+
+    Args:
+        profile: (n, 2) rows of argument and value, joined by straight lines.
+    """
+    rows, before = [], 0.0
+    for (s0, f0), (s1, f1) in itertools.pairwise(profile):
+        slope = (f1 - f0) / (s1 - s0)
+        rows.append((s0, slope - before))
+        before = slope
+    return rows
+
+
+def displacement_spring_force(
     displacement: Scalar,
     speed: Scalar,
     force_max: Scalar,
     stroke: Scalar,
     damping: Scalar,
+    start: float,
+    ramps: Sequence[tuple[float, float]],
 ) -> Scalar:
     """Return the force of a spring and damper within its stroke, N.
 
     With `spring_displacement` as its argument, the spring's work is exactly what its
     energy loses: the force acts along the axis on which displacement is measured.
+
+    Args:
+        displacement: of the pad along A's x axis, m.
+        speed: its rate, m/s.
+        force_max: largest force of the profile, N.
+        stroke: m.
+        damping: N s/m.
+        start: the profile at its start.
+        ramps: the profile's `ramps`, over the stroke.
     """
-    return force_max * (1.0 - displacement / stroke) - damping * speed
+    u = displacement / stroke
+    force = start
+    for u_i, slope in ramps:
+        # Half of x + |x| is the larger of x and 0, on floats and on lanes. The first
+        # ramp is a line: a pad pressed in further is pushed harder.
+        x = u - u_i
+        force = force + slope * (0.5 * (x + abs(x)) if u_i > 0.0 else x)
+    return force_max * force - damping * speed
 
 
-def linear_spring_energy(
-    displacement: Scalar, force_max: Scalar, stroke: Scalar
+def displacement_spring_energy(
+    displacement: Scalar,
+    force_max: Scalar,
+    stroke: Scalar,
+    start: float,
+    ramps: Sequence[tuple[float, float]],
 ) -> Scalar:
-    """Return the energy that a linear spring stores within its stroke, J."""
-    return 0.5 * force_max / stroke * (stroke - displacement) ** 2
+    """Return the energy that such a spring stores within its stroke, J.
+
+    Arguments are those of `displacement_spring_force`.
+    """
+    u = displacement / stroke
+    area = start * (1.0 - u)
+    for u_i, slope in ramps:
+        x = u - u_i
+        left = 0.5 * (x + abs(x)) if u_i > 0.0 else x
+        area = area + 0.5 * slope * ((1.0 - u_i) ** 2 - left**2)
+    return force_max * stroke * area
 
 
 def springs_wrenches(
@@ -192,80 +218,236 @@ def springs_wrenches(
     return Wrench(negate(torque_A), negate(force_W)), Wrench(torque_B, force_W)
 
 
-class JointDeviation(NamedTuple):
-    """How far a joint has been pulled from its mated place, expressed in A."""
-
-    translation: Vector
-    """Of B's attachment point from A's, m."""
-    rotation: Vector
-    """Rotation vector of B from its mated orientation, rad."""
-    velocity: Vector
-    """Rate of change of `translation` as seen from A, m/s."""
-    rate: Vector
-    """Angular velocity of B in A, rad/s."""
-
-
-def joint_deviation(
-    A: BodyState,
-    B: BodyState,
-    p_AoPad_A: Vector,
-    p_BoPad_B: Vector,
-    q_AB: Quaternion,
-    ops: Ops,
-) -> tuple[JointDeviation, Vector]:
-    """Return a joint's deviation, and where in W it acts: B's attachment point.
+def load_wrench(
+    B: BodyState, p_BoQ_B: Vector, force: Vector, torque: Vector, in_body: bool
+) -> Wrench:
+    """Return the wrench of a force at a point of a body, and of a torque.
 
     Args:
-        A: first body.
-        B: second body.
+        B: the body.
+        p_BoQ_B: the point, m.
+        force: in the axes of the body or of the world, N.
+        torque: likewise, N m.
+        in_body: whether they are in the axes of the body.
+    """
+    if in_body:
+        force, torque = rotate(B.R_WB, force), rotate(B.R_WB, torque)
+    return Wrench(add(torque, cross(rotate(B.R_WB, p_BoQ_B), force)), force)
+
+
+class PairState(NamedTuple):
+    """Motion of body B as seen from body A, expressed in A."""
+
+    R_AB: Rotation
+    """Orientation of B."""
+    p_AoBo: Vector
+    """Place of B's origin, m."""
+    w_AB: Vector
+    """Angular velocity of B in A, rad/s."""
+    v_ABo: Vector
+    """Velocity of B's origin in A, m/s."""
+
+
+def pair_state(A: BodyState, B: BodyState) -> PairState:
+    """Return the motion of B as seen from A."""
+    p_W = subtract(B.p_WBo, A.p_WBo)
+    v_W = subtract(subtract(B.v_WBo, A.v_WBo), cross(A.w_WB, p_W))
+    return PairState(
+        compose(transpose(A.R_WB), B.R_WB),
+        unrotate(A.R_WB, p_W),
+        unrotate(A.R_WB, subtract(B.w_WB, A.w_WB)),
+        unrotate(A.R_WB, v_W),
+    )
+
+
+def wrenches_at_origin(
+    A: BodyState, p_AoBo_A: Vector, force_A: Vector, torque_A: Vector
+) -> tuple[Wrench, Wrench]:
+    """Return the wrenches on A and on B of an interaction given at B's origin, in A.
+
+    Both bodies feel it at the same point in space, so that linear and angular momentum
+    are conserved exactly.
+
+    Args:
+        A: the body that feels the reaction.
+        p_AoBo_A: B's origin from A's, in A, m.
+        force_A: force on B, in A, N.
+        torque_A: torque on B about its origin, in A, N m.
+    """
+    force = rotate(A.R_WB, force_A)
+    on_A = rotate(A.R_WB, add(torque_A, cross(p_AoBo_A, force_A)))
+    return (
+        Wrench(negate(on_A), negate(force)),
+        Wrench(rotate(A.R_WB, torque_A), force),
+    )
+
+
+class Deviation(NamedTuple):
+    """How far a joint has been pulled from its mated place, and how fast."""
+
+    value: Vector
+    """m, or rad."""
+    rate: Vector
+    """m/s, or rad/s."""
+
+
+def translation_deviation(
+    pair: PairState, p_AoPad_A: Vector, p_BoPad_B: Vector
+) -> tuple[Deviation, Vector]:
+    """Return the deviation of B's attachment point, in A (Eq. 1), and its lever.
+
+    Args:
+        pair: the motion of B as seen from A.
         p_AoPad_A: attachment point fixed in A, m.
         p_BoPad_B: attachment point fixed in B, m.
-        q_AB: orientation of B in A while mated.
-        ops: module of the elementary functions.
+
+    Returns:
+        The deviation, and the point of B from B's origin, in A, m.
     """
-    r_B = rotate(B.R_WB, p_BoPad_B)
-    p_WPad = add(B.p_WBo, r_B)
-    r_A = subtract(p_WPad, A.p_WBo)
-    v_ABpad = subtract(velocity_at(B, r_B), velocity_at(A, r_A))
-    q_error = multiply(multiply(conjugate(A.q_WB), B.q_WB), conjugate(q_AB))
-    deviation = JointDeviation(
-        subtract(unrotate(A.R_WB, r_A), p_AoPad_A),
-        rotation_vector(q_error, ops),
-        unrotate(A.R_WB, v_ABpad),
-        unrotate(A.R_WB, subtract(B.w_WB, A.w_WB)),
+    r = rotate(pair.R_AB, p_BoPad_B)
+    return (
+        Deviation(
+            subtract(add(pair.p_AoBo, r), p_AoPad_A),
+            add(pair.v_ABo, cross(pair.w_AB, r)),
+        ),
+        r,
     )
-    return deviation, p_WPad
 
 
-def joint_wrenches(
-    A: BodyState,
-    B: BodyState,
-    deviation: JointDeviation,
-    p_WPad: Vector,
-    gains: Sequence[Scalar],
-) -> tuple[Wrench, Wrench]:
-    """Return the wrenches on A and B of a fixed joint by constraint forces.
+def constraint_force(
+    deviation: Vector, rate: Vector, K: Vector, D: Vector
+) -> tuple[Vector, Scalar]:
+    """Return the force, or moment, of a joint's springs and dampers, and their energy.
+
+    Args:
+        deviation: in the joint's frame, m or rad.
+        rate: of the deviation, m/s or rad/s.
+        K: stiffness along x, y and z, N/m or N m/rad; zero where the joint is free.
+        D: damping likewise, N s/m or N m s/rad.
+    """
+    (x, y, z), (vx, vy, vz) = deviation, rate
+    fx, fy, fz = K[0] * x, K[1] * y, K[2] * z
+    force = -fx - D[0] * vx, -fy - D[1] * vy, -fz - D[2] * vz  # Eq. 3 and 4
+    return force, 0.5 * (fx * x + fy * y + fz * z)
+
+
+class Turn(NamedTuple):
+    """Rotation of B from its mated orientation, in A: vector, rad, and its rate.
+
+    The rate is J w with J = 1 - [theta]/2 + c [theta]^2, so that a torque -J^T K theta
+    has the potential theta^T K theta / 2, whatever the gains along the axes.
+    """
+
+    theta: Vector
+    c: Scalar
+    rate: Vector
+
+
+def rotation_deviation(
+    A: BodyState, B: BodyState, q_AB: Quaternion, w_AB_A: Vector, ops: Ops
+) -> Turn:
+    """Return the rotation of B from its mated orientation; unique below 180 deg.
 
     Args:
         A: first body.
         B: second body.
-        deviation: from `joint_deviation`.
-        p_WPad: from `joint_deviation`.
-        gains: K_F, N/m, D_F, N s/m, K_T, N m/rad, and D_T, N m s/rad.
+        q_AB: orientation of B in A while mated.
+        w_AB_A: angular velocity of B in A, in A, rad/s.
+        ops: module of the elementary functions.
     """
-    K_F, D_F, K_T, D_T = gains
-    dx, dtheta, v, w = deviation
-    force_A = add(scale(-K_F, dx), scale(-D_F, v))  # Eq. 3
-    torque_A = add(scale(-K_T, dtheta), scale(-D_T, w))  # Eq. 4
-    return action_and_reaction(
-        A, B, p_WPad, rotate(A.R_WB, force_A), rotate(A.R_WB, torque_A)
-    )
+    error = multiply(multiply(conjugate(A.q_WB), B.q_WB), conjugate(q_AB))
+    theta = rotation_vector(error, ops)
+    angle2 = dot(theta, theta)
+    half = 0.5 * ops.sqrt(angle2 + TINY)
+    # (1 - (angle/2) cot(angle/2)) / angle^2: round-off of it meets angle^2 again.
+    c = (1.0 - half * ops.cos(half) / ops.sin(half)) / (angle2 + TINY)
+    wt = cross(theta, w_AB_A)
+    rate = add(subtract(w_AB_A, scale(0.5, wt)), scale(c, cross(theta, wt)))
+    return Turn(theta, c, rate)
 
 
-def joint_energy(deviation: JointDeviation, K_F: Scalar, K_T: Scalar) -> Scalar:
-    """Return the elastic energy held by a fixed joint, J."""
-    dx, dtheta = deviation.translation, deviation.rotation
-    return 0.5 * K_F * dot(dx, dx) + 0.5 * K_T * dot(dtheta, dtheta)
+def twist_angle(
+    q_WA: Quaternion, q_WB: Quaternion, q_AB: Quaternion, axis_A: Vector, ops: Ops
+) -> Scalar:
+    """Return by how much B has turned in A about an axis, from 0 to pi, rad.
+
+    Args:
+        q_WA: orientation of A.
+        q_WB: orientation of B.
+        q_AB: orientation of B in A while mated.
+        axis_A: the axis, in A.
+        ops: module of the elementary functions.
+    """
+    w, x, y, z = multiply(multiply(conjugate(q_WA), q_WB), conjugate(q_AB))
+    return 2.0 * ops.atan2(abs(dot(axis_A, (x, y, z))), abs(w))
+
+
+def turning_torque(turn: Turn, moment: Vector) -> Vector:
+    """Return J^T moment: the torque on B of a moment conjugate to `Turn.theta`."""
+    tm = cross(turn.theta, moment)
+    return add(add(moment, scale(0.5, tm)), scale(turn.c, cross(turn.theta, tm)))
+
+
+def swing_torque(
+    x_B_J: Vector, w_J: Vector, K_T: Vector, D_T: Vector, ops: Ops
+) -> tuple[Vector, Scalar]:
+    """Return the torque on B that keeps an axis of it along the joint's x axis.
+
+    The deviation is the angle between the axes, times the direction about which one
+    turns into the other; turning about the axis itself is free. Unique below 180 deg.
+
+    Args:
+        x_B_J: the joint's x axis fixed in B, in the joint's frame J, fixed in A.
+        w_J: angular velocity of B in A, in J, rad/s.
+        K_T: stiffness, of which y and z are used, N m/rad.
+        D_T: damping likewise, N m s/rad.
+        ops: module of the elementary functions.
+
+    Returns:
+        Torque in J, N m, and energy, J.
+    """
+    x, y, z = x_B_J
+    wx, wy, wz = w_J
+    sine2 = y * y + z * z + TINY
+    sine = ops.sqrt(sine2)
+    f = ops.atan2(sine, x) / sine
+    df = (x * f - 1.0) / sine2  # of f with the cosine x
+    theta_y, theta_z = -z * f, y * f
+    # d theta / dt = G w, with the rates of the axis w x (x, y, z)
+    dx_y, dx_z = z, -y
+    G_y = -f * y, f * x - z * df * dx_y, -z * df * dx_z
+    G_z = -f * z, y * df * dx_y, f * x + y * df * dx_z
+    m_y = K_T[1] * theta_y + D_T[1] * (G_y[0] * wx + G_y[1] * wy + G_y[2] * wz)
+    m_z = K_T[2] * theta_z + D_T[2] * (G_z[0] * wx + G_z[1] * wy + G_z[2] * wz)
+    energy = 0.5 * (K_T[1] * theta_y * theta_y + K_T[2] * theta_z * theta_z)
+    return negate(add(scale(m_y, G_y), scale(m_z, G_z))), energy
+
+
+def universal_torque(
+    y_B_J: Vector, w_J: Vector, K_T: Vector, D_T: Vector, ops: Ops
+) -> tuple[Vector, Scalar]:
+    """Return the torque on B that keeps its y axis at a right angle to A's x axis.
+
+    Eq. 2 with e_A the joint's x axis and e_B its y axis. The deviation is the angle by
+    which they miss the right angle; at 90 deg the axes fall together and it locks.
+
+    Args:
+        y_B_J: the joint's y axis fixed in B, in the joint's frame J, fixed in A.
+        w_J: angular velocity of B in A, in J, rad/s.
+        K_T: stiffness, of which z is used, N m/rad.
+        D_T: damping likewise, N m s/rad.
+        ops: module of the elementary functions.
+
+    Returns:
+        Torque in J, N m, and energy, J.
+    """
+    x, y, z = y_B_J
+    cosine = ops.sqrt(y * y + z * z + TINY)
+    theta = ops.atan2(-x, cosine)
+    # About the normal of both axes, x_A cross y_B.
+    n_y, n_z = -z / cosine, y / cosine
+    m = K_T[2] * theta + D_T[2] * (n_y * w_J[1] + n_z * w_J[2])
+    return (0.0, -m * n_y, -m * n_z), 0.5 * K_T[2] * theta * theta
 
 
 def orbit_position(t: Scalar, radius: Scalar, mean_motion: Scalar, ops: Ops) -> Vector:

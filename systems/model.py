@@ -7,20 +7,24 @@ away, W the freely falling world (see README, "Frames").
 
 import math
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
 from drakesep.systems.checks import (
     InputError,
+    Vector3,
     check_entries,
     check_not_negative,
     check_positive,
     unknown,
 )
 from drakesep.systems.inertia import check_inertia
+from drakesep.systems.joints import Joint
+from drakesep.systems.load_tables import Load
+from drakesep.systems.pushers import DisplacementSpring, Spring
 
 
-Vector3: TypeAlias = tuple[float, float, float]
 Inertia: TypeAlias = tuple[float, float, float, float, float, float]
 """Matrix entries xx, yy, zz, xy, xz, yz (I_xy = -integral of x y dm), kg m^2."""
 
@@ -66,98 +70,16 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Joint:
-    """Gains of a fixed joint by constraint forces, Eq. 3-4.
-
-    Raises:
-        ValueError: a gain is negative or not finite.
-    """
-
-    K_F: float
-    """Stiffness in translation, N/m."""
-    D_F: float
-    """Damping in translation, N s/m."""
-    K_T: float
-    """Stiffness in rotation, N m/rad."""
-    D_T: float
-    """Damping in rotation, N m s/rad."""
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        for gain in ("K_F", "D_F", "K_T", "D_T"):
-            check_not_negative(f"joint {gain}", getattr(self, gain))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Spring:
-    """A separation spring driven by time, Eq. 5.
-
-    Raises:
-        ValueError: the force, the stroke or the design mass is not positive.
-    """
-
-    name: str
-    force_max: float
-    """Force at release, N."""
-    stroke: float
-    """m."""
-    design_mass: float
-    """m_S of Eq. 5, kg: a constant of the design, whatever is dispersed."""
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        check_positive(f"{self.name}: maximum force", self.force_max)
-        check_positive(f"{self.name}: stroke", self.stroke)
-        check_positive(f"{self.name}: design mass", self.design_mass)
-
-    @property
-    def frequency(self) -> float:
-        """Angular frequency of the force, rad/s."""
-        return math.sqrt(self.force_max / (self.design_mass * self.stroke))  # Eq. 5
-
-    @property
-    def duration(self) -> float:
-        """Time from release to the end of the stroke, s."""
-        return 0.5 * math.pi / self.frequency  # Eq. 5
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LinearSpring:
-    """A separation spring driven by displacement, with a damper beside it.
-
-    Its force falls from `force_max` at the mated place to zero at its stroke, less
-    what the damper takes; it never pulls.
-
-    Raises:
-        ValueError: the force or the stroke is not positive, or the damping negative.
-    """
-
-    name: str
-    force_max: float
-    """Force while mated, N."""
-    stroke: float
-    """m."""
-    damping: float = 0.0
-    """N s/m."""
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        check_positive(f"{self.name}: maximum force", self.force_max)
-        check_positive(f"{self.name}: stroke", self.stroke)
-        check_not_negative(f"{self.name}: damping", self.damping)
-
-    @property
-    def energy(self) -> float:
-        """Energy stored while mated, J."""
-        return 0.5 * self.force_max * self.stroke
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Attachment:
     """A place where B is held to A, and pushed from it by a spring after release.
 
+    It lets go at its release time, or once its joint has turned by its release angle,
+    whichever comes first; a signal of the surrounding diagram takes the place of the
+    time (see `Release`).
+
     Raises:
-        ValueError: a value is not finite, or both bodies are the same.
+        ValueError: a value is not finite, both bodies are the same, it never lets go,
+            or it lets go at an angle about which its joint does not turn.
     """
 
     name: str
@@ -168,17 +90,38 @@ class Attachment:
     p_AoPad_A: Vector3
     """Place in A, m; the pad on B is where it coincides with this while mated."""
     joint: Joint
-    spring: Spring | LinearSpring | None = None
+    spring: Spring | DisplacementSpring | None = None
     release_time: float = 0.0
-    """s."""
+    """s; infinite: not by time."""
+    release_angle: float = math.inf
+    """About the joint's x axis, either way, rad; infinite: not by angle."""
 
     def __post_init__(self) -> None:
         """Check the values."""
         check_entries(f"{self.name}: position", self.p_AoPad_A, 3)
-        check_not_negative(f"{self.name}: release time", self.release_time)
+        if self.release_time != math.inf:
+            check_not_negative(f"{self.name}: release time", self.release_time)
+        if self.release_angle != math.inf:
+            self._check_release_angle()
+        if math.isinf(self.release_time) and math.isinf(self.release_angle):
+            raise InputError(f"{self.name}: must have a release time or angle")
         if self.A == self.B:
             raise InputError(
                 f"{self.name}: must join two different bodies, got {self.A!r} twice"
+            )
+
+    def _check_release_angle(self) -> None:
+        check_positive(f"{self.name}: release angle", self.release_angle)
+        if self.release_angle >= math.pi:
+            raise InputError(
+                f"{self.name}: release angle must be below 180 deg, "
+                f"got {math.degrees(self.release_angle):g}"
+            )
+        constraints = self.joint.constraints
+        if constraints.rotation[0] or not constraints.rotation[1]:
+            raise InputError(
+                f"{self.name}: release angle needs a joint that turns about its x axis "
+                f"alone, got {self.joint.type}"
             )
 
 
@@ -231,8 +174,8 @@ class Separation:
 
     Raises:
         ValueError: a name is used twice or names nothing, a body is not attached, A
-            is not at the origin of the mated stack, or a release or a spring's push
-            does not end before the end of the run.
+            is not at the origin of the mated stack, or a scheduled release or the push
+            of a spring driven by time does not end before the end of the run.
     """
 
     bodies: tuple[Body, ...]
@@ -241,6 +184,8 @@ class Separation:
     """Name of the body pushed from; the mated stack is placed in its frame."""
     B: str
     """Name of the body pushed away, whose motion is analysed."""
+    loads: tuple[Load, ...] = ()
+    """Thrusters, retro-rockets, disturbances."""
     initial: InitialMotion = InitialMotion()
     orbit: Orbit | None = None
     """None: free of gravity."""
@@ -260,12 +205,14 @@ class Separation:
                 f"its frame; got position {base.p_ABo}, attitude {base.rpy_AB}"
             )
         for attachment in self.attachments:
-            if attachment.release_time >= self.duration:
+            if self.duration <= attachment.release_time < math.inf:
                 raise InputError(
                     f"{attachment.name}: release time must lie before the end of the "
                     f"run at {self.duration} s, got {attachment.release_time} s"
                 )
-        last = max(self.timed_stroke_ends.values(), default=0.0)
+        last = max(
+            self.timed_stroke_ends(self.scheduled_releases).values(), default=0.0
+        )
         if last >= self.duration:
             raise InputError(
                 "duration must be longer than it takes the springs to reach their "
@@ -276,6 +223,7 @@ class Separation:
         names = [body.name for body in self.bodies]
         names += [attachment.name for attachment in self.attachments]
         names += [spring.name for spring in self.springs]
+        names += [load.name for load in self.loads]
         counts = Counter([*names, *RESERVED_NAMES])
         for name, count in counts.items():
             if count > 1:
@@ -292,6 +240,14 @@ class Separation:
                     raise InputError(
                         f"{attachment.name}: {unknown('body', name, names)}"
                     )
+        attachments = [attachment.name for attachment in self.attachments]
+        for load in self.loads:
+            if load.body not in names:
+                raise InputError(f"{load.name}: {unknown('body', load.body, names)}")
+            if load.after is not None and load.after not in attachments:
+                raise InputError(
+                    f"{load.name}: {unknown('attachment', load.after, attachments)}"
+                )
         for name in (self.A, self.B):
             if name not in names:
                 raise InputError(f"pair: {unknown('body', name, names)}")
@@ -309,20 +265,27 @@ class Separation:
         return next(body for body in self.bodies if body.name == name)
 
     @property
-    def springs(self) -> tuple[Spring | LinearSpring, ...]:
+    def springs(self) -> tuple[Spring | DisplacementSpring, ...]:
         """The springs, in the order of their attachments."""
         return tuple(a.spring for a in self.attachments if a.spring is not None)
 
-    @property
-    def release_start(self) -> float:
-        """Time of the first release, s."""
-        return min(a.release_time for a in self.attachments)
+    def timed_stroke_ends(self, releases: Mapping[str, float]) -> dict[str, float]:
+        """Return when the springs driven by time reach their stroke, s, by their names.
+
+        Args:
+            releases: times of release by attachment, s.
+        """
+        return {
+            a.spring.name: releases[a.name] + a.spring.duration
+            for a in self.attachments
+            if isinstance(a.spring, Spring) and a.name in releases
+        }
 
     @property
-    def timed_stroke_ends(self) -> dict[str, float]:
-        """When the springs driven by time reach their stroke, s, by their names."""
+    def scheduled_releases(self) -> dict[str, float]:
+        """Times of the releases by time, s, by their attachments' names."""
         return {
-            a.spring.name: a.release_time + a.spring.duration
+            a.name: a.release_time
             for a in self.attachments
-            if isinstance(a.spring, Spring)
+            if math.isfinite(a.release_time)
         }

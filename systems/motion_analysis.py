@@ -47,7 +47,8 @@ class MotionAnalysis(LeafSystem):
 
     Input ports:
         plant_state: state of the plant.
-        plant_acceleration: generalized accelerations of the plant.
+        plant_acceleration: (6 m,) angular acceleration, rad/s^2, and acceleration of
+            the origin, m/s^2, in W, of each of the m bodies.
         spring_wrenches: (6 m,) wrenches of the springs on each of the m bodies.
 
     Output ports, (3,) each:
@@ -84,9 +85,20 @@ class MotionAnalysis(LeafSystem):
         self._springs = self.DeclareVectorInputPort("spring_wrenches", 6 * len(names))
         self._measured = self.DeclareNumericParameter(BasicVector(8))
         self.DeclareContinuousState(6)
+        # Stated, so that a command or a thrust may depend on the motion, and not on the
+        # acceleration, without an algebraic loop.
+        self._measuring = {
+            self._state.ticket(),
+            self.all_parameters_ticket(),
+        }
         for quantity in laws.RelativeMotion._fields:
             self._declare_motion_port(quantity)
-        self.DeclareVectorOutputPort("acceleration", 3, self._calc_acceleration)
+        self.DeclareVectorOutputPort(
+            "acceleration",
+            3,
+            self._calc_acceleration,
+            {*self._measuring, self._acceleration.ticket()},
+        )
         self._declare_momentum_port("linear_momentum_change", 0)
         self._declare_momentum_port("angular_momentum_change", 1)
 
@@ -119,12 +131,12 @@ class MotionAnalysis(LeafSystem):
             )
             output.SetFromVector(getattr(motion, quantity))
 
-        self.DeclareVectorOutputPort(quantity, 3, calc)
+        self.DeclareVectorOutputPort(quantity, 3, calc, self._measuring)
 
     def _calc_acceleration(self, context: Context, output: BasicVector) -> None:
         B = self._eval_B(context)
         vdot = self._acceleration.Eval(context).tolist()
-        v = 6 * self._b  # the bodies float, in order
+        v = 6 * self._b
         output.SetFromVector(
             laws.cg_acceleration(
                 B,
@@ -141,7 +153,8 @@ class MotionAnalysis(LeafSystem):
             weight = (measured.mass, measured.inertia)[index]
             output.SetFromVector(scale(weight, tuple(z[3 * index : 3 * index + 3])))
 
-        self.DeclareVectorOutputPort(quantity, 3, calc)
+        tickets = {self.z_ticket(), self.all_parameters_ticket()}
+        self.DeclareVectorOutputPort(quantity, 3, calc, tickets)
 
     def DoCalcTimeDerivatives(
         self, context: Context, derivatives: ContinuousState

@@ -1,16 +1,19 @@
 """Every number of a separation that can be varied, by name.
 
 A name is ``element.quantity``: a body's ``payload.mass``, a spring's
-``spring_1.stroke``, an attachment's ``attachment_1.release_time``, the mated
-stack's ``before_separation.rate_x``. Values are in SI and radians.
+``spring_1.stroke``, an attachment's ``attachment_1.release_time``, a load's
+``thruster_1.factor``, the mated stack's ``before_separation.rate_x``. Values are in SI
+and radians.
 """
 
 import dataclasses
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from drakesep.systems.checks import InputError, check_finite, unknown
-from drakesep.systems.model import STACK, LinearSpring, Separation
+from drakesep.systems.model import STACK, Separation
+from drakesep.systems.pushers import Spring
 
 
 _Field = tuple[str, int | None]
@@ -30,16 +33,22 @@ _BODY: dict[str, _Field] = {
 _ATTACHMENT: dict[str, _Field] = {
     **_vector("position", "p_AoPad_A", _XYZ),
     "release_time": ("release_time", None),
+    "release_angle": ("release_angle", None),
 }
 _SPRING: dict[str, _Field] = {
     "force_max": ("force_max", None),
     "stroke": ("stroke", None),
     "design_mass": ("design_mass", None),
 }
-_LINEAR_SPRING: dict[str, _Field] = {
+_DISPLACEMENT_SPRING: dict[str, _Field] = {
     "force_max": ("force_max", None),
     "stroke": ("stroke", None),
     "damping": ("damping", None),
+}
+_LOAD: dict[str, _Field] = {
+    **_vector("position", "p_BoQ_B", _XYZ),
+    "start": ("start", None),
+    "factor": ("factor", None),
 }
 _INITIAL: dict[str, _Field] = {
     **_vector("attitude", "rpy_WA", _RPY),
@@ -55,18 +64,25 @@ def _elements(
     for attachment in separation.attachments:
         yield attachment.name, attachment, _ATTACHMENT
     for spring in separation.springs:
-        linear = isinstance(spring, LinearSpring)
-        yield spring.name, spring, _LINEAR_SPRING if linear else _SPRING
+        timed = isinstance(spring, Spring)
+        yield spring.name, spring, _SPRING if timed else _DISPLACEMENT_SPRING
+    for load in separation.loads:
+        yield load.name, load, _LOAD
     yield STACK, separation.initial, _INITIAL
 
 
 def parameters(separation: Separation) -> dict[str, float]:
-    """Return every parameter of the separation with its value, in SI."""
+    """Return every parameter of the separation with its value, in SI.
+
+    A release by time has no angle, and one by angle no time.
+    """
     values = {}
     for name, element, fields in _elements(separation):
         for quantity, (field, index) in fields.items():
             value = getattr(element, field)
-            values[f"{name}.{quantity}"] = value if index is None else value[index]
+            value = value if index is None else value[index]
+            if math.isfinite(value):
+                values[f"{name}.{quantity}"] = value
     return values
 
 
@@ -103,6 +119,7 @@ def with_values(separation: Separation, values: Mapping[str, float]) -> Separati
             )
             for attachment in separation.attachments
         ),
+        loads=tuple(new[load.name] for load in separation.loads),
         initial=new[STACK],
     )
 

@@ -8,7 +8,7 @@ at the time of its end, which is wrong for forces that depend on time, as spring
 from dataclasses import dataclass, field
 
 import numpy as np
-from pydrake.systems.framework import Context, EventStatus, System
+from pydrake.systems.framework import Context, System
 from scipy.interpolate import CubicSpline
 
 from drakesep.systems.run import Array
@@ -25,7 +25,7 @@ class _Piece:
 
 
 class Recorder:
-    """Records the state at every step; give `note` to a Simulator as its monitor.
+    """Records the state at every step; call `note` from a Simulator's monitor.
 
     Between kinks the state is the cubic spline through the steps, with the
     derivatives at both ends: of fourth order, as an error of third-order steps is.
@@ -45,7 +45,7 @@ class Recorder:
         """End it: before the releases of this time take place."""
         self._pieces[-1].end_slope = self._slope()
 
-    def note(self, context: Context) -> EventStatus:
+    def note(self, context: Context) -> None:
         """Record a step."""
         if self._pieces and self._pieces[-1].end_slope is None:
             piece = self._pieces[-1]
@@ -54,7 +54,6 @@ class Recorder:
                 piece.states.append(
                     context.get_continuous_state_vector().CopyToVector()
                 )
-        return EventStatus.DidNothing()
 
     def _slope(self) -> Array:
         return self._system.EvalTimeDerivatives(self._context).CopyToVector()

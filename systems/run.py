@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from drakesep.systems.model import Separation
+from drakesep.systems.model import Attachment, Separation
 
 
 Array = NDArray[np.float64]
@@ -56,7 +56,10 @@ class Run:
     motion: Motion | None = field(default=None, repr=False)
     """None if the run failed."""
     breaks: tuple[float, ...] = ()
-    """Where the motion has a kink: start, releases, ends of strokes, end, s."""
+    """Where the motion has a kink: start, releases, ends of strokes, edges of loads,
+    end, s."""
+    releases: Mapping[str, float] = field(default_factory=dict)
+    """When each attachment let go, s, by its name."""
     stroke_ends: Mapping[str, float] = field(default_factory=dict)
     """When each spring reached its stroke, s, by its name."""
     steps: int = 0
@@ -76,7 +79,19 @@ class Run:
         return self.motion
 
     @property
+    def separation_start(self) -> float:
+        """When the first attachment of the measured body B let go, s."""
+        return min(self.releases[a.name] for a in self._attachments_of_B)
+
+    @property
     def separation_end(self) -> float:
-        """When all attachments are released and all strokes reached, s."""
-        releases = [a.release_time for a in self.separation.attachments]
-        return max(*self.stroke_ends.values(), *releases, 0.0)
+        """When all attachments of B have let go and their strokes are reached, s."""
+        return max(
+            self.stroke_ends[a.spring.name] if a.spring else self.releases[a.name]
+            for a in self._attachments_of_B
+        )
+
+    @property
+    def _attachments_of_B(self) -> list[Attachment]:
+        B = self.separation.B
+        return [a for a in self.separation.attachments if B in (a.A, a.B)]

@@ -2,18 +2,19 @@
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
-from pydrake.systems.framework import Context
+from pydrake.systems.framework import Context, EventStatus
 from scipy.optimize import brentq
 
 from drakesep.systems import laws
 from drakesep.systems.geometry import pad_on_B
-from drakesep.systems.model import Attachment, LinearSpring, Separation
+from drakesep.systems.model import Attachment, Separation
 from drakesep.systems.motion_analysis import Measured
 from drakesep.systems.parameters import with_values
+from drakesep.systems.pushers import DisplacementSpring
 from drakesep.systems.recorder import Recorder
 from drakesep.systems.run import Array, Motion, Run, RunStatus
 from drakesep.systems.separation_system import SeparationSystem
@@ -58,11 +59,10 @@ class Simulation:
         self._system.set_separation(context, separation)
         simulator = self._make_simulator(context)
         try:
-            stops = find_breaks(separation, separation.timed_stroke_ends)
-            recorder = self._advance(simulator, context, stops)
-            ends = _find_stroke_ends(self._system, separation, recorder)
-            breaks = find_breaks(separation, ends)
-            motion = _sample(self._system, separation, recorder, ends)
+            recorder, releases = self._advance(simulator, context, separation)
+            ends = _find_stroke_ends(self._system, separation, recorder, releases)
+            breaks = find_breaks(separation, releases, ends)
+            motion = _sample(self._system, separation, recorder, releases, ends)
         except (RuntimeError, ArithmeticError, ValueError) as error:
             # Drake's: the step size collapsed, say. Python's: a number overflowed.
             return Run(
@@ -76,6 +76,7 @@ class Simulation:
             status=RunStatus.COMPLETED,
             motion=motion,
             breaks=breaks,
+            releases=releases,
             stroke_ends=ends,
             steps=integrator.get_num_steps_taken(),
             evaluations=integrator.get_num_derivative_evaluations(),
@@ -99,28 +100,71 @@ class Simulation:
         return simulator
 
     def _advance(
-        self, simulator: Simulator, context: Context, stops: Sequence[float]
-    ) -> Recorder:
-        recorder = Recorder(self._system, context)
-        simulator.set_monitor(recorder.note)
+        self, simulator: Simulator, context: Context, separation: Separation
+    ) -> tuple[Recorder, dict[str, float]]:
+        """Fly to the end; return what was recorded, and when attachments let go, s."""
+        system = self._system
+        released = system.GetOutputPort("released")
+        recorder = Recorder(system, context)
+        by_angle = any(math.isfinite(a.release_angle) for a in separation.attachments)
+
+        def monitor(_: Context) -> EventStatus:
+            recorder.note(context)
+            if by_angle and system.is_release_due(context):
+                return EventStatus.ReachedTermination(system, "release by angle")
+            return EventStatus.DidNothing()
+
+        simulator.set_monitor(monitor)
         simulator.Initialize()
         # Steps end at kinks: none straddles one.
-        for t in stops[1:]:
+        while (now := context.get_time()) < separation.duration:
+            releases = _releases(separation, released.Eval(context))
+            strokes = separation.timed_stroke_ends(releases)
+            stops = find_breaks(
+                separation, separation.scheduled_releases | releases, strokes
+            )
             recorder.start_piece()
-            simulator.AdvanceTo(t)
+            simulator.AdvanceTo(next(t for t in stops if t > now + _NANOSECOND))
             recorder.end_piece()
             simulator.AdvancePendingEvents()
-        return recorder
+        releases = _releases(separation, released.Eval(context))
+        for attachment in separation.attachments:
+            if attachment.name not in releases:
+                raise RuntimeError(
+                    f"{attachment.name} has not turned by its release angle, "
+                    f"{math.degrees(attachment.release_angle):g} deg"
+                )
+        return recorder, releases
+
+
+def _releases(separation: Separation, released: Array) -> dict[str, float]:
+    """Return when each attachment let go, s, of those that did."""
+    return {
+        attachment.name: float(t)
+        for attachment, t in zip(separation.attachments, released, strict=True)
+        if math.isfinite(t)
+    }
 
 
 def find_breaks(
-    separation: Separation, stroke_ends: Mapping[str, float]
+    separation: Separation,
+    releases: Mapping[str, float],
+    stroke_ends: Mapping[str, float],
 ) -> tuple[float, ...]:
-    """Return the times at which the motion has a kink, with start and end, s."""
-    releases = [a.release_time for a in separation.attachments]
+    """Return the times at which the motion has a kink, with start and end, s.
+
+    Args:
+        separation: as it was flown.
+        releases: when each attachment let go, s, by its name.
+        stroke_ends: when each spring reached its stroke, s, by its name.
+    """
+    kinks = [*releases.values(), *stroke_ends.values()]
+    for load in separation.loads:
+        begin = 0.0 if load.after is None else releases.get(load.after, math.inf)
+        kinks += [begin + load.start + edge for edge in load.edges]
     end = separation.duration
     breaks = [0.0]
-    for t in sorted((*releases, *stroke_ends.values())):
+    for t in sorted(kinks):
         # Kinks a nanosecond apart are one: nothing moves between them.
         if t - breaks[-1] > _NANOSECOND and end - t > _NANOSECOND:
             breaks.append(t)
@@ -128,13 +172,17 @@ def find_breaks(
 
 
 def _find_stroke_ends(
-    system: SeparationSystem, separation: Separation, recorder: Recorder
+    system: SeparationSystem,
+    separation: Separation,
+    recorder: Recorder,
+    releases: Mapping[str, float],
 ) -> dict[str, float]:
     """Return when each spring reached its stroke, s, by its name."""
-    ends = separation.timed_stroke_ends
+    ends = separation.timed_stroke_ends(releases)
     for attachment in separation.attachments:
-        if isinstance(attachment.spring, LinearSpring):
-            end = _find_stroke_end(system, separation, recorder, attachment)
+        if isinstance(attachment.spring, DisplacementSpring):
+            release = releases[attachment.name]
+            end = _find_stroke_end(system, separation, recorder, attachment, release)
             ends[attachment.spring.name] = end
     return ends
 
@@ -144,6 +192,7 @@ def _find_stroke_end(
     separation: Separation,
     recorder: Recorder,
     attachment: Attachment,
+    release: float,
 ) -> float:
     """Return when a spring driven by displacement reached its stroke, s.
 
@@ -164,7 +213,7 @@ def _find_stroke_end(
         return spring.stroke - np.asarray(displacement)
 
     times = recorder.step_times()
-    times = times[times >= attachment.release_time]
+    times = times[times >= release]
     beyond = np.flatnonzero(left(times) <= 0.0)
     if not beyond.size:
         raise RuntimeError(f"{spring.name} has not reached its stroke")
@@ -173,7 +222,11 @@ def _find_stroke_end(
     return float(end)
 
 
-def sample_times(separation: Separation, stroke_ends: Mapping[str, float]) -> Array:
+def sample_times(
+    separation: Separation,
+    releases: Mapping[str, float],
+    stroke_ends: Mapping[str, float],
+) -> Array:
     """Return when a run is sampled, s.
 
     At the multiples of a 300th of its length, which all runs of a case share, at
@@ -181,14 +234,15 @@ def sample_times(separation: Separation, stroke_ends: Mapping[str, float]) -> Ar
 
     Args:
         separation: as it was flown.
+        releases: when each attachment let go, s, by its name.
         stroke_ends: when each spring reached its stroke, s, by its name.
     """
-    breaks = np.array(find_breaks(separation, stroke_ends))
+    breaks = np.array(find_breaks(separation, releases, stroke_ends))
     grid = np.linspace(0.0, separation.duration, _ROWS + 1)
     apart = np.abs(grid[:, None] - breaks).min(axis=1) > _NANOSECOND
     knots = np.union1d(grid[apart], breaks)
     pushes = [
-        (a.release_time, stroke_ends[a.spring.name])
+        (releases[a.name], stroke_ends[a.spring.name])
         for a in separation.attachments
         if a.spring
     ]
@@ -206,9 +260,10 @@ def _sample(
     system: SeparationSystem,
     separation: Separation,
     recorder: Recorder,
+    releases: Mapping[str, float],
     stroke_ends: Mapping[str, float],
 ) -> Motion:
-    times = sample_times(separation, stroke_ends)
+    times = sample_times(separation, releases, stroke_ends)
     layout = system.layout
     x, xdot = recorder.sample(times)
     names = [body.name for body in separation.bodies]

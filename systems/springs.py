@@ -1,27 +1,31 @@
 """The separation springs."""
 
 import math
+from typing import TypeAlias
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drakesep.systems import laws
 from drakesep.systems.geometry import pad_on_B
 from drakesep.systems.laws import BodyState
-from drakesep.systems.model import LinearSpring, Separation
+from drakesep.systems.model import Separation
+from drakesep.systems.pushers import DisplacementSpring, Spring
 from drakesep.systems.state_layout import StateLayout
 from drakesep.systems.wrenches import WrenchSum
 
 
 _FIELDS = 10
 """Of a spring's parameters: see `Springs`."""
+_Profile: TypeAlias = tuple[float, list[tuple[float, float]]]
+"""Where the force over the stroke starts, and its ramps: see `laws`."""
 
 
 class Springs(LeafSystem):
     """Pushes B from A by the spring of each released attachment.
 
-    A `Spring` is driven by time (Eq. 5), a `LinearSpring` by the displacement of its
-    pad along A's x axis. The force acts on B at the pad fixed in B, along A's x axis;
-    the reaction acts on A at the same point in space.
+    A `Spring` is driven by time (Eq. 5), a `DisplacementSpring` by the displacement of
+    its pad along A's x axis. The force acts on B at the pad fixed in B, along A's x
+    axis; the reaction acts on A at the same point in space.
 
     Input ports:
         plant_state: state of the plant.
@@ -31,12 +35,12 @@ class Springs(LeafSystem):
         wrenches: (6 m,) torque about the origin, N m, and force, N, in W, on each
             of the m bodies.
         forces: (k,) force of each spring, N.
-        energy: (1,) energy that the linear springs store, J.
+        energy: (1,) energy that the springs driven by displacement store, J.
 
     Parameters:
-        0: (10 k,) for each spring its maximum force, N, its frequency, rad/s (0 for
-            a linear spring), stroke, m, and damping, N s/m, and the place of its pad
-            in A, while mated, and in B, m.
+        0: (10 k,) for each spring its maximum force, N, its frequency, rad/s (0 if
+            driven by displacement), stroke, m, and damping, N s/m, and the place of
+            its pad in A, while mated, and in B, m.
     """
 
     def __init__(self, separation: Separation, layout: StateLayout):
@@ -49,6 +53,7 @@ class Springs(LeafSystem):
         self._groups: dict[tuple[int, int], list[int]] = {}
         for k, ends in enumerate(self._ends):
             self._groups.setdefault(ends, []).append(k)
+        self._profiles = [_profile(a.spring) for a in pushing]
         self._layout = layout
         self._state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._released = self.DeclareVectorInputPort(
@@ -68,10 +73,10 @@ class Springs(LeafSystem):
             spring = attachment.spring
             if spring is None:
                 continue
-            if isinstance(spring, LinearSpring):
-                rows += [spring.force_max, 0.0, spring.stroke, spring.damping]
-            else:
+            if isinstance(spring, Spring):
                 rows += [spring.force_max, spring.frequency, spring.stroke, 0.0]
+            else:
+                rows += [spring.force_max, 0.0, spring.stroke, spring.damping]
             rows += [*attachment.p_AoPad_A, *pad_on_B(separation, attachment)]
         context.get_mutable_numeric_parameter(self._springs).SetFromVector(rows)
 
@@ -82,7 +87,9 @@ class Springs(LeafSystem):
     def _read_bodies(self, context: Context) -> list[BodyState]:
         return self._layout.read(self._state.Eval(context).tolist())
 
-    def _linear_force(self, bodies: list[BodyState], k: int, row: list[float]) -> float:
+    def _force_over_stroke(
+        self, bodies: list[BodyState], k: int, row: list[float]
+    ) -> float:
         force_max, _, stroke, damping = row[:4]
         a, b = self._ends[k]
         displacement, speed = laws.spring_displacement(
@@ -92,7 +99,9 @@ class Springs(LeafSystem):
             return 0.0
         return max(
             0.0,
-            laws.linear_spring_force(displacement, speed, force_max, stroke, damping),
+            laws.displacement_spring_force(
+                displacement, speed, force_max, stroke, damping, *self._profiles[k]
+            ),
         )
 
     def _forces(
@@ -113,7 +122,7 @@ class Springs(LeafSystem):
                     forces[k] = laws.spring_force(elapsed, force_max, frequency, math)
             else:
                 bodies = bodies or self._read_bodies(context)
-                forces[k] = self._linear_force(bodies, k, row)
+                forces[k] = self._force_over_stroke(bodies, k, row)
         return forces, bodies
 
     def _calc_forces(self, context: Context, output: BasicVector) -> None:
@@ -137,12 +146,21 @@ class Springs(LeafSystem):
     def _calc_energy(self, context: Context, output: BasicVector) -> None:
         energy = 0.0
         bodies = self._read_bodies(context)
-        for (a, b), row in zip(self._ends, self._rows(context), strict=True):
+        for k, row in enumerate(self._rows(context)):
+            a, b = self._ends[k]
             force_max, frequency, stroke = row[:3]
             if frequency == 0.0:
                 displacement, _ = laws.spring_displacement(
                     bodies[a], bodies[b], row[4:7], row[7:10]
                 )
                 if displacement < stroke:
-                    energy += laws.linear_spring_energy(displacement, force_max, stroke)
+                    energy += laws.displacement_spring_energy(
+                        displacement, force_max, stroke, *self._profiles[k]
+                    )
         output.SetFromVector([energy])
+
+
+def _profile(spring: Spring | DisplacementSpring) -> _Profile:
+    if isinstance(spring, Spring):
+        return 0.0, []
+    return spring.profile[0][1], laws.ramps(spring.profile)

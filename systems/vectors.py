@@ -21,8 +21,8 @@ Quaternion: TypeAlias = tuple[Scalar, Scalar, Scalar, Scalar]
 Ops: TypeAlias = ModuleType
 """Where the elementary functions come from: ``math`` or ``numpy``."""
 
-# Keeps 0/0 out of the rotation vector; smaller than any angle that matters.
-_TINY = 1e-300
+TINY = 1e-300
+"""Keeps 0/0 out where a square goes to zero: no length that matters is below 1e-150."""
 
 
 def add(a: Vector, b: Vector) -> Vector:
@@ -74,6 +74,26 @@ def unrotate(R: Rotation, v: Vector) -> Vector:
         R[0] * v[0] + R[3] * v[1] + R[6] * v[2],
         R[1] * v[0] + R[4] * v[1] + R[7] * v[2],
         R[2] * v[0] + R[5] * v[1] + R[8] * v[2],
+    )
+
+
+def transpose(R: Rotation) -> Rotation:
+    """Return R^T: with R_AB, R_BA."""
+    return R[0], R[3], R[6], R[1], R[4], R[7], R[2], R[5], R[8]
+
+
+def compose(R: Rotation, S: Rotation) -> Rotation:
+    """Return R S: with R_AB and S_BC, R_AC."""
+    return (
+        R[0] * S[0] + R[1] * S[3] + R[2] * S[6],
+        R[0] * S[1] + R[1] * S[4] + R[2] * S[7],
+        R[0] * S[2] + R[1] * S[5] + R[2] * S[8],
+        R[3] * S[0] + R[4] * S[3] + R[5] * S[6],
+        R[3] * S[1] + R[4] * S[4] + R[5] * S[7],
+        R[3] * S[2] + R[4] * S[5] + R[5] * S[8],
+        R[6] * S[0] + R[7] * S[3] + R[8] * S[6],
+        R[6] * S[1] + R[7] * S[4] + R[8] * S[7],
+        R[6] * S[2] + R[7] * S[5] + R[8] * S[8],
     )
 
 
@@ -137,6 +157,6 @@ def roll_pitch_yaw(R: Rotation, ops: Ops) -> Vector:
 def rotation_vector(q: Quaternion, ops: Ops) -> Vector:
     """Return axis times angle of a quaternion, rad; unique below 180 deg."""
     w, x, y, z = q
-    s = ops.sqrt(x * x + y * y + z * z)
+    s = ops.sqrt(x * x + y * y + z * z + TINY)
     angle = 2.0 * ops.copysign(ops.atan2(s, abs(w)), w)
-    return scale(angle / (s + _TINY), (x, y, z))
+    return scale(angle / s, (x, y, z))

@@ -14,8 +14,9 @@ from drakesep.systems.simulation import find_breaks, sample_times
 def made_up_run(separation: Separation | None = None, **columns) -> Run:
     """A run whose motion is given as functions of time, (n,) -> (n, 3)."""
     separation = separation or generic_pair(duration=3.0)
-    ends = separation.timed_stroke_ends
-    time = sample_times(separation, ends)
+    releases = separation.scheduled_releases
+    ends = separation.timed_stroke_ends(releases)
+    time = sample_times(separation, releases, ends)
     motion = {
         field.name: np.zeros((len(time), 3)) for field in dataclasses.fields(Motion)
     }
@@ -26,7 +27,8 @@ def made_up_run(separation: Separation | None = None, **columns) -> Run:
         separation=separation,
         status=RunStatus.COMPLETED,
         motion=Motion(**motion),
-        breaks=find_breaks(separation, ends),
+        breaks=find_breaks(separation, releases, ends),
+        releases=releases,
         stroke_ends=ends,
     )
 

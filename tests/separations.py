@@ -6,16 +6,10 @@ import math
 import numpy as np
 
 from drakesep.case_file import load_case
-from drakesep.systems.model import (
-    Attachment,
-    Body,
-    InitialMotion,
-    Joint,
-    Orbit,
-    Separation,
-    Spring,
-)
+from drakesep.systems.joints import Joint
+from drakesep.systems.model import Attachment, Body, InitialMotion, Orbit, Separation
 from drakesep.systems.parameters import with_values
+from drakesep.systems.pushers import Spring
 
 
 FREE = Joint(K_F=0.0, D_F=0.0, K_T=0.0, D_T=0.0)

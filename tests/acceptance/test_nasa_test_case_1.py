@@ -14,7 +14,8 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from drakesep.systems.inertia import inertia_matrix
-from drakesep.systems.model import Attachment, Body, InitialMotion, Joint, Separation
+from drakesep.systems.joints import Joint
+from drakesep.systems.model import Attachment, Body, InitialMotion, Separation
 from drakesep.systems.separation_system import SeparationSystem
 
 

@@ -11,7 +11,8 @@ from ruamel.yaml import YAML
 
 import drakesep
 from drakesep.case_file import builtin_cases, load_case
-from drakesep.systems.model import EARTH_RADIUS, LinearSpring
+from drakesep.systems.model import EARTH_RADIUS
+from drakesep.systems.pushers import DisplacementSpring
 
 
 VEGA = YAML(typ="safe").load(builtin_cases()["vega"])
@@ -84,7 +85,7 @@ def test_springs_driven_by_displacement(written):
         del attachment["spring"]["design_mass_kg"]
         attachment["spring"] |= {"law": "displacement", "damping_N_s_m": 20.0}
     case = load_case(written(data))
-    assert case.separation.springs[2] == LinearSpring(
+    assert case.separation.springs[2] == DisplacementSpring(
         name="spring_3", force_max=1485.0, stroke=0.121, damping=20.0
     )
     assert case.values_in_si({"spring_1.damping_N_s_m": 5}) == {"spring_1.damping": 5.0}

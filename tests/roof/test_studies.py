@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 import drakesep
-from drakesep.systems.model import Joint
+from drakesep.systems.joints import Joint
 from drakesep.systems.run import RunStatus
 
 

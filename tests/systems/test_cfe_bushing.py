@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from separations import GENERIC, generic_pair
 
 from drakesep.systems.inertia import inertia_matrix
-from drakesep.systems.model import Joint
+from drakesep.systems.joints import Joint
 from drakesep.systems.separation_system import SeparationSystem, spatial_inertia
 from drakesep.systems.settings import Integration
 from drakesep.systems.simulation import Simulation
@@ -55,10 +55,10 @@ def plant_with_drakes_bushing(separation):
             LinearBushingRollPitchYaw(
                 on_A,
                 on_B,
-                [a.joint.K_T] * 3,
-                [a.joint.D_T] * 3,
-                [a.joint.K_F] * 3,
-                [a.joint.D_F] * 3,
+                list(a.joint.K_T),
+                list(a.joint.D_T),
+                list(a.joint.K_F),
+                list(a.joint.D_F),
             )
         )
     plant.mutable_gravity_field().set_gravity_vector(np.zeros(3))

@@ -63,8 +63,8 @@ def test_joint_feels_the_deviation_and_its_rate():
     """The deviation's rates are its time derivatives, seen from A."""
     rng = np.random.default_rng(4)
     A, B = state(rng), state(rng)
-    p_A, p_B, q_AB = (0.1, 0.2, 0.3), (-0.2, 0.1, 0.5), vectors.conjugate(A.q_WB)
-    q_AB = vectors.multiply(q_AB, B.q_WB)  # no rotation at the start
+    p_A, p_B = (0.1, 0.2, 0.3), (-0.2, 0.1, 0.5)
+    q_AB = vectors.quaternion((0.3, -0.2, 0.4), math)
 
     def moved(body, dt):
         R = Rotation.from_rotvec(dt * np.array(body.w_WB))
@@ -76,27 +76,40 @@ def test_joint_feels_the_deviation_and_its_rate():
             q_WB=q, R_WB=vectors.rotation_matrix(q), p_WBo=tuple(p.tolist())
         )
 
-    now, _ = laws.joint_deviation(A, B, p_A, p_B, q_AB, math)
+    def deviations(A, B):
+        pair = laws.pair_state(A, B)
+        turn = laws.rotation_deviation(A, B, q_AB, pair.w_AB, math)
+        return (
+            laws.translation_deviation(pair, p_A, p_B)[0],
+            laws.Deviation(turn.theta, turn.rate),
+        )
+
     dt = 1e-6
-    before, after = (
-        laws.joint_deviation(moved(A, s), moved(B, s), p_A, p_B, q_AB, math)[0]
-        for s in (-dt, dt)
-    )
-    assert now.rotation == pytest.approx((0, 0, 0), abs=1e-15)
-    for value, rate in (("translation", "velocity"), ("rotation", "rate")):
-        change = np.subtract(getattr(after, value), getattr(before, value)) / (2 * dt)
+    for now, before, after in zip(
+        deviations(A, B),
+        *(deviations(moved(A, s), moved(B, s)) for s in (-dt, dt)),
+        strict=True,
+    ):
+        change = np.subtract(after.value, before.value) / (2 * dt)
         # central differences: dt^2 of truncation, eps / dt of round-off
-        assert change == pytest.approx(getattr(now, rate), abs=1e-9)
+        assert change == pytest.approx(now.rate, abs=1e-8)
 
 
-def test_joint_wrenches_are_equations_3_and_4():
+def test_constraint_force_is_equations_3_and_4():
+    force, energy = laws.constraint_force(
+        (1, 2, 3), (4, 5, 6), (2.0, 3.0, 0.0), (5.0, 7.0, 0.0)
+    )
+    assert force == (-2 - 20, -6 - 35, 0)
+    assert energy == 0.5 * (2 + 12)
+
+
+def test_both_bodies_feel_a_joint_at_the_same_point():
     rng = np.random.default_rng(5)
     A, B = state(rng), state(rng)
-    deviation = laws.JointDeviation((1, 2, 3), (4, 5, 6), (7, 8, 9), (10, 11, 12))
-    on_A, on_B = laws.joint_wrenches(A, B, deviation, B.p_WBo, (2.0, 3.0, 5.0, 7.0))
+    pair = laws.pair_state(A, B)
+    on_A, on_B = laws.wrenches_at_origin(A, pair.p_AoBo, (1, 2, 3), (4, 5, 6))
     R_A = np.reshape(A.R_WB, (3, 3))
-    force = R_A @ [-2 * 1 - 3 * 7, -2 * 2 - 3 * 8, -2 * 3 - 3 * 9]
-    torque = R_A @ [-5 * 4 - 7 * 10, -5 * 5 - 7 * 11, -5 * 6 - 7 * 12]
+    force, torque = R_A @ [1, 2, 3], R_A @ [4, 5, 6]
     assert on_B.force == pytest.approx(force)
     assert on_B.torque == pytest.approx(torque)
     assert on_A.force == pytest.approx(-force)

@@ -8,8 +8,8 @@ import pytest
 from flying import momentum, start
 from separations import FREE, GENERIC, coaxial, generic_pair
 
-from drakesep.systems.model import LinearSpring
 from drakesep.systems.parameters import parameters, with_values
+from drakesep.systems.pushers import DisplacementSpring
 from drakesep.systems.run import RunStatus
 from drakesep.systems.settings import Integration
 from drakesep.systems.simulation import Simulation
@@ -20,7 +20,7 @@ def linear_pair(damping=0.0, **options):
     attachments = tuple(
         dataclasses.replace(
             a,
-            spring=LinearSpring(
+            spring=DisplacementSpring(
                 name=a.spring.name,
                 force_max=a.spring.force_max,
                 stroke=a.spring.stroke,

@@ -1,0 +1,137 @@
+"""Joints by constraint forces: which directions they hold, and with which gains.
+
+The Constraint Force Equation (CFE) method writes a joint as equations of translation,
+(x_B - x_A) . e_A = 0 (Eq. 1), and of rotation, e_A . e_B = 0 (Eq. 2). Here each of them
+is held by a spring and a damper (Eq. 3-4).
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, TypeAlias, get_args
+
+from drakesep.systems.checks import (
+    InputError,
+    Vector3,
+    check_entries,
+    check_not_negative,
+    check_unit,
+    unknown,
+)
+from drakesep.systems.vectors import Rotation, cross, dot
+
+
+JointType: TypeAlias = Literal[
+    "fixed",
+    "revolute",
+    "universal",
+    "spherical",
+    "prismatic",
+    "cylindrical",
+    "planar",
+]
+JOINT_TYPES: tuple[str, ...] = get_args(JointType)
+Gains: TypeAlias = float | Vector3
+"""Along x, y and z of the joint's frame; one number stands for all three."""
+
+
+class Constraints(NamedTuple):
+    """Which directions of its frame a joint holds."""
+
+    translation: tuple[bool, bool, bool]
+    """One equation each (Eq. 1)."""
+    rotation: tuple[bool, bool, bool]
+    """One equation each (Eq. 2)."""
+
+
+_ALL, _NONE = (True, True, True), (False, False, False)
+_NOT_X = (False, True, True)
+CONSTRAINTS: dict[JointType, Constraints] = {
+    "fixed": Constraints(_ALL, _ALL),
+    "revolute": Constraints(_ALL, _NOT_X),
+    "universal": Constraints(_ALL, (False, False, True)),
+    "spherical": Constraints(_ALL, _NONE),
+    "prismatic": Constraints(_NOT_X, _ALL),
+    "cylindrical": Constraints(_NOT_X, _NOT_X),
+    "planar": Constraints((True, False, False), _NOT_X),
+}
+"""A revolute joint turns about x, a universal one about x (fixed in A) and y (fixed in
+B); a prismatic one slides along x, a cylindrical one also turns about it, and a planar
+one slides across x and turns about it."""
+
+_DECIMALS = 1e-6
+"""Of axes that are written in decimals."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Joint:
+    """A joint by constraint forces: its type, its frame and its gains, Eq. 3-4.
+
+    Gains of directions that the type leaves free are not used.
+
+    Raises:
+        ValueError: the type is unknown, a gain is negative or not finite, or the axes
+            are not of unit length or not at a right angle.
+    """
+
+    type: JointType = "fixed"
+    K_F: Gains
+    """Stiffness in translation, N/m."""
+    D_F: Gains
+    """Damping in translation, N s/m."""
+    K_T: Gains
+    """Stiffness in rotation, N m/rad."""
+    D_T: Gains
+    """Damping in rotation, N m s/rad."""
+    x_axis_A: Vector3 = (1.0, 0.0, 0.0)
+    """The x axis of the joint's frame, in A."""
+    y_axis_A: Vector3 = (0.0, 1.0, 0.0)
+    """Its y axis, in A; z completes them."""
+
+    def __post_init__(self) -> None:
+        """Check the values, and write each gain as three."""
+        if self.type not in JOINT_TYPES:
+            raise InputError(f"joint: {unknown('type', self.type, JOINT_TYPES)}")
+        for name in ("K_F", "D_F", "K_T", "D_T"):
+            gains = getattr(self, name)
+            if not isinstance(gains, tuple | list):
+                gains = (gains,) * 3
+            check_entries(f"joint {name}", gains, 3)
+            for gain in gains:
+                check_not_negative(f"joint {name}", gain)
+            object.__setattr__(self, name, tuple(gains))
+        check_unit("joint x axis", self.x_axis_A)
+        check_unit("joint y axis", self.y_axis_A)
+        cosine = dot(self.x_axis_A, self.y_axis_A)
+        if abs(cosine) > _DECIMALS:
+            raise InputError(
+                "joint axes x and y must be at a right angle, got "
+                f"{math.degrees(math.acos(cosine)):.6g} deg between {self.x_axis_A} "
+                f"and {self.y_axis_A}"
+            )
+
+    @property
+    def constraints(self) -> Constraints:
+        """Which directions it holds."""
+        return CONSTRAINTS[self.type]
+
+    @property
+    def R_AJ(self) -> Rotation:
+        """Orientation of the joint's frame in A."""
+        x, y = self.x_axis_A, self.y_axis_A
+        z = cross(x, y)
+        return x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]
+
+    def held_gains(self) -> tuple[float, ...]:
+        """Return K_F, D_F, K_T, D_T, (12,), with zero along free directions."""
+        translation, rotation = self.constraints
+        rows = (
+            (self.K_F, translation),
+            (self.D_F, translation),
+            (self.K_T, rotation),
+            (self.D_T, rotation),
+        )
+        return tuple(
+            gain if held else 0.0
+            for gains, directions in rows
+            for gain, held in zip(gains, directions, strict=True)  # type: ignore[arg-type]
+        )

@@ -1,0 +1,154 @@
+"""Separation springs: driven by time, as the paper's, or by displacement."""
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from drakesep.systems.checks import (
+    InputError,
+    check_finite,
+    check_not_negative,
+    check_positive,
+)
+
+
+Profile: TypeAlias = tuple[tuple[float, float], ...]
+"""Rows of displacement over the stroke and of force over the largest force."""
+
+LINEAR: Profile = ((0.0, 1.0), (1.0, 0.0))
+"""The force falls from its maximum to zero at the stroke."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spring:
+    """A separation spring driven by time, Eq. 5.
+
+    Raises:
+        ValueError: the force, the stroke or the design mass is not positive.
+    """
+
+    name: str
+    force_max: float
+    """Force at release, N."""
+    stroke: float
+    """m."""
+    design_mass: float
+    """m_S of Eq. 5, kg: a constant of the design, whatever is dispersed."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check_positive(f"{self.name}: maximum force", self.force_max)
+        check_positive(f"{self.name}: stroke", self.stroke)
+        check_positive(f"{self.name}: design mass", self.design_mass)
+
+    @property
+    def frequency(self) -> float:
+        """Angular frequency of the force, rad/s."""
+        return math.sqrt(self.force_max / (self.design_mass * self.stroke))  # Eq. 5
+
+    @property
+    def duration(self) -> float:
+        """Time from release to the end of the stroke, s."""
+        return 0.5 * math.pi / self.frequency  # Eq. 5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DisplacementSpring:
+    """A separation spring driven by displacement, with a damper beside it.
+
+    Its force follows a profile over its stroke, less what the damper takes; it never
+    pulls, and is zero beyond the stroke.
+
+    Raises:
+        ValueError: the force or the stroke is not positive, the damping is negative, or
+            the profile does not run from 0 to 1 with forces from 0 to 1.
+    """
+
+    name: str
+    force_max: float
+    """Largest force of the profile, N."""
+    stroke: float
+    """m."""
+    damping: float = 0.0
+    """N s/m."""
+    profile: Profile = LINEAR
+    """A part of the design: it does not vary. Straight lines join its rows."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check_positive(f"{self.name}: maximum force", self.force_max)
+        check_positive(f"{self.name}: stroke", self.stroke)
+        check_not_negative(f"{self.name}: damping", self.damping)
+        _check_profile(f"{self.name}: profile", self.profile)
+
+    @classmethod
+    def from_table(
+        cls,
+        *,
+        name: str,
+        displacements: tuple[float, ...],
+        forces: tuple[float, ...],
+        damping: float = 0.0,
+    ) -> "DisplacementSpring":
+        """Return the spring of a measured table of force over stroke.
+
+        Args:
+            name: of the spring.
+            displacements: (n,) from 0, increasing, m.
+            forces: (n,) N.
+            damping: N s/m.
+
+        Raises:
+            ValueError: the columns differ in length, or do not make a profile.
+        """
+        if len(displacements) != len(forces) or len(forces) < 2:
+            raise InputError(
+                f"{name}: force-stroke table must have two rows or more with a force "
+                f"to each displacement, got {len(displacements)} displacements and "
+                f"{len(forces)} forces"
+            )
+        check_finite(f"{name}: displacement", *displacements)
+        check_finite(f"{name}: force", *forces)
+        stroke, force_max = displacements[-1], max(forces)
+        check_positive(f"{name}: last displacement", stroke)
+        check_positive(f"{name}: largest force", force_max)
+        return cls(
+            name=name,
+            force_max=force_max,
+            stroke=stroke,
+            damping=damping,
+            profile=tuple(
+                (s / stroke, f / force_max)
+                for s, f in zip(displacements, forces, strict=True)
+            ),
+        )
+
+    @property
+    def energy(self) -> float:
+        """Energy stored while mated, J."""
+        area = sum(
+            0.5 * (f0 + f1) * (s1 - s0)
+            for (s0, f0), (s1, f1) in itertools.pairwise(self.profile)
+        )
+        return self.force_max * self.stroke * area
+
+
+def _check_profile(name: str, profile: Profile) -> None:
+    check_finite(name, *(entry for row in profile for entry in row))
+    fractions = [s for s, _ in profile]
+    if (
+        fractions[0] != 0.0
+        or fractions[-1] != 1.0
+        or fractions != sorted(set(fractions))
+    ):
+        raise InputError(
+            f"{name} must have displacements that increase from 0 to the stroke, "
+            f"got {', '.join(f'{s:g}' for s in fractions)} of the stroke"
+        )
+    forces = [f for _, f in profile]
+    if min(forces) < 0.0 or max(forces) != 1.0:
+        raise InputError(
+            f"{name} must have forces from 0 to the largest, got "
+            f"{', '.join(f'{f:g}' for f in forces)} of it"
+        )
