@@ -17,3 +17,5 @@ from .separation_elements import SeparationElements as SeparationElements
 from .separation_system import SeparationSystem as SeparationSystem
 from .settings import Integration as Integration
 from .simulation import Simulation as Simulation
+from .user_plant import add_separation as add_separation
+from .user_plant import body_of_plant as body_of_plant

@@ -12,10 +12,11 @@ from pydrake.systems.framework import (
 )
 
 from drakesep.systems import laws
+from drakesep.systems.checks import Vector3
 from drakesep.systems.load_tables import Load
 from drakesep.systems.model import Separation
 from drakesep.systems.state_layout import StateLayout
-from drakesep.systems.vectors import Vector
+from drakesep.systems.vectors import Vector, add, scale
 from drakesep.systems.wrenches import WrenchSum
 
 
@@ -118,8 +119,8 @@ def _interpolate(load: Load, t: float, factor: float) -> tuple[Vector, Vector]:
     i = bisect_right(load.times, t) - 1
     s = (t - load.times[i]) / (load.times[i + 1] - load.times[i])
     before, after = (1.0 - s) * factor, s * factor
-    force, torque = (
-        tuple(before * x + after * y for x, y in zip(rows[i], rows[i + 1], strict=True))
-        for rows in (load.forces, load.torques)
-    )
-    return force, torque
+
+    def between(rows: tuple[Vector3, ...]) -> Vector:
+        return add(scale(before, rows[i]), scale(after, rows[i + 1]))
+
+    return between(load.forces), between(load.torques)

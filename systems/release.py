@@ -170,7 +170,10 @@ class Release(LeafSystem):
         process when the crossing that it searches lies at the end of AdvanceTo: so the
         sign changes just after that time. A trigger that is up from the start of a step
         on, as one set by an event is, has no crossing: so the step must have an age.
+        Drake may keep asking witnesses that were active in an earlier step.
         """
+        if math.isfinite(self._get_released(context)[i]):
+            return False
         now = context.get_time()
         command = self._get_command(context)
         if command is None:

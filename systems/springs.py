@@ -160,7 +160,7 @@ class Springs(LeafSystem):
         output.SetFromVector([energy])
 
 
-def _profile(spring: Spring | DisplacementSpring) -> _Profile:
-    if isinstance(spring, Spring):
+def _profile(spring: Spring | DisplacementSpring | None) -> _Profile:
+    if not isinstance(spring, DisplacementSpring):
         return 0.0, []
     return spring.profile[0][1], laws.ramps(spring.profile)

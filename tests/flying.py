@@ -2,7 +2,7 @@
 
 import numpy as np
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
-from pydrake.systems.framework import Context
+from pydrake.systems.framework import Context, Diagram
 
 from drakesep.systems.model import Separation
 from drakesep.systems.separation_system import SeparationSystem
@@ -15,12 +15,20 @@ def start(
     system = SeparationSystem(separation)
     context = system.CreateDefaultContext()
     system.set_separation(context, separation)
+    return system, context, simulator_of(system, context, accuracy)
+
+
+def simulator_of(diagram: Diagram, context: Context, accuracy: float) -> Simulator:
     context.SetAccuracy(accuracy)
-    simulator = Simulator(system, context)
-    config = SimulatorConfig(integration_scheme="runge_kutta3", accuracy=accuracy)
+    simulator = Simulator(diagram, context)
+    config = SimulatorConfig(
+        integration_scheme="runge_kutta3",
+        accuracy=accuracy,
+        start_time=context.get_time(),
+    )
     ApplySimulatorConfig(config, simulator)
     simulator.get_mutable_integrator().request_initial_step_size_target(1e-4)
-    return system, context, simulator
+    return simulator
 
 
 def momentum(system: SeparationSystem, context: Context) -> np.ndarray:

@@ -4,10 +4,10 @@ import dataclasses
 
 import numpy as np
 import pytest
-from flying import momentum, start
+from flying import momentum, simulator_of, start
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import DiagramBuilder
-from pydrake.systems.primitives import ConstantVectorSource, Integrator
+from pydrake.systems.primitives import ConstantVectorSource, Gain, Integrator
 from separations import generic_pair
 
 from drakesep.systems.inertia import inertia_matrix
@@ -132,3 +132,54 @@ def test_three_bodies_in_a_stack():
     # the top's own: the lower attachment lets go at 0.9 s
     assert run.releases["attachment_1"] == 0.9
     assert run.separation_end == run.stroke_ends["spring_2"]
+
+
+def test_parent_gives_the_same_bits():
+    """The same settings, with other blocks beside and a listener on a port."""
+    separation = generic_pair(release_times=(0.0, 0.1, 0.101, 0.102))
+    alone, context, simulator = start(separation, 1e-6)
+    simulator.AdvanceTo(separation.duration)
+    expected = alone.GetOutputPort("plant_state").Eval(context)
+
+    builder = DiagramBuilder()
+    system = builder.AddSystem(SeparationSystem(separation))
+    gain = builder.AddSystem(Gain(2.0, 3))
+    builder.Connect(system.GetOutputPort("rate"), gain.get_input_port())
+    builder.AddSystem(ConstantVectorSource([1.0]))
+    parent = builder.Build()
+    context = parent.CreateDefaultContext()
+    inner = system.GetMyMutableContextFromRoot(context)
+    system.set_separation(inner, separation)
+    simulator_of(parent, context, 1e-6).AdvanceTo(separation.duration)
+    state = system.GetOutputPort("plant_state").Eval(inner)
+    assert state.tolist() == expected.tolist()
+
+
+def test_flown_as_a_simulation_flies_it_the_bits_are_those_of_the_run():
+    """A parent that stops where `Simulation` does, with its settings."""
+    separation = generic_pair(release_times=(0.0, 0.1, 0.101, 0.102))
+    settings = Integration()
+    run = Simulation(separation, settings).run()
+    builder = DiagramBuilder()
+    system = builder.AddSystem(SeparationSystem(separation))
+    parent = builder.Build()
+    context = parent.CreateDefaultContext()
+    inner = system.GetMyMutableContextFromRoot(context)
+    system.set_separation(inner, separation)
+    context.SetAccuracy(settings.accuracy)
+    simulator = Simulator(parent, context)
+    config = SimulatorConfig(
+        integration_scheme=settings.scheme,
+        accuracy=settings.accuracy,
+        max_step_size=settings.max_step,
+    )
+    ApplySimulatorConfig(config, simulator)
+    simulator.get_mutable_integrator().request_initial_step_size_target(1e-3)
+    for t in run.breaks[1:]:
+        simulator.AdvanceTo(t)
+        simulator.AdvancePendingEvents()
+    for name in ("rate", "relative_position", "relative_velocity", "angle"):
+        final = system.GetOutputPort(name).Eval(inner)
+        # a cubic through the last step ends on it, but for its own round-off
+        assert final == pytest.approx(getattr(run.motion, name)[-1], abs=1e-15)
+    assert simulator.get_integrator().get_num_steps_taken() == run.steps
