@@ -1,6 +1,10 @@
 from .joints import Joint as Joint
 from .load_tables import Load as Load
 from .load_tables import thruster as thruster
+from .mass_properties import MassProperties as MassProperties
+from .mass_properties import mass_properties_of_mesh as mass_properties_of_mesh
+from .mass_properties import mass_properties_of_model as mass_properties_of_model
+from .mass_properties import mass_properties_of_shape as mass_properties_of_shape
 from .model import Attachment as Attachment
 from .model import Body as Body
 from .model import InitialMotion as InitialMotion

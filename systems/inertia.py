@@ -7,11 +7,16 @@ I and the triangle inequality of its principal moments (Wensing, Kim and Slotine
 2018, doi:10.1109/LRA.2017.2729659). It is convex in I.
 """
 
+from typing import TypeAlias
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drakesep.systems.checks import InputError
 
+
+Inertia: TypeAlias = tuple[float, float, float, float, float, float]
+"""Matrix entries xx, yy, zz, xy, xz, yz (I_xy = -integral of x y dm), kg m^2."""
 
 # A flat body has Sigma's smallest eigenvalue at zero, up to round-off.
 _ROUND_OFF = 16 * np.finfo(float).eps

@@ -9,7 +9,6 @@ import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
 
 from drakesep.systems.checks import (
     InputError,
@@ -19,14 +18,11 @@ from drakesep.systems.checks import (
     check_positive,
     unknown,
 )
-from drakesep.systems.inertia import check_inertia
+from drakesep.systems.inertia import Inertia, check_inertia
 from drakesep.systems.joints import Joint
 from drakesep.systems.load_tables import Load
 from drakesep.systems.pushers import DisplacementSpring, Spring
 
-
-Inertia: TypeAlias = tuple[float, float, float, float, float, float]
-"""Matrix entries xx, yy, zz, xy, xz, yz (I_xy = -integral of x y dm), kg m^2."""
 
 STACK = "before_separation"
 """Stands before the parameters of the mated stack's motion."""

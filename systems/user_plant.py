@@ -22,6 +22,7 @@ from pydrake.systems.framework import (
 )
 
 from drakesep.systems.checks import InputError, unknown
+from drakesep.systems.mass_properties import mass_properties_of
 from drakesep.systems.model import Body, Separation
 from drakesep.systems.separation_elements import SeparationElements
 from drakesep.systems.state_layout import StateLayout
@@ -119,15 +120,7 @@ def body_of_plant(plant: MultibodyPlant, body: RigidBody) -> Body:
         body: of the plant.
     """
     M = body.CalcSpatialInertiaInBodyFrame(plant.CreateDefaultContext())
-    p_BoBcm_B = M.get_com()
-    I_BBcm_B = M.Shift(p_BoBcm_B).CalcRotationalInertia().CopyToFullMatrix3()
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = I_BBcm_B.tolist()
-    return Body(
-        name=body.name(),
-        mass=M.get_mass(),
-        p_BoBcm_B=tuple(p_BoBcm_B.tolist()),
-        I_BBcm_B=(xx, yy, zz, xy, xz, yz),
-    )
+    return Body(name=body.name(), **mass_properties_of(M)._asdict())
 
 
 def _check_plant(builder: DiagramBuilder, plant: MultibodyPlant) -> None:
