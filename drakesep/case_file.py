@@ -46,7 +46,7 @@ def load_case(source: str | Path) -> Case:
     if not isinstance(data, dict):
         raise CaseError(f"{source}: must be a mapping of keys, got {_shown(data)}")
     try:
-        return Case.model_validate(data)
+        return Case.model_validate(data, context={"folder": path.parent})
     except ValidationError as error:
         lines = (f"{source}: {_explain(dict(e))}" for e in error.errors())
         raise CaseError("\n".join(lines)) from error

@@ -11,9 +11,11 @@ from rich.table import Table
 
 from drakesep.case import Case
 from drakesep.systems.parameters import parameters
+from drakesep.systems.pushers import DisplacementSpring, Spring
 from drakesep.units import unit_of, with_unit
 
 
+_LAWS = {Spring: "time", DisplacementSpring: "displacement", type(None): ""}
 _FIRST_WIDTH, _OTHER_WIDTH = 32, 14
 """Of the columns of a table, about."""
 
@@ -75,6 +77,8 @@ def print_case(console: Console, case: Case) -> None:
     )
     print_frame(console, "Bodies", _bodies(case))
     print_frame(console, "Attachments", _attachments(case))
+    if case.loads:
+        print_frame(console, "Loads", _loads(case))
     print_frame(console, "Parameters", _parameters(case))
     print_frame(console, "Requirements", _requirements(case))
 
@@ -82,40 +86,58 @@ def print_case(console: Console, case: Case) -> None:
 def _bodies(case: Case) -> pd.DataFrame:
     return pd.DataFrame(
         {
-            "body": name,
-            "mass (kg)": body.mass_kg,
-            "CG (mm)": _listed(body.cg_mm),
-            "moments xx yy zz (kg m²)": _listed(
-                (body.inertia_kg_m2.xx, body.inertia_kg_m2.yy, body.inertia_kg_m2.zz)
-            ),
-            "products xy xz yz (kg m²)": _listed(
-                (body.inertia_kg_m2.xy, body.inertia_kg_m2.xz, body.inertia_kg_m2.yz)
-            ),
+            "body": body.name,
+            "mass (kg)": body.mass,
+            "CG (mm)": _listed("cg", body.p_BoBcm_B),
+            "moments xx yy zz (kg m²)": _listed("inertia", body.I_BBcm_B[:3]),
+            "products xy xz yz (kg m²)": _listed("inertia", body.I_BBcm_B[3:]),
         }
-        for name, body in case.bodies.items()
+        for body in case.separation.bodies
     )
 
 
 def _attachments(case: Case) -> pd.DataFrame:
     rows = []
-    for name, attachment in case.attachments.items():
+    for attachment in case.separation.attachments:
         spring = attachment.spring
+        release = f"{attachment.release_time:g} s"
+        if math.isinf(attachment.release_time):
+            release = f"at {math.degrees(attachment.release_angle):g} deg"
         rows.append(
             {
-                "attachment": name,
+                "attachment": attachment.name,
                 "from": attachment.A,
                 "to": attachment.B,
-                "position (mm)": _listed(attachment.position_mm),
-                "release (s)": attachment.release_time_s,
+                "position (mm)": _listed("position", attachment.p_AoPad_A),
+                "joint": attachment.joint.type,
+                "release": release,
                 "spring": spring.name if spring else "",
-                "max. force (N)": spring.force_max_N if spring else None,
-                "stroke (mm)": spring.stroke_mm if spring else None,
-                "law": spring.law if spring else "",
-                "design mass (kg)": spring.design_mass_kg if spring else None,
-                "damping (N s/m)": spring.damping_N_s_m if spring else None,
+                "driven by": _LAWS[type(spring)],
             }
         )
     return pd.DataFrame(rows)
+
+
+def _loads(case: Case) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "load": load.name,
+            "on": load.body,
+            "position (mm)": _listed("position", load.p_BoQ_B),
+            "axes": load.axes,
+            "from (s)": load.start + load.times[0],
+            "to (s)": load.start + load.times[-1],
+            "after": load.after or "start",
+            "largest force (N)": max(math.hypot(*force) for force in load.forces),
+            "largest torque (N m)": max(math.hypot(*torque) for torque in load.torques),
+        }
+        for load in case.separation.loads
+    )
+
+
+def _listed(quantity: str, values: Iterable[float]) -> str:
+    from_si = unit_of(quantity).from_si
+    return " ".join(f"{from_si(value):.6g}" for value in values)
 
 
 def _parameters(case: Case) -> pd.DataFrame:
@@ -139,7 +161,3 @@ def _requirements(case: Case) -> pd.DataFrame:
         }
         for requirement in case.limits
     )
-
-
-def _listed(values: Iterable[float]) -> str:
-    return " ".join(f"{value:.6g}" for value in values)

@@ -13,7 +13,7 @@ from drakesep.analysis.dispersions import Box
 from drakesep.analysis.metrics import ANGLES, AXES
 from drakesep.analysis.requirements import Finding
 from drakesep.analysis.worst_case import Iteration
-from drakesep.case import PublishedSection
+from drakesep.case_sections import PublishedSection
 from drakesep.systems.parameters import parameters
 from drakesep.systems.run import Motion, Run
 from drakesep.units import split_axis, unit_of, with_unit

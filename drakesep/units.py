@@ -45,6 +45,7 @@ _UNITS = {
         Unit("m_s2", "m/s²"),
         Unit("N_s", "N s"),
         Unit("N_m_s", "N m s"),
+        Unit("", ""),
     )
 }
 _OF_QUANTITY = {
@@ -58,6 +59,9 @@ _OF_QUANTITY = {
     "design_mass": "kg",
     "position": "mm",
     "release_time": "s",
+    "release_angle": "deg",
+    "start": "s",
+    "factor": "",
     "attitude": "deg",
     # motion; the rate is a parameter too
     "time": "s",
@@ -103,4 +107,5 @@ def unit_of(name: str) -> Unit:
 
 def with_unit(name: str) -> str:
     """Return the name that carries its unit: ``payload.cg_x_mm``."""
-    return f"{name}_{unit_of(name).suffix}"
+    suffix = unit_of(name).suffix
+    return f"{name}_{suffix}" if suffix else name

@@ -1,3 +1,4 @@
+from .joint_gains import propose_joint as propose_joint
 from .joints import Joint as Joint
 from .load_tables import Load as Load
 from .load_tables import thruster as thruster

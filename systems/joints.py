@@ -17,7 +17,7 @@ from drakesep.systems.checks import (
     check_unit,
     unknown,
 )
-from drakesep.systems.vectors import Rotation, cross, dot
+from drakesep.systems.vectors import Rotation, cross, dot, scale, subtract
 
 
 JointType: TypeAlias = Literal[
@@ -88,7 +88,7 @@ class Joint:
     """Its y axis, in A; z completes them."""
 
     def __post_init__(self) -> None:
-        """Check the values, and write each gain as three."""
+        """Check the values; write each gain as three, and the axes at full length."""
         if self.type not in JOINT_TYPES:
             raise InputError(f"joint: {unknown('type', self.type, JOINT_TYPES)}")
         for name in ("K_F", "D_F", "K_T", "D_T"):
@@ -108,6 +108,11 @@ class Joint:
                 f"{math.degrees(math.acos(cosine)):.6g} deg between {self.x_axis_A} "
                 f"and {self.y_axis_A}"
             )
+        # Axes in decimals would pull at their joint while it is mated.
+        x = scale(1.0 / math.hypot(*self.x_axis_A), self.x_axis_A)
+        y = subtract(self.y_axis_A, scale(dot(x, self.y_axis_A), x))
+        object.__setattr__(self, "x_axis_A", x)
+        object.__setattr__(self, "y_axis_A", scale(1.0 / math.hypot(*y), y))
 
     @property
     def constraints(self) -> Constraints:

@@ -144,7 +144,8 @@ def _read_mesh(path: Path, _: int) -> tuple[float, np.ndarray, np.ndarray]:
     if not len(getattr(mesh, "faces", ())):
         raise InputError(f"{path.name}: must be a mesh, got no triangles")
     if not mesh.is_watertight or not mesh.is_winding_consistent:
-        broken = len(trimesh.grouping.group_rows(mesh.edges_sorted, require_count=1))
+        _, counts = np.unique(mesh.edges_sorted, axis=0, return_counts=True)
+        broken = int((counts == 1).sum())
         got = f"{broken} open edges" if broken else "triangles that face both ways"
         raise InputError(f"{path.name}: mesh must be closed, got {got}")
     if mesh.volume < 0.0:

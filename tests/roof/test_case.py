@@ -107,7 +107,7 @@ BAD = {
     ),
     "missing key": (
         changed("bodies.payload.mass_kg"),
-        "bodies.payload.mass_kg: missing",
+        "bodies.payload: mass_kg: missing, as are solid and model",
     ),
     "wrong type": (
         changed("bodies.payload.mass_kg", "heavy"),
@@ -155,15 +155,15 @@ BAD = {
     ),
     "design mass too many": (
         changed("attachments.attachment_1.spring.law", "displacement"),
-        "attachments.attachment_1.spring: design_mass_kg: only law: time has one",
+        "attachments.attachment_1.spring: design_mass_kg: law: displacement has none",
     ),
     "damper of a timed spring": (
         changed("attachments.attachment_1.spring.damping_N_s_m", 1.0),
-        "attachments.attachment_1.spring: damping_N_s_m: only law: displacement has",
+        "attachments.attachment_1.spring: damping_N_s_m: law: time has none",
     ),
     "unknown law": (
         changed("attachments.attachment_1.spring.law", "force"),
-        "attachments.attachment_1.spring.law: must be 'time' or 'displacement', got",
+        "attachments.attachment_1.spring.law: must be 'time', 'displacement' or",
     ),
     "no such body": (
         changed("attachments.attachment_1.B", "payloud"),

@@ -1,0 +1,149 @@
+"""The other sections of a case file: pair, orbit, requirements, run, publications."""
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Strict, model_validator
+
+from drakesep.analysis.metrics import ANGLES, AXES
+from drakesep.analysis.objectives import ObjectiveName
+from drakesep.analysis.requirements import Requirement
+from drakesep.section import Name, Positive, Section, Vector, to_si
+from drakesep.systems.model import EARTH_RADIUS, InitialMotion, Orbit
+from drakesep.systems.settings import Integration, Scheme
+from drakesep.units import unit_of
+
+
+def _as_limits(value: Any) -> Any:
+    return value if value is None or isinstance(value, list | tuple) else (value,)
+
+
+def _check_mark(value: Any) -> Any:
+    if value not in ("M", "m") and not isinstance(value, int | float):
+        raise ValueError(f"must be M, m or a number, got {value!r}")
+    return value
+
+
+Mark = Annotated[str | float, BeforeValidator(_check_mark)]
+Limits = Annotated[tuple[float, ...], Strict(False), BeforeValidator(_as_limits)]
+
+
+class PairSection(Section):
+    """The bodies whose separation is analysed."""
+
+    A: str
+    """Pushed from."""
+    B: str
+    """Pushed away."""
+
+
+class OrbitSection(Section):
+    """A circular orbit."""
+
+    altitude_km: Positive
+
+    def in_si(self) -> Orbit:
+        """Return the orbit."""
+        return Orbit(radius=EARTH_RADIUS + 1000.0 * self.altitude_km)
+
+
+class BeforeSeparationSection(Section):
+    """Motion of the mated stack at t = 0."""
+
+    attitude_deg: Vector = (0.0, 0.0, 0.0)
+    rate_deg_s: Vector = (0.0, 0.0, 0.0)
+
+    def in_si(self) -> InitialMotion:
+        """Return the motion."""
+        return InitialMotion(
+            rpy_WA=to_si("attitude", self.attitude_deg),
+            w_WA_A=to_si("rate", self.rate_deg_s),
+        )
+
+
+class RequirementSection(Section):
+    """Limits on one quantity, one for each axis that it has."""
+
+    quantity: Literal[
+        "rate_after_separation_deg_s",
+        "deviation_at_separation_deg",
+        "longitudinal_speed_after_separation_m_s",
+    ]
+    at_most: Limits | None = None
+    at_least: Limits | None = None
+
+    @model_validator(mode="after")
+    def _check_limits(self) -> Self:
+        if (self.at_most is None) == (self.at_least is None):
+            got = "none" if self.at_most is None else "both"
+            raise ValueError(f"must have one of 'at_most' and 'at_least', got {got}")
+        axes = len(_requirement_axes(self.quantity))
+        if len(self._limits) != axes:
+            raise ValueError(
+                f"must have {axes} limits, got {', '.join(map(str, self._limits))}"
+            )
+        return self
+
+    @property
+    def _limits(self) -> tuple[float, ...]:
+        limits = self.at_least if self.at_most is None else self.at_most
+        assert limits is not None  # _check_limits
+        return limits
+
+    def requirements(self) -> list[Requirement]:
+        """Return the requirements in SI, one for each axis."""
+        sense: Literal["<=", ">="] = "<=" if self.at_least is None else ">="
+        stem = _requirement_stem(self.quantity)
+        requirements = []
+        for axis, value in zip(
+            _requirement_axes(self.quantity), self._limits, strict=True
+        ):
+            metric = f"{stem}_{axis}" if axis else stem
+            requirements.append(
+                Requirement(
+                    metric=metric, sense=sense, limit=unit_of(metric).to_si(value)
+                )
+            )
+        return requirements
+
+
+class RunSection(Section):
+    """Length of the run, and how it is integrated."""
+
+    duration_s: Positive
+    integrator: Scheme = Integration().scheme
+    accuracy: Positive = Integration().accuracy
+    max_step_s: Positive = Integration().max_step
+
+    def in_si(self) -> Integration:
+        """Return how runs are integrated."""
+        return Integration(
+            scheme=self.integrator, accuracy=self.accuracy, max_step=self.max_step_s
+        )
+
+
+class PrintedSection(Section):
+    """What a publication prints of a worst case, in the form of the paper's Table 4."""
+
+    rate_deg_s: Vector
+    deviation_within_limits_until_s: float
+    longitudinal_speed_m_s: float
+    iterations: int
+
+
+class PublishedSection(Section):
+    """A published worst case: M and m for the bounds of a tolerance, or a value."""
+
+    label: Name
+    objectives: list[ObjectiveName]
+    values: dict[str, Mark]
+    printed: PrintedSection
+
+
+def _requirement_stem(quantity: str) -> str:
+    return quantity.removesuffix("_deg_s").removesuffix("_deg").removesuffix("_m_s")
+
+
+def _requirement_axes(quantity: str) -> tuple[str, ...]:
+    return {"rate_after_separation": AXES, "deviation_at_separation": ANGLES}.get(
+        _requirement_stem(quantity), ("",)
+    )
