@@ -1,11 +1,12 @@
 """Thrusters, retro-rockets and disturbances: forces and torques over time."""
 
-import math
 from bisect import bisect_right
 
 from pydrake.systems.framework import (
     BasicVector,
     Context,
+    DiscreteValues,
+    EventStatus,
     LeafSystem,
     WitnessFunction,
     WitnessFunctionDirection,
@@ -22,13 +23,16 @@ from drakesep.systems.wrenches import WrenchSum
 
 _FIELDS = 5
 """Of a load's parameters: see `Loads`."""
+_ROUND_OFF = 1e-12
+"""Of times that add up to an edge, s."""
 
 
 class Loads(LeafSystem):
     """Acts on bodies with the forces and torques of tables over time.
 
-    Witness functions end a step where a load sets in or ceases, so that no pulse is
-    stepped over; the Context of the whole diagram needs an accuracy.
+    Whether a load acts is latched at the start of every step, and witness functions end
+    a step where it sets in or ceases: no step straddles a jump, and no pulse is stepped
+    over. The Context of the whole diagram needs an accuracy.
 
     Input ports:
         plant_state: state of the plant.
@@ -37,6 +41,9 @@ class Loads(LeafSystem):
     Output port:
         wrenches: (6 m,) torque about the origin, N m, and force, N, in W, on each
             of the m bodies.
+
+    Discrete state:
+        (k,) how many edges of its table each load has passed; see `Load.edges`.
 
     Parameters:
         0: (5 k,) for each load where it acts in its body, m, its start, s, and the
@@ -61,9 +68,13 @@ class Loads(LeafSystem):
             BasicVector(_FIELDS * len(self._loads))
         )
         self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
+        self._passed = self.DeclareDiscreteState(len(self._loads))
+        self.DeclareInitializationDiscreteUpdateEvent(self._pass_edges)
+        self.DeclarePerStepDiscreteUpdateEvent(self._pass_edges)
         self._witnesses = [
-            [self._make_witness(k, edge) for edge in load.edges]
+            self._make_witness(k, edge)
             for k, load in enumerate(self._loads)
+            for edge in load.edges
         ]
 
     def set_loads(self, context: Context, separation: Separation) -> None:
@@ -83,12 +94,27 @@ class Loads(LeafSystem):
         after = self._after[k]
         return t if after is None else t - self._released.Eval(context)[after]
 
+    def _count_passed(self, context: Context, k: int) -> int:
+        return bisect_right(
+            self._loads[k].edges, self._elapsed(context, k) + _ROUND_OFF
+        )
+
+    def _pass_edges(self, context: Context, update: DiscreteValues) -> EventStatus:
+        passed = [self._count_passed(context, k) for k in range(len(self._loads))]
+        if passed == context.get_discrete_state(self._passed).value().tolist():
+            return EventStatus.DidNothing()  # spares a new evaluation of the forces
+        update.set_value(self._passed, passed)
+        return EventStatus.Succeeded()
+
     def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
         total = WrenchSum(self._count)
+        passed = context.get_discrete_state(self._passed).value().tolist()
         for k, load in enumerate(self._loads):
-            t = self._elapsed(context, k)
-            if load.times[0] <= t < load.times[-1]:
+            count = int(passed[k])
+            if count % 2:  # the edges are by turns those where it sets in and ceases
                 x, y, z, _, factor = self._row(context, k)
+                first, last = load.edges[count - 1], load.edges[count]
+                t = min(max(first, self._elapsed(context, k)), last)
                 b = self._bodies[k]
                 body = self._layout.read_one(self._state.Eval(context).tolist(), b)
                 force, torque = _interpolate(load, t, factor)
@@ -105,18 +131,12 @@ class Loads(LeafSystem):
         )
 
     def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
-        """Return the witness of the next edge of each load."""
-        witnesses = []
-        for k, load in enumerate(self._loads):
-            t = self._elapsed(context, k)
-            following = bisect_right(load.edges, t)
-            if math.isfinite(t) and following < len(load.edges):
-                witnesses.append(self._witnesses[k][following])
-        return witnesses
+        """Return all witnesses: Drake does not ask again after every step."""
+        return self._witnesses
 
 
 def _interpolate(load: Load, t: float, factor: float) -> tuple[Vector, Vector]:
-    i = bisect_right(load.times, t) - 1
+    i = min(bisect_right(load.times, t), len(load.times) - 1) - 1
     s = (t - load.times[i]) / (load.times[i + 1] - load.times[i])
     before, after = (1.0 - s) * factor, s * factor
 

@@ -9,54 +9,74 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from pydrake.systems.framework import Context, System
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from drakesep.systems.run import Array
 
 
 @dataclass
 class _Piece:
-    """A stretch of the run without a kink."""
+    """A stretch of the run without a kink at which steps end."""
 
-    start_slope: Array
     times: list[float] = field(default_factory=list)
     states: list[Array] = field(default_factory=list)
-    end_slope: Array | None = None
+    slopes: list[Array] = field(default_factory=list)
+    """At the start and at the end, or at every step."""
+    ended: bool = False
+
+    def cubic(self) -> CubicSpline | CubicHermiteSpline:
+        if len(self.slopes) == len(self.times):
+            return CubicHermiteSpline(self.times, self.states, self.slopes)
+        ends = ((1, self.slopes[0]), (1, self.slopes[-1]))
+        return CubicSpline(self.times, self.states, bc_type=ends)
 
 
 class Recorder:
     """Records the state at every step; call `note` from a Simulator's monitor.
 
-    Between kinks the state is the cubic spline through the steps, with the
-    derivatives at both ends: of fourth order, as an error of third-order steps is.
+    Between kinks the state is the cubic spline through the steps, with the derivatives
+    at both ends: of fourth order, as an error of third-order steps is. Past a kink
+    within a step such a spline would ring: where there may be some, derivatives are
+    taken at every step, for a fifth more time, and no step feels another.
     """
 
-    def __init__(self, system: System, context: Context):
+    def __init__(self, system: System, context: Context, *, kinks_within_steps: bool):
         self._system = system
         self._context = context
+        self._every_slope = kinks_within_steps
         self._pieces: list[_Piece] = []
 
     def start_piece(self) -> None:
-        """Begin a stretch without a kink."""
-        self._pieces.append(_Piece(start_slope=self._slope()))
-        self.note(self._context)
+        """Begin a stretch without a kink at which steps end."""
+        piece = _Piece()
+        self._pieces.append(piece)
+        self._note_state(piece)
+        self._note_slope(piece)
 
     def end_piece(self) -> None:
         """End it: before the releases of this time take place."""
-        self._pieces[-1].end_slope = self._slope()
+        piece = self._pieces[-1]
+        if len(piece.slopes) < len(piece.times):
+            self._note_slope(piece)
+        piece.ended = True
 
-    def note(self, context: Context) -> None:
+    def note(self) -> None:
         """Record a step."""
-        if self._pieces and self._pieces[-1].end_slope is None:
+        if self._pieces and not self._pieces[-1].ended:
             piece = self._pieces[-1]
-            if not piece.times or context.get_time() > piece.times[-1]:
-                piece.times.append(context.get_time())
-                piece.states.append(
-                    context.get_continuous_state_vector().CopyToVector()
-                )
+            if self._context.get_time() > piece.times[-1]:
+                self._note_state(piece)
+                if self._every_slope:
+                    self._note_slope(piece)
 
-    def _slope(self) -> Array:
-        return self._system.EvalTimeDerivatives(self._context).CopyToVector()
+    def _note_state(self, piece: _Piece) -> None:
+        piece.times.append(self._context.get_time())
+        state = self._context.get_continuous_state_vector()
+        piece.states.append(state.CopyToVector())
+
+    def _note_slope(self, piece: _Piece) -> None:
+        slope = self._system.EvalTimeDerivatives(self._context)
+        piece.slopes.append(slope.CopyToVector())
 
     def step_times(self) -> Array:
         """Return the times at which steps ended, increasing, s."""
@@ -72,8 +92,7 @@ class Recorder:
         states, slopes = [], []
         for i, piece in enumerate(self._pieces):
             at = times[owners == i]
-            ends = ((1, piece.start_slope), (1, piece.end_slope))
-            cubic = CubicSpline(piece.times, piece.states, bc_type=ends)
+            cubic = piece.cubic()
             states.append(cubic(at))
             slopes.append(cubic(at, 1))
         return np.concatenate(states).T, np.concatenate(slopes).T

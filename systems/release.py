@@ -170,7 +170,6 @@ class Release(LeafSystem):
         process when the crossing that it searches lies at the end of AdvanceTo: so the
         sign changes just after that time. A trigger that is up from the start of a step
         on, as one set by an event is, has no crossing: so the step must have an age.
-        Drake may keep asking witnesses that were active in an earlier step.
         """
         if math.isfinite(self._get_released(context)[i]):
             return False
@@ -184,11 +183,5 @@ class Release(LeafSystem):
         return overdue or self._has_turned(context, i)
 
     def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
-        """Return the witnesses of the attachments that still hold."""
-        return [
-            witness
-            for witness, released in zip(
-                self._witnesses, self._get_released(context), strict=True
-            )
-            if math.isinf(released)
-        ]
+        """Return all witnesses: Drake does not ask again after every step."""
+        return self._witnesses

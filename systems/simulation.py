@@ -105,11 +105,17 @@ class Simulation:
         """Fly to the end; return what was recorded, and when attachments let go, s."""
         system = self._system
         released = system.GetOutputPort("released")
-        recorder = Recorder(system, context)
+        recorder = Recorder(
+            system,
+            context,
+            kinks_within_steps=any(
+                isinstance(spring, DisplacementSpring) for spring in separation.springs
+            ),
+        )
         by_angle = any(math.isfinite(a.release_angle) for a in separation.attachments)
 
         def monitor(_: Context) -> EventStatus:
-            recorder.note(context)
+            recorder.note()
             if by_angle and system.is_release_due(context):
                 return EventStatus.ReachedTermination(system, "release by angle")
             return EventStatus.DidNothing()

@@ -3,7 +3,15 @@
 import math
 from typing import TypeAlias
 
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    DiscreteValues,
+    EventStatus,
+    LeafSystem,
+    WitnessFunction,
+    WitnessFunctionDirection,
+)
 
 from drakesep.systems import laws
 from drakesep.systems.geometry import pad_on_B
@@ -25,7 +33,8 @@ class Springs(LeafSystem):
 
     A `Spring` is driven by time (Eq. 5), a `DisplacementSpring` by the displacement of
     its pad along A's x axis. The force acts on B at the pad fixed in B, along A's x
-    axis; the reaction acts on A at the same point in space.
+    axis; the reaction acts on A at the same point in space. A spring driven by
+    displacement whose stroke was reached has let go of its pad: it does not push again.
 
     Input ports:
         plant_state: state of the plant.
@@ -36,6 +45,9 @@ class Springs(LeafSystem):
             of the m bodies.
         forces: (k,) force of each spring, N.
         energy: (1,) energy that the springs driven by displacement store, J.
+
+    Discrete state:
+        (k,) 1 for each spring that has let go of its pad.
 
     Parameters:
         0: (10 k,) for each spring its maximum force, N, its frequency, rad/s (0 if
@@ -62,6 +74,17 @@ class Springs(LeafSystem):
         self._springs = self.DeclareNumericParameter(
             BasicVector(_FIELDS * len(self._attachments))
         )
+        self._spent = self.DeclareDiscreteState(len(pushing))
+        self._by_stroke = [
+            k for k, a in enumerate(pushing) if isinstance(a.spring, DisplacementSpring)
+        ]
+        if self._by_stroke:
+            self.DeclarePerStepDiscreteUpdateEvent(self._let_go)
+        self._witnesses = [
+            self._make_witness(k)
+            for k in self._by_stroke
+            if pushing[k].spring.profile[-1][1] > 0.0
+        ]
         self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
         self.DeclareVectorOutputPort("forces", len(pushing), self._calc_forces)
         self.DeclareVectorOutputPort("energy", 1, self._calc_energy)
@@ -87,14 +110,46 @@ class Springs(LeafSystem):
     def _read_bodies(self, context: Context) -> list[BodyState]:
         return self._layout.read(self._state.Eval(context).tolist())
 
+    def _displacement(
+        self, bodies: list[BodyState], k: int, row: list[float]
+    ) -> tuple[float, float]:
+        a, b = self._ends[k]
+        return laws.spring_displacement(bodies[a], bodies[b], row[4:7], row[7:10])
+
+    def _is_at_stroke(self, context: Context, k: int) -> bool:
+        if not math.isfinite(self._released.Eval(context)[self._attachments[k]]):
+            return False
+        row = self._rows(context)[k]
+        displacement, _ = self._displacement(self._read_bodies(context), k, row)
+        return displacement >= row[2]
+
+    def _let_go(self, context: Context, update: DiscreteValues) -> EventStatus:
+        before = context.get_discrete_state(self._spent).value().tolist()
+        after = list(before)
+        for k in self._by_stroke:
+            if not before[k] and self._is_at_stroke(context, k):
+                after[k] = 1.0
+        if after == before:
+            return EventStatus.DidNothing()  # spares a new evaluation of the forces
+        update.set_value(self._spent, after)
+        return EventStatus.Succeeded()
+
+    def _make_witness(self, k: int) -> WitnessFunction:
+        return self.MakeWitnessFunction(
+            f"stroke {k}",
+            WitnessFunctionDirection.kNegativeThenNonNegative,
+            lambda context: 1.0 if self._is_at_stroke(context, k) else -1.0,
+        )
+
+    def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
+        """Return those of the springs that still push where their stroke ends."""
+        return self._witnesses
+
     def _force_over_stroke(
         self, bodies: list[BodyState], k: int, row: list[float]
     ) -> float:
         force_max, _, stroke, damping = row[:4]
-        a, b = self._ends[k]
-        displacement, speed = laws.spring_displacement(
-            bodies[a], bodies[b], row[4:7], row[7:10]
-        )
+        displacement, speed = self._displacement(bodies, k, row)
         if displacement >= stroke:
             return 0.0
         return max(
@@ -110,12 +165,13 @@ class Springs(LeafSystem):
         """Return the forces, and the bodies if they had to be read for them."""
         released = self._released.Eval(context).tolist()
         t = context.get_time()
+        spent = context.get_discrete_state(self._spent).value().tolist()
         bodies: list[BodyState] = []
         forces = [0.0] * len(rows)
         for k, row in enumerate(rows):
             elapsed = t - released[self._attachments[k]]
             force_max, frequency = row[:2]
-            if elapsed < 0.0:
+            if elapsed < 0.0 or spent[k]:
                 continue
             if frequency > 0.0:
                 if elapsed < 0.5 * math.pi / frequency:
@@ -145,18 +201,15 @@ class Springs(LeafSystem):
 
     def _calc_energy(self, context: Context, output: BasicVector) -> None:
         energy = 0.0
-        bodies = self._read_bodies(context)
-        for k, row in enumerate(self._rows(context)):
-            a, b = self._ends[k]
-            force_max, frequency, stroke = row[:3]
-            if frequency == 0.0:
-                displacement, _ = laws.spring_displacement(
-                    bodies[a], bodies[b], row[4:7], row[7:10]
+        bodies, rows = self._read_bodies(context), self._rows(context)
+        spent = context.get_discrete_state(self._spent).value().tolist()
+        for k in self._by_stroke:
+            displacement, _ = self._displacement(bodies, k, rows[k])
+            force_max, _, stroke = rows[k][:3]
+            if displacement < stroke and not spent[k]:
+                energy += laws.displacement_spring_energy(
+                    displacement, force_max, stroke, *self._profiles[k]
                 )
-                if displacement < stroke:
-                    energy += laws.displacement_spring_energy(
-                        displacement, force_max, stroke, *self._profiles[k]
-                    )
         output.SetFromVector([energy])
 
 

@@ -185,7 +185,8 @@ def system_at(motions, external):
     context = system.CreateDefaultContext()
     system.set_separation(context, SEPARATION)
     system.GetInputPort("external_wrenches").FixValue(context, external)
-    for t in (0.0, NOW):  # lets go of what is due at the start, and since
+    # What is due at the start lets go, then what was since, then loads that follow.
+    for t in (0.0, NOW, NOW):
         context.SetTime(t)
         system.ExecuteInitializationEvents(context)
     plant = system.plant
