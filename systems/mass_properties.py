@@ -144,7 +144,7 @@ def _read_mesh(path: Path, _: int) -> tuple[float, np.ndarray, np.ndarray]:
     if not len(getattr(mesh, "faces", ())):
         raise InputError(f"{path.name}: must be a mesh, got no triangles")
     if not mesh.is_watertight or not mesh.is_winding_consistent:
-        _, counts = np.unique(mesh.edges_sorted, axis=0, return_counts=True)
+        counts = np.unique(mesh.edges_sorted, axis=0, return_counts=True)[1]
         broken = int((counts == 1).sum())
         got = f"{broken} open edges" if broken else "triangles that face both ways"
         raise InputError(f"{path.name}: mesh must be closed, got {got}")

@@ -82,8 +82,8 @@ class Springs(LeafSystem):
             self.DeclarePerStepDiscreteUpdateEvent(self._let_go)
         self._witnesses = [
             self._make_witness(k)
-            for k in self._by_stroke
-            if pushing[k].spring.profile[-1][1] > 0.0
+            for k, a in enumerate(pushing)
+            if isinstance(a.spring, DisplacementSpring) and a.spring.profile[-1][1] > 0
         ]
         self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
         self.DeclareVectorOutputPort("forces", len(pushing), self._calc_forces)
