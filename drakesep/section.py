@@ -30,7 +30,11 @@ def _check_vector(value: Any) -> Any:
 
 
 def _as_three(value: Any) -> Any:
-    return value if isinstance(value, list | tuple) else (value,) * 3
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return value
+    if not value >= 0:
+        raise ValueError(f"must be >= 0, got {value}")
+    return (value,) * 3
 
 
 def _in_folder_of_case(path: str, info: ValidationInfo) -> str:
