@@ -30,9 +30,9 @@ _ROUND_OFF = 1e-12
 class Loads(LeafSystem):
     """Acts on bodies with the forces and torques of tables over time.
 
-    Whether a load acts is latched at the start of every step, and witness functions end
-    a step where it sets in or ceases: no step straddles a jump, and no pulse is stepped
-    over. The Context of the whole diagram needs an accuracy.
+    Whether a load acts is latched at the start of every step, and a witness function
+    ends a step where it sets in or ceases: no step straddles a jump, and no pulse is
+    stepped over. The Context of the whole diagram needs an accuracy.
 
     Input ports:
         plant_state: state of the plant.
@@ -71,11 +71,11 @@ class Loads(LeafSystem):
         self._passed = self.DeclareDiscreteState(len(self._loads))
         self.DeclareInitializationDiscreteUpdateEvent(self._pass_edges)
         self.DeclarePerStepDiscreteUpdateEvent(self._pass_edges)
-        self._witnesses = [
-            self._make_witness(k, edge)
-            for k, load in enumerate(self._loads)
-            for edge in load.edges
-        ]
+        self._witness = self.MakeWitnessFunction(
+            "edge of a load",
+            WitnessFunctionDirection.kNegativeThenNonNegative,
+            lambda context: 1.0 if self._is_past_an_edge(context) else -1.0,
+        )
 
     def set_loads(self, context: Context, separation: Separation) -> None:
         """Write where, when and how strongly loads act into this system's Context."""
@@ -122,17 +122,18 @@ class Loads(LeafSystem):
                 total.add(b, laws.load_wrench(body, (x, y, z), force, torque, in_body))
         total.write(output)
 
-    def _make_witness(self, k: int, edge: float) -> WitnessFunction:
-        # The sign changes just after the edge: see `Release`.
-        return self.MakeWitnessFunction(
-            f"{self._loads[k].name} at {edge:g} s",
-            WitnessFunctionDirection.kNegativeThenNonNegative,
-            lambda context: 1.0 if self._elapsed(context, k) > edge else -1.0,
+    def _is_past_an_edge(self, context: Context) -> bool:
+        # Just after the edge: see `Release`.
+        passed = context.get_discrete_state(self._passed).value().tolist()
+        return any(
+            int(count) < len(load.edges)
+            and self._elapsed(context, k) > load.edges[int(count)] + _ROUND_OFF
+            for k, (load, count) in enumerate(zip(self._loads, passed, strict=True))
         )
 
     def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
-        """Return all witnesses: Drake does not ask again after every step."""
-        return self._witnesses
+        """Return one for all: Drake does not ask again after every step."""
+        return [self._witness]
 
 
 def _interpolate(load: Load, t: float, factor: float) -> tuple[Vector, Vector]:

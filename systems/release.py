@@ -35,7 +35,7 @@ class Release(LeafSystem):
     lets go also when its joint has turned by it.
 
     A release that is due is latched at the start of the simulation and of every
-    step. Witness functions end a step where one becomes due, within a hundredth of
+    step. A witness function ends a step where one becomes due, within a hundredth of
     the accuracy in seconds; the recorded time of a scheduled one is the scheduled. The
     Context of the whole diagram needs an accuracy (``context.SetAccuracy``).
 
@@ -60,6 +60,11 @@ class Release(LeafSystem):
         n = len(separation.attachments)
         index = {body.name: i for i, body in enumerate(separation.bodies)}
         self._ends = [(index[a.A], index[a.B]) for a in separation.attachments]
+        self._hinged = [
+            i
+            for i, a in enumerate(separation.attachments)
+            if math.isfinite(a.release_angle)
+        ]
         self._layout = layout
         self._state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._trigger = self.DeclareVectorInputPort("trigger", 1)
@@ -72,7 +77,11 @@ class Release(LeafSystem):
         self.DeclareStateOutputPort("released", released)
         self.DeclareInitializationDiscreteUpdateEvent(self._update)
         self.DeclarePerStepDiscreteUpdateEvent(self._update)
-        self._witnesses = [self._make_witness(i) for i in range(n)]
+        self._witness = self.MakeWitnessFunction(
+            "release",
+            WitnessFunctionDirection.kNegativeThenNonNegative,
+            lambda context: 1.0 if self._is_overdue(context) else -1.0,
+        )
 
     def set_schedule(self, context: Context, separation: Separation) -> None:
         """Write when a separation's attachments let go into this system's Context."""
@@ -90,9 +99,10 @@ class Release(LeafSystem):
 
     def is_due_by_angle(self, context: Context) -> bool:
         """Return whether an attachment holds that has turned by its release angle."""
+        released = self._get_released(context)
         return any(
-            math.isinf(released) and self._has_turned(context, i)
-            for i, released in enumerate(self._get_released(context))
+            math.isinf(released[i]) and self._has_turned(context, i)
+            for i in self._hinged
         )
 
     def _get(self, context: Context, parameter: int) -> list[float]:
@@ -115,20 +125,20 @@ class Release(LeafSystem):
         return up
 
     def _has_turned(self, context: Context, i: int) -> bool:
-        limit = self._get(context, self._angles)[i]
-        if math.isinf(limit):
-            return False
+        return self._angle(context, i) >= self._get(context, self._angles)[i]
+
+    def _angle(self, context: Context, i: int) -> float:
+        """Return by how much an attachment's joint has turned about its x axis, rad."""
         x = self._state.Eval(context).tolist()
         a, b = self._ends[i]
         p = self._get(context, self._joints)[_JOINT_FIELDS * i :]
-        angle = laws.twist_angle(
+        return laws.twist_angle(
             self._layout.read_one(x, a).q_WB,
             self._layout.read_one(x, b).q_WB,
             (p[0], p[1], p[2], p[3]),
             (p[4], p[5], p[6]),
             math,
         )
-        return angle >= limit
 
     def _update(self, context: Context, update: DiscreteValues) -> EventStatus:
         now = context.get_time()
@@ -146,7 +156,7 @@ class Release(LeafSystem):
                     after[i] = schedule[i] if math.isfinite(start) else now
             elif command[i]:
                 after[i] = now
-            if math.isinf(after[i]) and self._has_turned(context, i):
+            if i in self._hinged and self._has_turned(context, i):
                 after[i] = now
         holds = any(map(math.isinf, after))
         if after == before and math.isfinite(start) and not (command and holds):
@@ -155,15 +165,7 @@ class Release(LeafSystem):
         update.set_value(self._step_start, [now])
         return EventStatus.Succeeded()
 
-    def _make_witness(self, i: int) -> WitnessFunction:
-        def calc(context: Context) -> float:
-            return 1.0 if self._is_overdue(context, i) else -1.0
-
-        return self.MakeWitnessFunction(
-            f"release {i}", WitnessFunctionDirection.kNegativeThenNonNegative, calc
-        )
-
-    def _is_overdue(self, context: Context, i: int) -> bool:
+    def _is_overdue(self, context: Context) -> bool:
         """Return whether the step must end for a release.
 
         A step that ends at the scheduled time needs no search, and Drake ends the
@@ -171,17 +173,19 @@ class Release(LeafSystem):
         sign changes just after that time. A trigger that is up from the start of a step
         on, as one set by an event is, has no crossing: so the step must have an age.
         """
-        if math.isfinite(self._get_released(context)[i]):
+        held = [i for i, t in enumerate(self._get_released(context)) if math.isinf(t)]
+        if not held:
             return False
         now = context.get_time()
         command = self._get_command(context)
         if command is None:
-            overdue = now > self._get(context, self._schedule)[i]
+            schedule = self._get(context, self._schedule)
+            overdue = any(now > schedule[i] for i in held)
         else:
             age = now - context.get_discrete_state(self._step_start)[0]
-            overdue = command[i] and age > _STEP_MIN
-        return overdue or self._has_turned(context, i)
+            overdue = age > _STEP_MIN and any(command[i] for i in held)
+        return overdue or self.is_due_by_angle(context)
 
     def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
-        """Return all witnesses: Drake does not ask again after every step."""
-        return self._witnesses
+        """Return one for all: Drake does not ask again after every step."""
+        return [self._witness]

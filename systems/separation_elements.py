@@ -1,5 +1,7 @@
 """Everything of a separation but its bodies, as a Drake diagram."""
 
+import math
+
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import Adder
 
@@ -173,6 +175,7 @@ def _structure(separation: Separation) -> dict[str, object]:
     return {
         "bodies": tuple(body.name for body in separation.bodies),
         "attachments": tuple((a.name, a.A, a.B) for a in attachments),
+        "releases by angle": tuple(math.isfinite(a.release_angle) for a in attachments),
         "joints": tuple(
             (a.joint.type, a.joint.x_axis_A, a.joint.y_axis_A) for a in attachments
         ),

@@ -33,8 +33,8 @@ class Springs(LeafSystem):
 
     A `Spring` is driven by time (Eq. 5), a `DisplacementSpring` by the displacement of
     its pad along A's x axis. The force acts on B at the pad fixed in B, along A's x
-    axis; the reaction acts on A at the same point in space. A spring driven by
-    displacement whose stroke was reached has let go of its pad: it does not push again.
+    axis; the reaction acts on A at the same point in space. A spring whose stroke was
+    reached has let go of its pad: it does not push again, wherever the bodies go.
 
     Input ports:
         plant_state: state of the plant.
@@ -78,13 +78,17 @@ class Springs(LeafSystem):
         self._by_stroke = [
             k for k, a in enumerate(pushing) if isinstance(a.spring, DisplacementSpring)
         ]
-        if self._by_stroke:
-            self.DeclarePerStepDiscreteUpdateEvent(self._let_go)
-        self._witnesses = [
-            self._make_witness(k)
+        self.DeclarePerStepDiscreteUpdateEvent(self._let_go)
+        self._abrupt = [
+            k
             for k, a in enumerate(pushing)
             if isinstance(a.spring, DisplacementSpring) and a.spring.profile[-1][1] > 0
         ]
+        self._witness = self.MakeWitnessFunction(
+            "stroke",
+            WitnessFunctionDirection.kNegativeThenNonNegative,
+            lambda context: 1.0 if self._is_past_a_stroke(context) else -1.0,
+        )
         self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
         self.DeclareVectorOutputPort("forces", len(pushing), self._calc_forces)
         self.DeclareVectorOutputPort("energy", 1, self._calc_energy)
@@ -116,34 +120,47 @@ class Springs(LeafSystem):
         a, b = self._ends[k]
         return laws.spring_displacement(bodies[a], bodies[b], row[4:7], row[7:10])
 
+    def _pushing(self, context: Context) -> list[int]:
+        """Return the springs that are released, and have not let go of their pad."""
+        released = self._released.Eval(context).tolist()
+        spent = context.get_discrete_state(self._spent).value().tolist()
+        return [
+            k
+            for k, i in enumerate(self._attachments)
+            if not spent[k] and math.isfinite(released[i])
+        ]
+
     def _is_at_stroke(self, context: Context, k: int) -> bool:
-        if not math.isfinite(self._released.Eval(context)[self._attachments[k]]):
-            return False
         row = self._rows(context)[k]
+        frequency, stroke = row[1:3]
+        if frequency > 0.0:
+            elapsed = (
+                context.get_time() - self._released.Eval(context)[self._attachments[k]]
+            )
+            return elapsed >= 0.5 * math.pi / frequency
         displacement, _ = self._displacement(self._read_bodies(context), k, row)
-        return displacement >= row[2]
+        return displacement >= stroke
 
     def _let_go(self, context: Context, update: DiscreteValues) -> EventStatus:
-        before = context.get_discrete_state(self._spent).value().tolist()
-        after = list(before)
-        for k in self._by_stroke:
-            if not before[k] and self._is_at_stroke(context, k):
-                after[k] = 1.0
-        if after == before:
+        ends = [k for k in self._pushing(context) if self._is_at_stroke(context, k)]
+        if not ends:
             return EventStatus.DidNothing()  # spares a new evaluation of the forces
-        update.set_value(self._spent, after)
+        spent = context.get_discrete_state(self._spent).value().tolist()
+        for k in ends:
+            spent[k] = 1.0
+        update.set_value(self._spent, spent)
         return EventStatus.Succeeded()
 
-    def _make_witness(self, k: int) -> WitnessFunction:
-        return self.MakeWitnessFunction(
-            f"stroke {k}",
-            WitnessFunctionDirection.kNegativeThenNonNegative,
-            lambda context: 1.0 if self._is_at_stroke(context, k) else -1.0,
+    def _is_past_a_stroke(self, context: Context) -> bool:
+        return any(
+            self._is_at_stroke(context, k)
+            for k in self._pushing(context)
+            if k in self._abrupt
         )
 
     def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
-        """Return those of the springs that still push where their stroke ends."""
-        return self._witnesses
+        """Return that of the springs that still push where their stroke ends."""
+        return [self._witness] if self._abrupt else []
 
     def _force_over_stroke(
         self, bodies: list[BodyState], k: int, row: list[float]
@@ -160,40 +177,43 @@ class Springs(LeafSystem):
         )
 
     def _forces(
-        self, context: Context, rows: list[list[float]]
-    ) -> tuple[list[float], list[BodyState]]:
+        self, context: Context, pushing: list[int], rows: list[list[float]]
+    ) -> tuple[dict[int, float], list[BodyState]]:
         """Return the forces, and the bodies if they had to be read for them."""
-        released = self._released.Eval(context).tolist()
-        t = context.get_time()
-        spent = context.get_discrete_state(self._spent).value().tolist()
         bodies: list[BodyState] = []
-        forces = [0.0] * len(rows)
-        for k, row in enumerate(rows):
-            elapsed = t - released[self._attachments[k]]
-            force_max, frequency = row[:2]
-            if elapsed < 0.0 or spent[k]:
-                continue
+        forces: dict[int, float] = {}
+        for k in pushing:
+            force_max, frequency = rows[k][:2]
             if frequency > 0.0:
-                if elapsed < 0.5 * math.pi / frequency:
+                start = self._released.Eval(context)[self._attachments[k]]
+                elapsed = context.get_time() - start
+                if 0.0 <= elapsed < 0.5 * math.pi / frequency:
                     forces[k] = laws.spring_force(elapsed, force_max, frequency, math)
             else:
                 bodies = bodies or self._read_bodies(context)
-                forces[k] = self._force_over_stroke(bodies, k, row)
+                forces[k] = self._force_over_stroke(bodies, k, rows[k])
         return forces, bodies
 
     def _calc_forces(self, context: Context, output: BasicVector) -> None:
-        forces, _ = self._forces(context, self._rows(context))
-        output.SetFromVector(forces)
+        pushing = self._pushing(context)
+        forces, _ = self._forces(context, pushing, self._rows(context))
+        output.SetFromVector([forces.get(k, 0.0) for k in range(len(self._ends))])
 
     def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
+        pushing = self._pushing(context)
+        if not pushing:
+            output.SetZero()
+            return
         total = WrenchSum(self._count)
         rows = self._rows(context)
-        forces, bodies = self._forces(context, rows)
-        if any(forces):
+        forces, bodies = self._forces(context, pushing, rows)
+        if forces:
             bodies = bodies or self._read_bodies(context)
             for (a, b), springs in self._groups.items():
                 on_A, on_B = laws.springs_wrenches(
-                    bodies[a], bodies[b], [(forces[k], rows[k][7:]) for k in springs]
+                    bodies[a],
+                    bodies[b],
+                    [(forces[k], rows[k][7:]) for k in springs if k in forces],
                 )
                 total.add(a, on_A)
                 total.add(b, on_B)
