@@ -156,7 +156,8 @@ class Release(LeafSystem):
                     after[i] = schedule[i] if math.isfinite(start) else now
             elif command[i]:
                 after[i] = now
-            if i in self._hinged and self._has_turned(context, i):
+            hinged = i in self._hinged and math.isinf(after[i])
+            if hinged and self._has_turned(context, i):
                 after[i] = now
         holds = any(map(math.isinf, after))
         if after == before and math.isfinite(start) and not (command and holds):
