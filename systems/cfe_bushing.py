@@ -6,11 +6,12 @@ from typing import Any, NamedTuple
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from drakesep.systems import laws
+from drakesep.systems import joint_laws, motion_laws
 from drakesep.systems.geometry import axis_on_B, mated_orientation, pad_on_B
+from drakesep.systems.joint_laws import Turn
 from drakesep.systems.joints import JointType
-from drakesep.systems.laws import BodyState, PairState, Turn
 from drakesep.systems.model import Separation
+from drakesep.systems.motion_laws import BodyState, PairState
 from drakesep.systems.state_layout import StateLayout
 from drakesep.systems.vectors import (
     Rotation,
@@ -141,7 +142,7 @@ class CfeBushing(LeafSystem):
             if not held:
                 continue
             A, B = bodies[a], bodies[b]
-            motion = laws.pair_state(A, B)
+            motion = motion_laws.pair_state(A, B)
             turn = _NO_TURN
             if any(joint.holds_all_rotations for joint in held):
                 q_AB = (
@@ -150,7 +151,7 @@ class CfeBushing(LeafSystem):
                     mated[4 * i + 2],
                     mated[4 * i + 3],
                 )
-                turn = laws.rotation_deviation(A, B, q_AB, motion.w_AB, math)
+                turn = joint_laws.rotation_deviation(A, B, q_AB, motion.w_AB, math)
             pulls = []
             for joint in held:
                 start = _FIELDS * joint.attachment
@@ -168,8 +169,8 @@ class CfeBushing(LeafSystem):
                 torque = add(torque, cross(r_A, force_A))
                 torque = add(torque, joint.in_A(pull.torque))
                 moment = add(moment, joint.in_A(pull.moment))
-            torque = add(torque, laws.turning_torque(pair.turn, moment))
-            on_A, on_B = laws.wrenches_at_origin(
+            torque = add(torque, joint_laws.turning_torque(pair.turn, moment))
+            on_A, on_B = motion_laws.wrenches_at_origin(
                 pair.A, pair.motion.p_AoBo, force, torque
             )
             total.add(pair.a, on_A)
@@ -180,7 +181,7 @@ class CfeBushing(LeafSystem):
         loads = [0.0] * (6 * self._size)
         for pair in self._held_pairs(context):
             for joint, _, pull in pair.held:
-                moment_A = laws.turning_torque(pair.turn, joint.in_A(pull.moment))
+                moment_A = joint_laws.turning_torque(pair.turn, joint.in_A(pull.moment))
                 torque = add(pull.torque, joint.in_J(moment_A))
                 start = 6 * joint.attachment
                 loads[start : start + 6] = [*torque, *pull.force]
@@ -210,17 +211,23 @@ def _pull(
 ) -> tuple[Vector, _Pull]:
     """Return B's pad from B's origin, in A, m, and what the joint does."""
     K_F, D_F, K_T, D_T = row[0:3], row[3:6], row[6:9], row[9:12]
-    (dx_A, v_A), r_A = laws.translation_deviation(motion, row[12:15], row[15:18])
-    force, energy = laws.constraint_force(joint.in_J(dx_A), joint.in_J(v_A), K_F, D_F)
+    (dx_A, v_A), r_A = joint_laws.translation_deviation(motion, row[12:15], row[15:18])
+    force, energy = joint_laws.constraint_force(
+        joint.in_J(dx_A), joint.in_J(v_A), K_F, D_F
+    )
     torque = moment = _ZERO
     if joint.holds_all_rotations:
-        moment, held = laws.constraint_force(
+        moment, held = joint_laws.constraint_force(
             joint.in_J(turn.theta), joint.in_J(turn.rate), K_T, D_T
         )
         energy += held
     elif joint.type != "spherical":
         axis_J = joint.in_J(rotate(motion.R_AB, row[18:21]))
-        law = laws.universal_torque if joint.type == "universal" else laws.swing_torque
+        law = (
+            joint_laws.universal_torque
+            if joint.type == "universal"
+            else joint_laws.swing_torque
+        )
         torque, held = law(axis_J, joint.in_J(motion.w_AB), K_T, D_T, math)
         energy += held
     return r_A, _Pull(force, torque, moment, energy)

@@ -4,7 +4,7 @@ import math
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from drakesep.systems import laws
+from drakesep.systems import gravity_laws
 from drakesep.systems.model import Separation
 from drakesep.systems.state_layout import StateLayout
 from drakesep.systems.wrenches import WrenchSum
@@ -59,10 +59,12 @@ class Gravity(LeafSystem):
         total = WrenchSum(self._count)
         mu, radius = context.get_numeric_parameter(self._orbit).value().tolist()
         mean_motion = math.sqrt(mu / radius**3)
-        r_W = laws.orbit_position(context.get_time(), radius, mean_motion, math)
+        r_W = gravity_laws.orbit_position(context.get_time(), radius, mean_motion, math)
         bodies = self._layout.read(self._state.Eval(context).tolist())
         rows = context.get_numeric_parameter(self._mass_properties).value().tolist()
         for i, body in enumerate(bodies):
             row = rows[_FIELDS * i : _FIELDS * (i + 1)]
-            total.add(i, laws.gravity_wrench(body, row[0], row[1:4], row[4:], r_W, mu))
+            total.add(
+                i, gravity_laws.gravity_wrench(body, row[0], row[1:4], row[4:], r_W, mu)
+            )
         total.write(output)

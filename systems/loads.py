@@ -12,7 +12,7 @@ from pydrake.systems.framework import (
     WitnessFunctionDirection,
 )
 
-from drakesep.systems import laws
+from drakesep.systems import motion_laws
 from drakesep.systems.checks import Vector3
 from drakesep.systems.load_tables import Load
 from drakesep.systems.model import Separation
@@ -119,7 +119,9 @@ class Loads(LeafSystem):
                 body = self._layout.read_one(self._state.Eval(context).tolist(), b)
                 force, torque = _interpolate(load, t, factor)
                 in_body = load.axes == "body"
-                total.add(b, laws.load_wrench(body, (x, y, z), force, torque, in_body))
+                total.add(
+                    b, motion_laws.load_wrench(body, (x, y, z), force, torque, in_body)
+                )
         total.write(output)
 
     def _is_past_an_edge(self, context: Context) -> bool:

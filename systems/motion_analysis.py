@@ -10,10 +10,10 @@ from pydrake.systems.framework import (
     LeafSystem,
 )
 
-from drakesep.systems import laws
+from drakesep.systems import motion_laws
 from drakesep.systems.geometry import place_in_stack
-from drakesep.systems.laws import BodyState, Wrench
 from drakesep.systems.model import Separation
+from drakesep.systems.motion_laws import BodyState, Wrench
 from drakesep.systems.state_layout import StateLayout
 from drakesep.systems.vectors import Vector, scale
 
@@ -91,7 +91,7 @@ class MotionAnalysis(LeafSystem):
             self._state.ticket(),
             self.all_parameters_ticket(),
         }
-        for quantity in laws.RelativeMotion._fields:
+        for quantity in motion_laws.RelativeMotion._fields:
             self._declare_motion_port(quantity)
         self.DeclareVectorOutputPort(
             "acceleration",
@@ -123,7 +123,7 @@ class MotionAnalysis(LeafSystem):
     def _declare_motion_port(self, quantity: str) -> None:
         def calc(context: Context, output: BasicVector) -> None:
             measured = self._get_measured(context)
-            motion = laws.relative_motion(
+            motion = motion_laws.relative_motion(
                 *self._eval_bodies(context),
                 measured.p_BoBcm_B,
                 measured.mated_p_AoBcm_A,
@@ -138,7 +138,7 @@ class MotionAnalysis(LeafSystem):
         vdot = self._acceleration.Eval(context).tolist()
         v = 6 * self._b
         output.SetFromVector(
-            laws.cg_acceleration(
+            motion_laws.cg_acceleration(
                 B,
                 self._get_measured(context).p_BoBcm_B,
                 tuple(vdot[v : v + 3]),
@@ -166,7 +166,7 @@ class MotionAnalysis(LeafSystem):
             return
         measured = self._get_measured(context)
         B = self._eval_B(context)
-        linear, angular = laws.momentum_rate(
+        linear, angular = motion_laws.momentum_rate(
             B, measured.p_BoBcm_B, Wrench(tuple(w[:3]), tuple(w[3:]))
         )
         derivatives.get_mutable_vector().SetFromVector(

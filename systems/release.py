@@ -13,7 +13,7 @@ from pydrake.systems.framework import (
     WitnessFunctionDirection,
 )
 
-from drakesep.systems import laws
+from drakesep.systems import joint_laws
 from drakesep.systems.geometry import mated_orientation
 from drakesep.systems.model import Separation
 from drakesep.systems.state_layout import StateLayout
@@ -132,7 +132,7 @@ class Release(LeafSystem):
         x = self._state.Eval(context).tolist()
         a, b = self._ends[i]
         p = self._get(context, self._joints)[_JOINT_FIELDS * i :]
-        return laws.twist_angle(
+        return joint_laws.twist_angle(
             self._layout.read_one(x, a).q_WB,
             self._layout.read_one(x, b).q_WB,
             (p[0], p[1], p[2], p[3]),

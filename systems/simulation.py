@@ -9,7 +9,7 @@ from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorC
 from pydrake.systems.framework import Context, EventStatus
 from scipy.optimize import brentq
 
-from drakesep.systems import laws
+from drakesep.systems import motion_laws, spring_laws
 from drakesep.systems.geometry import pad_on_B
 from drakesep.systems.model import Attachment, Separation
 from drakesep.systems.motion_analysis import Measured
@@ -213,7 +213,7 @@ def _find_stroke_end(
 
     def left(times: Array) -> Array:
         bodies = system.layout.read(recorder.sample(times)[0])
-        displacement, _ = laws.spring_displacement(
+        displacement, _ = spring_laws.spring_displacement(
             bodies[a], bodies[b], attachment.p_AoPad_A, pad_B
         )
         return spring.stroke - np.asarray(displacement)
@@ -277,10 +277,10 @@ def _sample(
     A, B = bodies[names.index(separation.A)], bodies[names.index(separation.B)]
     _, v = layout.starts[names.index(separation.B)]
     measured = Measured.of(separation)
-    motion = laws.relative_motion(
+    motion = motion_laws.relative_motion(
         A, B, measured.p_BoBcm_B, measured.mated_p_AoBcm_A, np
     )
-    acceleration = laws.cg_acceleration(
+    acceleration = motion_laws.cg_acceleration(
         B, measured.p_BoBcm_B, tuple(xdot[v : v + 3]), tuple(xdot[v + 3 : v + 6])
     )
     momentum = x[layout.size :]

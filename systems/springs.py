@@ -13,10 +13,10 @@ from pydrake.systems.framework import (
     WitnessFunctionDirection,
 )
 
-from drakesep.systems import laws
+from drakesep.systems import spring_laws
 from drakesep.systems.geometry import pad_on_B
-from drakesep.systems.laws import BodyState
 from drakesep.systems.model import Separation
+from drakesep.systems.motion_laws import BodyState
 from drakesep.systems.pushers import DisplacementSpring, Spring
 from drakesep.systems.state_layout import StateLayout
 from drakesep.systems.wrenches import WrenchSum
@@ -25,7 +25,7 @@ from drakesep.systems.wrenches import WrenchSum
 _FIELDS = 10
 """Of a spring's parameters: see `Springs`."""
 _Profile: TypeAlias = tuple[float, list[tuple[float, float]]]
-"""Where the force over the stroke starts, and its ramps: see `laws`."""
+"""Where the force over the stroke starts, and its ramps: see `spring_laws`."""
 
 
 class Springs(LeafSystem):
@@ -118,7 +118,9 @@ class Springs(LeafSystem):
         self, bodies: list[BodyState], k: int, row: list[float]
     ) -> tuple[float, float]:
         a, b = self._ends[k]
-        return laws.spring_displacement(bodies[a], bodies[b], row[4:7], row[7:10])
+        return spring_laws.spring_displacement(
+            bodies[a], bodies[b], row[4:7], row[7:10]
+        )
 
     def _pushing(self, context: Context) -> list[int]:
         """Return the springs that are released, and have not let go of their pad."""
@@ -171,7 +173,7 @@ class Springs(LeafSystem):
             return 0.0
         return max(
             0.0,
-            laws.displacement_spring_force(
+            spring_laws.displacement_spring_force(
                 displacement, speed, force_max, stroke, damping, *self._profiles[k]
             ),
         )
@@ -188,7 +190,9 @@ class Springs(LeafSystem):
                 start = self._released.Eval(context)[self._attachments[k]]
                 elapsed = context.get_time() - start
                 if 0.0 <= elapsed < 0.5 * math.pi / frequency:
-                    forces[k] = laws.spring_force(elapsed, force_max, frequency, math)
+                    forces[k] = spring_laws.spring_force(
+                        elapsed, force_max, frequency, math
+                    )
             else:
                 bodies = bodies or self._read_bodies(context)
                 forces[k] = self._force_over_stroke(bodies, k, rows[k])
@@ -210,7 +214,7 @@ class Springs(LeafSystem):
         if forces:
             bodies = bodies or self._read_bodies(context)
             for (a, b), springs in self._groups.items():
-                on_A, on_B = laws.springs_wrenches(
+                on_A, on_B = spring_laws.springs_wrenches(
                     bodies[a],
                     bodies[b],
                     [(forces[k], rows[k][7:]) for k in springs if k in forces],
@@ -227,7 +231,7 @@ class Springs(LeafSystem):
             displacement, _ = self._displacement(bodies, k, rows[k])
             force_max, _, stroke = rows[k][:3]
             if displacement < stroke and not spent[k]:
-                energy += laws.displacement_spring_energy(
+                energy += spring_laws.displacement_spring_energy(
                     displacement, force_max, stroke, *self._profiles[k]
                 )
         output.SetFromVector([energy])
@@ -236,4 +240,4 @@ class Springs(LeafSystem):
 def _profile(spring: Spring | DisplacementSpring | None) -> _Profile:
     if not isinstance(spring, DisplacementSpring):
         return 0.0, []
-    return spring.profile[0][1], laws.ramps(spring.profile)
+    return spring.profile[0][1], spring_laws.ramps(spring.profile)

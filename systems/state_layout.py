@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from pydrake.multibody.plant import MultibodyPlant
 
-from drakesep.systems.laws import BodyState, State, body_state
+from drakesep.systems.motion_laws import BodyState, State, body_state
 
 
 class StateLayout(NamedTuple):

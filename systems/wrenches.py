@@ -8,7 +8,7 @@ stands; a list of ExternallyAppliedSpatialForce would double the cost of a run.
 
 from pydrake.systems.framework import BasicVector
 
-from drakesep.systems.laws import Wrench
+from drakesep.systems.motion_laws import Wrench
 
 
 class WrenchSum:

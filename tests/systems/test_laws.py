@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.spatial.transform import Rotation
 
-from drakesep.systems import laws, vectors
+from drakesep.systems import gravity_laws, joint_laws, motion_laws, spring_laws, vectors
 from drakesep.systems.model import EARTH_MU
 
 
@@ -19,7 +19,7 @@ RADIUS = 7.078137e6
 def state(rng):
     """A body in generic motion."""
     q = rng.normal(size=4)
-    return laws.BodyState(
+    return motion_laws.BodyState(
         tuple(q),
         vectors.rotation_matrix(tuple(q)),
         tuple(rng.normal(size=3)),
@@ -34,7 +34,7 @@ def test_spring_impulse_and_end():
     end = 0.5 * math.pi / frequency
 
     def force(t):
-        return laws.spring_force(t, force_max, frequency, math)
+        return spring_laws.spring_force(t, force_max, frequency, math)
 
     assert force(0.0) == force_max
     assert abs(force(end)) < 1e-12 * force_max
@@ -47,7 +47,9 @@ def test_springs_of_a_pair_are_the_sum_of_each():
     A, B = state(rng), state(rng)
     pads = rng.normal(size=(4, 3))
     forces = rng.uniform(0.0, 1500.0, size=4)
-    on_A, on_B = laws.springs_wrenches(A, B, list(zip(forces, pads, strict=True)))
+    on_A, on_B = spring_laws.springs_wrenches(
+        A, B, list(zip(forces, pads, strict=True))
+    )
 
     R_A, R_B = (np.reshape(body.R_WB, (3, 3)) for body in (A, B))
     points = np.array(B.p_WBo) + pads @ R_B.T
@@ -77,11 +79,11 @@ def test_joint_feels_the_deviation_and_its_rate():
         )
 
     def deviations(A, B):
-        pair = laws.pair_state(A, B)
-        turn = laws.rotation_deviation(A, B, q_AB, pair.w_AB, math)
+        pair = motion_laws.pair_state(A, B)
+        turn = joint_laws.rotation_deviation(A, B, q_AB, pair.w_AB, math)
         return (
-            laws.translation_deviation(pair, p_A, p_B)[0],
-            laws.Deviation(turn.theta, turn.rate),
+            joint_laws.translation_deviation(pair, p_A, p_B)[0],
+            joint_laws.Deviation(turn.theta, turn.rate),
         )
 
     dt = 1e-6
@@ -96,7 +98,7 @@ def test_joint_feels_the_deviation_and_its_rate():
 
 
 def test_constraint_force_is_equations_3_and_4():
-    force, energy = laws.constraint_force(
+    force, energy = joint_laws.constraint_force(
         (1, 2, 3), (4, 5, 6), (2.0, 3.0, 0.0), (5.0, 7.0, 0.0)
     )
     assert force == (-2 - 20, -6 - 35, 0)
@@ -106,8 +108,8 @@ def test_constraint_force_is_equations_3_and_4():
 def test_both_bodies_feel_a_joint_at_the_same_point():
     rng = np.random.default_rng(5)
     A, B = state(rng), state(rng)
-    pair = laws.pair_state(A, B)
-    on_A, on_B = laws.wrenches_at_origin(A, pair.p_AoBo, (1, 2, 3), (4, 5, 6))
+    pair = motion_laws.pair_state(A, B)
+    on_A, on_B = motion_laws.wrenches_at_origin(A, pair.p_AoBo, (1, 2, 3), (4, 5, 6))
     R_A = np.reshape(A.R_WB, (3, 3))
     force, torque = R_A @ [1, 2, 3], R_A @ [4, 5, 6]
     assert on_B.force == pytest.approx(force)
@@ -136,7 +138,7 @@ def test_differential_gravity_keeps_its_digits(d, angle):
     origin = field([Decimal(c) for c in r_W])
     exact = [float(a - b) for a, b in zip(field(r), origin, strict=True)]
     scale = EARTH_MU / RADIUS**3 * max(map(abs, d))
-    result = laws.differential_gravity(d, r_W, EARTH_MU)
+    result = gravity_laws.differential_gravity(d, r_W, EARTH_MU)
     assert result == pytest.approx(exact, abs=32 * np.finfo(float).eps * scale)
 
 
@@ -153,7 +155,7 @@ def test_gravity_gradient_torque_on_point_masses():
     second = points.T @ points
     I = np.trace(second) * np.eye(3) - second  # noqa: E741
     entries = (I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2])
-    torque = laws.gravity_gradient_torque(tuple(r), entries, EARTH_MU)
+    torque = gravity_laws.gravity_gradient_torque(tuple(r), entries, EARTH_MU)
     # 1e-7 is size / r; the difference of cubes keeps 9 digits
     assert torque == pytest.approx(brute, abs=1e-6 * np.abs(brute).max())
 
@@ -162,11 +164,16 @@ def test_lanes_give_what_floats_give():
     """A trajectory's samples run through the lines that integrate."""
     rng = np.random.default_rng(7)
     x = rng.normal(size=(26, 4))
-    lanes = [laws.body_state(x, 0, 14), laws.body_state(x, 7, 20)]
-    together = laws.relative_motion(*lanes, (1.0, 2.0, 3.0), (3.0, 2.0, 1.0), np)
+    lanes = [motion_laws.body_state(x, 0, 14), motion_laws.body_state(x, 7, 20)]
+    together = motion_laws.relative_motion(*lanes, (1.0, 2.0, 3.0), (3.0, 2.0, 1.0), np)
     for k in range(4):
         column = x[:, k].tolist()
-        bodies = [laws.body_state(column, 0, 14), laws.body_state(column, 7, 20)]
-        alone = laws.relative_motion(*bodies, (1.0, 2.0, 3.0), (3.0, 2.0, 1.0), math)
+        bodies = [
+            motion_laws.body_state(column, 0, 14),
+            motion_laws.body_state(column, 7, 20),
+        ]
+        alone = motion_laws.relative_motion(
+            *bodies, (1.0, 2.0, 3.0), (3.0, 2.0, 1.0), math
+        )
         for lane, one in zip(together, alone, strict=True):
             assert [c[k] for c in lane] == pytest.approx(one, rel=1e-13, abs=1e-13)

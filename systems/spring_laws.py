@@ -1,0 +1,151 @@
+"""The forces of separation springs (Eq. 5), by time and by displacement.
+
+Pure functions on tuples of scalars: floats, or arrays whose lanes are samples (see
+`drakesep.systems.vectors`), so that a LeafSystem, which integrates, and the analysis of
+a whole trajectory run through the same lines. Numbered equations are those of Simplicio
+and Bennani, "Worst-case Launch Vehicle Stage Separation Analysis". SI and radians.
+"""
+
+import itertools
+from collections.abc import Sequence
+
+from drakesep.systems.motion_laws import BodyState, Wrench, velocity_at
+from drakesep.systems.vectors import (
+    Ops,
+    Scalar,
+    add,
+    cross,
+    dot,
+    negate,
+    rotate,
+    scale,
+    subtract,
+)
+
+
+def spring_force(
+    elapsed: Scalar, force_max: Scalar, frequency: Scalar, ops: Ops
+) -> Scalar:
+    """Return a spring's force between release and the end of its stroke, N.
+
+    Args:
+        elapsed: time since release, s, from 0 to pi / (2 frequency).
+        force_max: force at release, N.
+        frequency: sqrt(force_max / (design_mass stroke)), rad/s.
+        ops: module of the elementary functions.
+    """
+    return force_max * ops.cos(frequency * elapsed)  # Eq. 5
+
+
+def spring_displacement(
+    A: BodyState,
+    B: BodyState,
+    p_AoPad_A: Sequence[Scalar],
+    p_BoPad_B: Sequence[Scalar],
+) -> tuple[Scalar, Scalar]:
+    """Return how far, m, and how fast, m/s, B's pad has moved along A's x axis.
+
+    Args:
+        A: body pushed from.
+        B: body pushed away.
+        p_AoPad_A: mated place of the pad in A, m.
+        p_BoPad_B: the pad, fixed in B, m.
+    """
+    r_B = rotate(B.R_WB, (p_BoPad_B[0], p_BoPad_B[1], p_BoPad_B[2]))
+    r_A = subtract(add(B.p_WBo, r_B), A.p_WBo)
+    v_APad = subtract(velocity_at(B, r_B), velocity_at(A, r_A))
+    e_xA = A.R_WB[0], A.R_WB[3], A.R_WB[6]
+    return dot(e_xA, r_A) - p_AoPad_A[0], dot(e_xA, v_APad)
+
+
+def ramps(profile: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Return a piecewise straight line as ramps: where each begins, and its slope.
+
+    Args:
+        profile: (n, 2) rows of argument and value, joined by straight lines.
+    """
+    rows, before = [], 0.0
+    for (s0, f0), (s1, f1) in itertools.pairwise(profile):
+        slope = (f1 - f0) / (s1 - s0)
+        rows.append((s0, slope - before))
+        before = slope
+    return rows
+
+
+def displacement_spring_force(
+    displacement: Scalar,
+    speed: Scalar,
+    force_max: Scalar,
+    stroke: Scalar,
+    damping: Scalar,
+    start: float,
+    ramps: Sequence[tuple[float, float]],
+) -> Scalar:
+    """Return the force of a spring and damper within its stroke, N.
+
+    With `spring_displacement` as its argument, the spring's work is exactly what its
+    energy loses: the force acts along the axis on which displacement is measured.
+
+    Args:
+        displacement: of the pad along A's x axis, m.
+        speed: its rate, m/s.
+        force_max: largest force of the profile, N.
+        stroke: m.
+        damping: N s/m.
+        start: the profile at its start.
+        ramps: the profile's `ramps`, over the stroke.
+    """
+    u = displacement / stroke
+    force = start
+    for u_i, slope in ramps:
+        # Half of x + |x| is the larger of x and 0, on floats and on lanes. The first
+        # ramp is a line: a pad pressed in further is pushed harder.
+        x = u - u_i
+        force = force + slope * (0.5 * (x + abs(x)) if u_i > 0.0 else x)
+    return force_max * force - damping * speed
+
+
+def displacement_spring_energy(
+    displacement: Scalar,
+    force_max: Scalar,
+    stroke: Scalar,
+    start: float,
+    ramps: Sequence[tuple[float, float]],
+) -> Scalar:
+    """Return the energy that such a spring stores within its stroke, J.
+
+    Arguments are those of `displacement_spring_force`.
+    """
+    u = displacement / stroke
+    area = start * (1.0 - u)
+    for u_i, slope in ramps:
+        x = u - u_i
+        left = 0.5 * (x + abs(x)) if u_i > 0.0 else x
+        area = area + 0.5 * slope * ((1.0 - u_i) ** 2 - left**2)
+    return force_max * stroke * area
+
+
+def springs_wrenches(
+    A: BodyState, B: BodyState, forces: Sequence[tuple[Scalar, Sequence[Scalar]]]
+) -> tuple[Wrench, Wrench]:
+    """Return the wrenches on A and B of springs that push along A's x axis.
+
+    Each force acts on B at its pad and on A at the same point in space. They are
+    parallel, so their sum and their first moment in B are all it takes.
+
+    Args:
+        A: body pushed from; it gives the direction.
+        B: body pushed away.
+        forces: of each spring its force, N, and its pad, fixed in B, m.
+    """
+    total = moment_x = moment_y = moment_z = 0.0
+    for force, (x, y, z) in forces:
+        total = total + force
+        moment_x = moment_x + force * x
+        moment_y = moment_y + force * y
+        moment_z = moment_z + force * z
+    e_xA = A.R_WB[0], A.R_WB[3], A.R_WB[6]
+    force_W = scale(total, e_xA)
+    torque_B = cross(rotate(B.R_WB, (moment_x, moment_y, moment_z)), e_xA)
+    torque_A = add(torque_B, cross(subtract(B.p_WBo, A.p_WBo), force_W))
+    return Wrench(negate(torque_A), negate(force_W)), Wrench(torque_B, force_W)
