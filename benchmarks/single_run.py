@@ -98,6 +98,7 @@ def whole(separation: Separation) -> tuple[Callable, Context]:
 
 def _evaluator(diagram, context) -> Callable:
     # As the simulator's start does: releases that are due happen.
+    context.SetAccuracy(1e-6)
     diagram.ExecuteInitializationEvents(context)
     x = context.get_continuous_state_vector().CopyToVector()
 

@@ -16,6 +16,7 @@ from drakesep.section import (
     Vector,
     to_si,
 )
+from drakesep.systems.checks import InputError
 from drakesep.systems.joints import Joint, JointType
 from drakesep.systems.load_tables import Axes, Load, thruster
 from drakesep.systems.model import Attachment
@@ -123,12 +124,16 @@ class AttachmentSection(Section):
         time, angle = self.release_time_s, self.release_angle_deg
         if time is None:
             time = 0.0 if angle is None else math.inf
+        try:
+            joint = self.joint.in_si()
+        except InputError as error:
+            raise InputError(f"{name}: {error}") from error
         return Attachment(
             name=name,
             A=self.A,
             B=self.B,
             p_AoPad_A=to_si("position", self.position_mm),
-            joint=self.joint.in_si(),
+            joint=joint,
             spring=None if self.spring is None else self.spring.in_si(),
             release_time=time,
             release_angle=math.inf if angle is None else math.radians(angle),
@@ -147,7 +152,8 @@ class LoadSection(Section):
     thrusts_N: Column | None = None
     direction: Vector | None = None
     """Along which a thruster pushes its body, in the body's axes."""
-    axes: Axes = "body"
+    axes: Axes | None = None
+    """By default the body's; a thruster has no others."""
     forces_N: Rows | None = None
     torques_N_m: Rows | None = None
 
@@ -156,6 +162,8 @@ class LoadSection(Section):
         tables = self.forces_N is not None or self.torques_N_m is not None
         if (self.thrusts_N is None) != (self.direction is None):
             raise ValueError("thrusts_N and direction: one needs the other")
+        if self.direction is not None and self.axes is not None:
+            raise ValueError("axes: a thruster has none, its direction is the body's")
         if tables == (self.thrusts_N is not None):
             got = "both" if tables else "none"
             raise ValueError(
@@ -181,7 +189,7 @@ class LoadSection(Section):
             name=name,
             body=self.body,
             p_BoQ_B=position,
-            axes=self.axes,
+            axes=self.axes or "body",
             times=self.times_s,
             forces=self.forces_N or (),
             torques=self.torques_N_m or (),

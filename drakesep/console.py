@@ -80,7 +80,8 @@ def print_case(console: Console, case: Case) -> None:
     if case.loads:
         print_frame(console, "Loads", _loads(case))
     print_frame(console, "Parameters", _parameters(case))
-    print_frame(console, "Requirements", _requirements(case))
+    if case.limits:
+        print_frame(console, "Requirements", _requirements(case))
 
 
 def _bodies(case: Case) -> pd.DataFrame:
@@ -100,9 +101,11 @@ def _attachments(case: Case) -> pd.DataFrame:
     rows = []
     for attachment in case.separation.attachments:
         spring = attachment.spring
-        release = f"{attachment.release_time:g} s"
-        if math.isinf(attachment.release_time):
-            release = f"at {math.degrees(attachment.release_angle):g} deg"
+        releases = []
+        if math.isfinite(attachment.release_time):
+            releases.append(f"{attachment.release_time:g} s")
+        if math.isfinite(attachment.release_angle):
+            releases.append(f"{math.degrees(attachment.release_angle):g} deg")
         rows.append(
             {
                 "attachment": attachment.name,
@@ -110,7 +113,7 @@ def _attachments(case: Case) -> pd.DataFrame:
                 "to": attachment.B,
                 "position (mm)": _listed("position", attachment.p_AoPad_A),
                 "joint": attachment.joint.type,
-                "release": release,
+                "release": " or ".join(releases),
                 "spring": spring.name if spring else "",
                 "driven by": _LAWS[type(spring)],
             }

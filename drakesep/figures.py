@@ -118,7 +118,7 @@ def _draw(axes: Axes, row: _Row, i: int, flights: Sequence[Flight]) -> None:
         )
     end = flights[0].run.separation_end
     axes.axvline(
-        end, color="#555555", linestyle=":", linewidth=1.0, label="end of push"
+        end, color="#555555", linestyle=":", linewidth=1.0, label="end of separation"
     )
     axes.set_ylabel(unit.symbol)
     axes.set_xlim(motion.time[0], motion.time[-1])

@@ -20,6 +20,8 @@ from .run import Run as Run
 from .run import RunStatus as RunStatus
 from .separation_elements import SeparationElements as SeparationElements
 from .separation_system import SeparationSystem as SeparationSystem
+from .separation_system import set_mass_properties as set_mass_properties
+from .separation_system import set_mated_motion as set_mated_motion
 from .settings import Integration as Integration
 from .simulation import Simulation as Simulation
 from .user_plant import add_separation as add_separation

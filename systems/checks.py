@@ -10,8 +10,8 @@ from typing import TypeAlias
 Vector3: TypeAlias = tuple[float, float, float]
 """Three numbers: a point, a force, roll pitch yaw."""
 
-_DECIMALS = 1e-6
-"""Of unit vectors that are written in decimals."""
+DECIMALS = 1e-4
+"""By which unit vectors that are written in decimals may miss length and angle."""
 
 
 class InputError(ValueError):
@@ -52,7 +52,7 @@ def check_unit(name: str, vector: Sequence[float]) -> None:
     """Raise InputError unless the vector has three entries and length one."""
     check_entries(name, vector, 3)
     length = math.hypot(*vector)
-    if abs(length - 1.0) > _DECIMALS:
+    if abs(length - 1.0) > DECIMALS:
         raise InputError(
             f"{name} must be of length 1, got {tuple(vector)} of length {length:.9g}"
         )

@@ -6,7 +6,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from drakesep.systems.checks import Vector3, check_not_negative, check_positive
+from drakesep.systems.checks import (
+    InputError,
+    Vector3,
+    check_entries,
+    check_not_negative,
+    check_positive,
+)
 from drakesep.systems.geometry import mated_orientation, place_in_stack
 from drakesep.systems.inertia import inertia_matrix
 from drakesep.systems.joints import Joint, JointType
@@ -68,6 +74,9 @@ def propose_joint(
     }.items():
         check_positive(f"joint: {name}", value)
     check_not_negative("joint: damping ratio", damping_ratio)
+    check_entries("joint: position", p_AoPad_A, 3)
+    if A.name == B.name:
+        raise InputError(f"joint: must join two different bodies, got {A.name!r} twice")
     K_F, K_T = force / deviation, torque / rotation
     joint = Joint(
         type=type,

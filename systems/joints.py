@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeAlias, get_args
 
 from drakesep.systems.checks import (
+    DECIMALS,
     InputError,
     Vector3,
     check_entries,
@@ -58,9 +59,6 @@ CONSTRAINTS: dict[JointType, Constraints] = {
 B); a prismatic one slides along x, a cylindrical one also turns about it, and a planar
 one slides across x and turns about it."""
 
-_DECIMALS = 1e-6
-"""Of axes that are written in decimals."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Joint:
@@ -102,7 +100,7 @@ class Joint:
         check_unit("joint x axis", self.x_axis_A)
         check_unit("joint y axis", self.y_axis_A)
         cosine = dot(self.x_axis_A, self.y_axis_A)
-        if abs(cosine) > _DECIMALS:
+        if abs(cosine) > DECIMALS:
             raise InputError(
                 "joint axes x and y must be at a right angle, got "
                 f"{math.degrees(math.acos(cosine)):.6g} deg between {self.x_axis_A} "

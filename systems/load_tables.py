@@ -1,6 +1,6 @@
 """Forces and torques over time: thrusters, retro-rockets, disturbances."""
 
-import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
@@ -14,6 +14,7 @@ from drakesep.systems.checks import (
     check_unit,
     unknown,
 )
+from drakesep.systems.vectors import scale
 
 
 Axes: TypeAlias = Literal["body", "world"]
@@ -67,6 +68,8 @@ class Load:
                 f"got {', '.join(f'{t:g}' for t in self.times)}"
             )
         check_not_negative(f"{self.name}: first time", self.times[0])
+        if not len(self.forces) and not len(self.torques):
+            raise InputError(f"{self.name}: must have forces or torques, got none")
         for column in ("forces", "torques"):
             rows = getattr(self, column) or (_ZERO,) * len(self.times)
             if len(rows) != len(self.times):
@@ -78,13 +81,20 @@ class Load:
                 check_entries(f"{self.name}: {column}", row, 3)
             object.__setattr__(self, column, tuple(map(tuple, rows)))
 
+    def acts_after(self, row: int) -> bool:
+        """Return whether the load acts between a row of its table and the next."""
+        return row + 1 < len(self.times) and any(
+            any((*self.forces[i], *self.torques[i])) for i in (row, row + 1)
+        )
+
     @property
-    def edges(self) -> tuple[float, ...]:
-        """Where in the table the load sets in or ceases, s."""
-        rows = [any((*f, *t)) for f, t in zip(self.forces, self.torques, strict=True)]
-        acts = [a or b for a, b in itertools.pairwise(rows)]
-        changes = zip(self.times, [False, *acts], [*acts, False], strict=True)
-        return tuple(t for t, before, after in changes if before != after)
+    def kinks(self) -> tuple[float, ...]:
+        """Times in the table at which the load jumps or changes its slope, s."""
+        return tuple(
+            t
+            for i, t in enumerate(self.times)
+            if (i > 0 and self.acts_after(i - 1)) or self.acts_after(i)
+        )
 
 
 def thruster(
@@ -114,8 +124,13 @@ def thruster(
         ValueError: the direction is not of unit length, or as for `Load`.
     """
     check_unit(f"{name}: direction", direction_B)
+    if len(thrusts) != len(times):
+        raise InputError(
+            f"{name}: thrusts must be as many as the {len(times)} times, "
+            f"got {len(thrusts)}"
+        )
     check_finite(f"{name}: thrust", *thrusts)
-    x, y, z = direction_B
+    x, y, z = scale(1.0 / math.hypot(*direction_B), direction_B)
     return Load(
         name=name,
         body=body,

@@ -2,18 +2,11 @@
 
 from bisect import bisect_right
 
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    DiscreteValues,
-    EventStatus,
-    LeafSystem,
-    WitnessFunction,
-    WitnessFunctionDirection,
-)
+from pydrake.systems.framework import BasicVector, Context
 
 from drakesep.systems import motion_laws
 from drakesep.systems.checks import Vector3
+from drakesep.systems.latch import LatchingSystem
 from drakesep.systems.load_tables import Load
 from drakesep.systems.model import Separation
 from drakesep.systems.state_layout import StateLayout
@@ -27,12 +20,11 @@ _ROUND_OFF = 1e-12
 """Of times that add up to an edge, s."""
 
 
-class Loads(LeafSystem):
+class Loads(LatchingSystem):
     """Acts on bodies with the forces and torques of tables over time.
 
-    Whether a load acts is latched at the start of every step, and a witness function
-    ends a step where it sets in or ceases: no step straddles a jump, and no pulse is
-    stepped over. The Context of the whole diagram needs an accuracy.
+    Where in its table a load stands is latched, see `LatchingSystem`: no step straddles
+    a row of a table at which its load acts, and no pulse is stepped over.
 
     Input ports:
         plant_state: state of the plant.
@@ -43,7 +35,7 @@ class Loads(LeafSystem):
             of the m bodies.
 
     Discrete state:
-        (k,) how many edges of its table each load has passed; see `Load.edges`.
+        (k,) how many rows of its table each load has passed; and the step's start.
 
     Parameters:
         0: (5 k,) for each load where it acts in its body, m, its start, s, and the
@@ -51,7 +43,7 @@ class Loads(LeafSystem):
     """
 
     def __init__(self, separation: Separation, layout: StateLayout):
-        super().__init__()
+        super().__init__([0.0] * len(separation.loads))
         self._count = len(separation.bodies)
         bodies = [body.name for body in separation.bodies]
         attachments = [attachment.name for attachment in separation.attachments]
@@ -68,17 +60,10 @@ class Loads(LeafSystem):
             BasicVector(_FIELDS * len(self._loads))
         )
         self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
-        self._passed = self.DeclareDiscreteState(len(self._loads))
-        self.DeclareInitializationDiscreteUpdateEvent(self._pass_edges)
-        self.DeclarePerStepDiscreteUpdateEvent(self._pass_edges)
-        self._witness = self.MakeWitnessFunction(
-            "edge of a load",
-            WitnessFunctionDirection.kNegativeThenNonNegative,
-            lambda context: 1.0 if self._is_past_an_edge(context) else -1.0,
-        )
 
     def set_loads(self, context: Context, separation: Separation) -> None:
-        """Write where, when and how strongly loads act into this system's Context."""
+        """Write where, when and how strongly loads act, and that none has begun."""
+        self._reset(context)
         rows: list[float] = []
         for load in separation.loads:
             rows += [*load.p_BoQ_B, load.start, load.factor]
@@ -88,59 +73,44 @@ class Loads(LeafSystem):
         p = context.get_numeric_parameter(self._places).value().tolist()
         return p[_FIELDS * k : _FIELDS * (k + 1)]
 
-    def _elapsed(self, context: Context, k: int) -> float:
-        """Return the time in the load's table, s; negative before it begins."""
-        t = context.get_time() - self._row(context, k)[3]
+    def _elapsed(self, context: Context, k: int, t: float) -> float:
+        """Return how long a load's table has run at a time, s; negative before it."""
+        elapsed = t - self._row(context, k)[3]
         after = self._after[k]
-        return t if after is None else t - self._released.Eval(context)[after]
-
-    def _count_passed(self, context: Context, k: int) -> int:
-        return bisect_right(
-            self._loads[k].edges, self._elapsed(context, k) + _ROUND_OFF
+        return (
+            elapsed if after is None else elapsed - self._released.Eval(context)[after]
         )
 
-    def _pass_edges(self, context: Context, update: DiscreteValues) -> EventStatus:
-        passed = [self._count_passed(context, k) for k in range(len(self._loads))]
-        if passed == context.get_discrete_state(self._passed).value().tolist():
-            return EventStatus.DidNothing()  # spares a new evaluation of the forces
-        update.set_value(self._passed, passed)
-        return EventStatus.Succeeded()
+    def _due(self, context: Context, t: float) -> list[float]:
+        passed = self._get_latched(context)
+        for k, load in enumerate(self._loads):
+            elapsed = self._elapsed(context, k, t) + _ROUND_OFF
+            passed[k] = max(passed[k], float(bisect_right(load.times, elapsed)))
+        return passed
 
     def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
         total = WrenchSum(self._count)
-        passed = context.get_discrete_state(self._passed).value().tolist()
-        for k, load in enumerate(self._loads):
-            count = int(passed[k])
-            if count % 2:  # the edges are by turns those where it sets in and ceases
+        for k, (load, count) in enumerate(
+            zip(self._loads, self._get_latched(context), strict=True)
+        ):
+            row = int(count) - 1  # the last that was passed
+            if row >= 0 and load.acts_after(row):
                 x, y, z, _, factor = self._row(context, k)
-                first, last = load.edges[count - 1], load.edges[count]
-                t = min(max(first, self._elapsed(context, k)), last)
                 b = self._bodies[k]
                 body = self._layout.read_one(self._state.Eval(context).tolist(), b)
-                force, torque = _interpolate(load, t, factor)
+                elapsed = self._elapsed(context, k, context.get_time())
+                force, torque = _interpolate(load, row, elapsed, factor)
                 in_body = load.axes == "body"
                 total.add(
                     b, motion_laws.load_wrench(body, (x, y, z), force, torque, in_body)
                 )
         total.write(output)
 
-    def _is_past_an_edge(self, context: Context) -> bool:
-        # Just after the edge: see `Release`.
-        passed = context.get_discrete_state(self._passed).value().tolist()
-        return any(
-            int(count) < len(load.edges)
-            and self._elapsed(context, k) > load.edges[int(count)] + _ROUND_OFF
-            for k, (load, count) in enumerate(zip(self._loads, passed, strict=True))
-        )
 
-    def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
-        """Return one for all: Drake does not ask again after every step."""
-        return [self._witness]
-
-
-def _interpolate(load: Load, t: float, factor: float) -> tuple[Vector, Vector]:
-    i = min(bisect_right(load.times, t), len(load.times) - 1) - 1
-    s = (t - load.times[i]) / (load.times[i + 1] - load.times[i])
+def _interpolate(load: Load, i: int, t: float, factor: float) -> tuple[Vector, Vector]:
+    """Return force and torque between row i of a load's table and the next."""
+    start, end = load.times[i], load.times[i + 1]
+    s = min(max(0.0, (t - start) / (end - start)), 1.0)
     before, after = (1.0 - s) * factor, s * factor
 
     def between(rows: tuple[Vector3, ...]) -> Vector:

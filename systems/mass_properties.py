@@ -10,9 +10,15 @@ import trimesh
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import BodyIndex, SpatialInertia
+from pydrake.multibody.tree import BodyIndex, FrameIndex, SpatialInertia
 
-from drakesep.systems.checks import InputError, Vector3, check_positive, unknown
+from drakesep.systems.checks import (
+    InputError,
+    Vector3,
+    check_entries,
+    check_positive,
+    unknown,
+)
 from drakesep.systems.inertia import Inertia
 
 
@@ -112,6 +118,8 @@ def mass_properties_of_mesh(
 ) -> MassProperties:
     """Return the mass properties of a uniform solid, bounded by a closed mesh.
 
+    Where a mesh has several shells their volumes add up, also where they overlap.
+
     Args:
         file: OBJ or STL.
         mass: kg; this or `density`.
@@ -175,22 +183,26 @@ def mass_properties_of_model(
 @functools.cache
 def _read_model(path: Path, frame: str | None, _: int) -> MassProperties:
     plant = MultibodyPlant(time_step=0.0)
+    parser = Parser(plant)
+    # What the parser would mend with a warning, such as a negative mass, is an error.
+    parser.SetStrictParsing()
     try:
-        Parser(plant).AddModels(str(path))
+        parser.AddModels(str(path))
+        plant.Finalize()
     except RuntimeError as error:
-        message = str(error).splitlines()[0]
+        message = str(error).splitlines()[0].replace(str(path), path.name)
         raise InputError(f"{path.name}: must be a model, got: {message}") from error
-    plant.Finalize()
     indices = [BodyIndex(i) for i in range(1, plant.num_bodies())]
     if not indices:
         raise InputError(f"{path.name}: must be a model, got no body")
-    if frame is None:
-        base = plant.get_body(indices[0]).body_frame()
-    elif plant.HasFrameNamed(frame):
-        base = plant.GetFrameByName(frame)
-    else:
-        names = [plant.get_body(i).name() for i in indices]
-        raise InputError(f"{path.name}: {unknown('frame', frame, names)}")
+    base = plant.get_body(indices[0]).body_frame()
+    if frame is not None:
+        frames = [plant.get_frame(FrameIndex(i)) for i in range(1, plant.num_frames())]
+        names = [each.name() for each in frames]
+        if names.count(frame) != 1:
+            got = unknown("frame", frame, names) if frame not in names else "several"
+            raise InputError(f"{path.name}: frame {frame!r} must be one of it; {got}")
+        base = frames[names.index(frame)]
     M = plant.CalcSpatialInertia(plant.CreateDefaultContext(), base, indices)
     check_positive(f"{path.name}: mass", M.get_mass())
     return mass_properties_of(M)
@@ -242,6 +254,8 @@ def _placed(
     p_BoSo_B: Vector3,
     rpy_BS: Vector3,
 ) -> MassProperties:
+    check_entries("solid: position", p_BoSo_B, 3)
+    check_entries("solid: attitude", rpy_BS, 3)
     X_BS = RigidTransform(RollPitchYaw(np.array(rpy_BS)), np.array(p_BoSo_B))
     R = X_BS.rotation().matrix()
     I_B = R @ I_SScm_S @ R.T

@@ -14,6 +14,7 @@ from drakesep.systems.checks import (
     InputError,
     Vector3,
     check_entries,
+    check_finite,
     check_not_negative,
     check_positive,
     unknown,
@@ -71,11 +72,11 @@ class Attachment:
 
     It lets go at its release time, or once its joint has turned by its release angle,
     whichever comes first; a signal of the surrounding diagram takes the place of the
-    time (see `Release`).
+    time (see `Release`). With neither it waits for such a signal.
 
     Raises:
-        ValueError: a value is not finite, both bodies are the same, it never lets go,
-            or it lets go at an angle about which its joint does not turn.
+        ValueError: a value is not finite, both bodies are the same, or it lets go at an
+            angle about which its joint does not turn.
     """
 
     name: str
@@ -99,18 +100,16 @@ class Attachment:
             check_not_negative(f"{self.name}: release time", self.release_time)
         if self.release_angle != math.inf:
             self._check_release_angle()
-        if math.isinf(self.release_time) and math.isinf(self.release_angle):
-            raise InputError(f"{self.name}: must have a release time or angle")
         if self.A == self.B:
             raise InputError(
                 f"{self.name}: must join two different bodies, got {self.A!r} twice"
             )
 
     def _check_release_angle(self) -> None:
-        check_positive(f"{self.name}: release angle", self.release_angle)
-        if self.release_angle >= math.pi:
+        check_finite(f"{self.name}: release angle", self.release_angle)
+        if not 0.0 < self.release_angle < math.pi:
             raise InputError(
-                f"{self.name}: release angle must be below 180 deg, "
+                f"{self.name}: release angle must be above 0 and below 180 deg, "
                 f"got {math.degrees(self.release_angle):g}"
             )
         constraints = self.joint.constraints
@@ -205,6 +204,12 @@ class Separation:
                 raise InputError(
                     f"{attachment.name}: release time must lie before the end of the "
                     f"run at {self.duration} s, got {attachment.release_time} s"
+                )
+        for load in self.loads:
+            if load.after is None and load.start + load.times[0] >= self.duration:
+                raise InputError(
+                    f"{load.name}: must begin before the end of the run at "
+                    f"{self.duration} s, got {load.start + load.times[0]} s"
                 )
         last = max(
             self.timed_stroke_ends(self.scheduled_releases).values(), default=0.0

@@ -103,7 +103,8 @@ class MotionAnalysis(LeafSystem):
         self._declare_momentum_port("angular_momentum_change", 1)
 
     def set_measured(self, context: Context, separation: Separation) -> None:
-        """Write what is known of the measured body into this system's Context."""
+        """Write what is known of the measured body, and that none has pushed it yet."""
+        context.SetContinuousState([0.0] * 6)
         p_BoBcm_B, mated_p_AoBcm_A, mass, inertia = Measured.of(separation)
         context.get_mutable_numeric_parameter(self._measured).SetFromVector(
             [*p_BoBcm_B, *mated_p_AoBcm_A, mass, inertia]

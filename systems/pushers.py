@@ -110,9 +110,17 @@ class DisplacementSpring:
             )
         check_finite(f"{name}: displacement", *displacements)
         check_finite(f"{name}: force", *forces)
+        if displacements[0] != 0.0 or list(displacements) != sorted(set(displacements)):
+            raise InputError(
+                f"{name}: displacements must increase from 0, got "
+                f"{', '.join(f'{s:g}' for s in displacements)} m"
+            )
+        if min(forces) < 0.0 or max(forces) == 0.0:
+            raise InputError(
+                f"{name}: forces must be >= 0, with one above it, got "
+                f"{', '.join(f'{f:g}' for f in forces)} N"
+            )
         stroke, force_max = displacements[-1], max(forces)
-        check_positive(f"{name}: last displacement", stroke)
-        check_positive(f"{name}: largest force", force_max)
         return cls(
             name=name,
             force_max=force_max,
@@ -135,6 +143,8 @@ class DisplacementSpring:
 
 
 def _check_profile(name: str, profile: Profile) -> None:
+    if len(profile) < 2 or any(len(row) != 2 for row in profile):
+        raise InputError(f"{name} must have two rows of two or more, got {profile}")
     check_finite(name, *(entry for row in profile for entry in row))
     fractions = [s for s, _ in profile]
     if (

@@ -2,42 +2,30 @@
 
 import math
 
-import numpy as np
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    DiscreteValues,
-    EventStatus,
-    LeafSystem,
-    WitnessFunction,
-    WitnessFunctionDirection,
-)
+from pydrake.systems.framework import BasicVector, Context
 
 from drakesep.systems import joint_laws
 from drakesep.systems.geometry import mated_orientation
+from drakesep.systems.latch import LatchingSystem
 from drakesep.systems.model import Separation
 from drakesep.systems.state_layout import StateLayout
 
 
 _UP = 0.5
 """A trigger above this commands the release."""
-_STEP_MIN = 1e-9
-"""Age of a step, s, from which on it may be ended for a trigger that is up."""
 _JOINT_FIELDS = 7
 """Of a joint: the mated orientation q_AB, and its x axis in A."""
 
 
-class Release(LeafSystem):
+class Release(LatchingSystem):
     """Lets go of each attachment at its time, at a command, or at its joint's angle.
 
     If one of the triggers is connected, an attachment lets go when its trigger rises
     above 0.5, and the scheduled times are not used. An attachment with a release angle
     lets go also when its joint has turned by it.
 
-    A release that is due is latched at the start of the simulation and of every
-    step. A witness function ends a step where one becomes due, within a hundredth of
-    the accuracy in seconds; the recorded time of a scheduled one is the scheduled. The
-    Context of the whole diagram needs an accuracy (``context.SetAccuracy``).
+    Exact to event isolation, see `LatchingSystem`; the recorded time of a scheduled
+    release is the scheduled.
 
     Input ports:
         plant_state: state of the plant.
@@ -56,8 +44,8 @@ class Release(LeafSystem):
     """
 
     def __init__(self, separation: Separation, layout: StateLayout):
-        super().__init__()
         n = len(separation.attachments)
+        super().__init__([math.inf] * n)
         index = {body.name: i for i, body in enumerate(separation.bodies)}
         self._ends = [(index[a.A], index[a.B]) for a in separation.attachments]
         self._hinged = [
@@ -72,19 +60,11 @@ class Release(LeafSystem):
         self._schedule = self.DeclareNumericParameter(BasicVector(n))
         self._angles = self.DeclareNumericParameter(BasicVector(n))
         self._joints = self.DeclareNumericParameter(BasicVector(_JOINT_FIELDS * n))
-        released = self.DeclareDiscreteState(np.full(n, math.inf))
-        self._step_start = self.DeclareDiscreteState([-math.inf])
-        self.DeclareStateOutputPort("released", released)
-        self.DeclareInitializationDiscreteUpdateEvent(self._update)
-        self.DeclarePerStepDiscreteUpdateEvent(self._update)
-        self._witness = self.MakeWitnessFunction(
-            "release",
-            WitnessFunctionDirection.kNegativeThenNonNegative,
-            lambda context: 1.0 if self._is_overdue(context) else -1.0,
-        )
+        self.DeclareStateOutputPort("released", self._latched)
 
     def set_schedule(self, context: Context, separation: Separation) -> None:
-        """Write when a separation's attachments let go into this system's Context."""
+        """Write when a separation's attachments let go, and that none has yet."""
+        self._reset(context)
         attachments = separation.attachments
         joints: list[float] = []
         for a in attachments:
@@ -99,7 +79,7 @@ class Release(LeafSystem):
 
     def is_due_by_angle(self, context: Context) -> bool:
         """Return whether an attachment holds that has turned by its release angle."""
-        released = self._get_released(context)
+        released = self._get_latched(context)
         return any(
             math.isinf(released[i]) and self._has_turned(context, i)
             for i in self._hinged
@@ -107,9 +87,6 @@ class Release(LeafSystem):
 
     def _get(self, context: Context, parameter: int) -> list[float]:
         return context.get_numeric_parameter(parameter).value().tolist()
-
-    def _get_released(self, context: Context) -> list[float]:
-        return context.get_discrete_state(0).value().tolist()
 
     def _get_command(self, context: Context) -> list[bool] | None:
         """Return which attachments are commanded to let go; None: by schedule."""
@@ -140,53 +117,24 @@ class Release(LeafSystem):
             math,
         )
 
-    def _update(self, context: Context, update: DiscreteValues) -> EventStatus:
-        now = context.get_time()
+    def _needs_age(self, context: Context) -> bool:
+        # A command may come from an event of this instant.
+        return self._get_command(context) is not None
+
+    def _due(self, context: Context, t: float) -> list[float]:
         command = self._get_command(context)
         schedule = self._get(context, self._schedule)
-        start = context.get_discrete_state(self._step_start)[0]
-        before = self._get_released(context)
-        after = list(before)
-        for i, released in enumerate(before):
-            if not math.isinf(released):
+        released = self._get_latched(context)
+        for i, before in enumerate(released):
+            if not math.isinf(before):
                 continue
             if command is None:
-                if schedule[i] <= now:
+                if schedule[i] <= t:
                     # What was due before the run's start happens at its start.
-                    after[i] = schedule[i] if math.isfinite(start) else now
+                    released[i] = t if self._is_starting(context) else schedule[i]
             elif command[i]:
-                after[i] = now
-            hinged = i in self._hinged and math.isinf(after[i])
+                released[i] = t
+            hinged = i in self._hinged and math.isinf(released[i])
             if hinged and self._has_turned(context, i):
-                after[i] = now
-        holds = any(map(math.isinf, after))
-        if after == before and math.isfinite(start) and not (command and holds):
-            return EventStatus.DidNothing()  # spares a new evaluation of the forces
-        update.set_value(0, after)
-        update.set_value(self._step_start, [now])
-        return EventStatus.Succeeded()
-
-    def _is_overdue(self, context: Context) -> bool:
-        """Return whether the step must end for a release.
-
-        A step that ends at the scheduled time needs no search, and Drake ends the
-        process when the crossing that it searches lies at the end of AdvanceTo: so the
-        sign changes just after that time. A trigger that is up from the start of a step
-        on, as one set by an event is, has no crossing: so the step must have an age.
-        """
-        held = [i for i, t in enumerate(self._get_released(context)) if math.isinf(t)]
-        if not held:
-            return False
-        now = context.get_time()
-        command = self._get_command(context)
-        if command is None:
-            schedule = self._get(context, self._schedule)
-            overdue = any(now > schedule[i] for i in held)
-        else:
-            age = now - context.get_discrete_state(self._step_start)[0]
-            overdue = age > _STEP_MIN and any(command[i] for i in held)
-        return overdue or self.is_due_by_angle(context)
-
-    def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
-        """Return one for all: Drake does not ask again after every step."""
-        return [self._witness]
+                released[i] = t
+        return released

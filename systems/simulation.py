@@ -136,10 +136,11 @@ class Simulation:
         releases = _releases(separation, released.Eval(context))
         for attachment in separation.attachments:
             if attachment.name not in releases:
-                raise RuntimeError(
-                    f"{attachment.name} has not turned by its release angle, "
-                    f"{math.degrees(attachment.release_angle):g} deg"
-                )
+                why = "it waits for a command"
+                if math.isfinite(attachment.release_angle):
+                    angle = math.degrees(attachment.release_angle)
+                    why = f"its joint has not turned by {angle:g} deg"
+                raise RuntimeError(f"{attachment.name} has not let go: {why}")
         return recorder, releases
 
 
@@ -167,7 +168,7 @@ def find_breaks(
     kinks = [*releases.values(), *stroke_ends.values()]
     for load in separation.loads:
         begin = 0.0 if load.after is None else releases.get(load.after, math.inf)
-        kinks += [begin + load.start + edge for edge in load.edges]
+        kinks += [begin + load.start + kink for kink in load.kinks]
     end = separation.duration
     breaks = [0.0]
     for t in sorted(kinks):
@@ -223,6 +224,8 @@ def _find_stroke_end(
     beyond = np.flatnonzero(left(times) <= 0.0)
     if not beyond.size:
         raise RuntimeError(f"{spring.name} has not reached its stroke")
+    if beyond[0] == 0:
+        return release  # it was past its stroke when it was let go
     t0, t1 = times[beyond[0] - 1 : beyond[0] + 1]
     end = brentq(lambda t: left(np.array([t]))[0], t0, t1, xtol=_NANOSECOND)
     return float(end)

@@ -3,18 +3,11 @@
 import math
 from typing import TypeAlias
 
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    DiscreteValues,
-    EventStatus,
-    LeafSystem,
-    WitnessFunction,
-    WitnessFunctionDirection,
-)
+from pydrake.systems.framework import BasicVector, Context, WitnessFunction
 
 from drakesep.systems import spring_laws
 from drakesep.systems.geometry import pad_on_B
+from drakesep.systems.latch import LatchingSystem
 from drakesep.systems.model import Separation
 from drakesep.systems.motion_laws import BodyState
 from drakesep.systems.pushers import DisplacementSpring, Spring
@@ -28,7 +21,7 @@ _Profile: TypeAlias = tuple[float, list[tuple[float, float]]]
 """Where the force over the stroke starts, and its ramps: see `spring_laws`."""
 
 
-class Springs(LeafSystem):
+class Springs(LatchingSystem):
     """Pushes B from A by the spring of each released attachment.
 
     A `Spring` is driven by time (Eq. 5), a `DisplacementSpring` by the displacement of
@@ -47,7 +40,7 @@ class Springs(LeafSystem):
         energy: (1,) energy that the springs driven by displacement store, J.
 
     Discrete state:
-        (k,) 1 for each spring that has let go of its pad.
+        (k,) 1 for each spring that has let go of its pad; and the step's start.
 
     Parameters:
         0: (10 k,) for each spring its maximum force, N, its frequency, rad/s (0 if
@@ -56,10 +49,10 @@ class Springs(LeafSystem):
     """
 
     def __init__(self, separation: Separation, layout: StateLayout):
-        super().__init__()
+        pushing = [a for a in separation.attachments if a.spring is not None]
+        super().__init__([0.0] * len(pushing))
         self._count = len(separation.bodies)
         index = {body.name: i for i, body in enumerate(separation.bodies)}
-        pushing = [a for a in separation.attachments if a.spring is not None]
         self._attachments = [separation.attachments.index(a) for a in pushing]
         self._ends = [(index[a.A], index[a.B]) for a in pushing]
         self._groups: dict[tuple[int, int], list[int]] = {}
@@ -74,27 +67,21 @@ class Springs(LeafSystem):
         self._springs = self.DeclareNumericParameter(
             BasicVector(_FIELDS * len(self._attachments))
         )
-        self._spent = self.DeclareDiscreteState(len(pushing))
         self._by_stroke = [
             k for k, a in enumerate(pushing) if isinstance(a.spring, DisplacementSpring)
         ]
-        self.DeclarePerStepDiscreteUpdateEvent(self._let_go)
-        self._abrupt = [
-            k
-            for k, a in enumerate(pushing)
-            if isinstance(a.spring, DisplacementSpring) and a.spring.profile[-1][1] > 0
-        ]
-        self._witness = self.MakeWitnessFunction(
-            "stroke",
-            WitnessFunctionDirection.kNegativeThenNonNegative,
-            lambda context: 1.0 if self._is_past_a_stroke(context) else -1.0,
+        # Force that is left at the end of a stroke is a jump, at which a step ends.
+        self._abrupt = any(
+            isinstance(a.spring, DisplacementSpring) and a.spring.profile[-1][1] > 0.0
+            for a in pushing
         )
         self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
         self.DeclareVectorOutputPort("forces", len(pushing), self._calc_forces)
         self.DeclareVectorOutputPort("energy", 1, self._calc_energy)
 
     def set_springs(self, context: Context, separation: Separation) -> None:
-        """Write the springs of a separation into this system's Context."""
+        """Write the springs of a separation, and that none has let go of its pad."""
+        self._reset(context)
         rows: list[float] = []
         for attachment in separation.attachments:
             spring = attachment.spring
@@ -125,44 +112,36 @@ class Springs(LeafSystem):
     def _pushing(self, context: Context) -> list[int]:
         """Return the springs that are released, and have not let go of their pad."""
         released = self._released.Eval(context).tolist()
-        spent = context.get_discrete_state(self._spent).value().tolist()
+        spent = self._get_latched(context)
         return [
             k
             for k, i in enumerate(self._attachments)
             if not spent[k] and math.isfinite(released[i])
         ]
 
-    def _is_at_stroke(self, context: Context, k: int) -> bool:
-        row = self._rows(context)[k]
-        frequency, stroke = row[1:3]
-        if frequency > 0.0:
-            elapsed = (
-                context.get_time() - self._released.Eval(context)[self._attachments[k]]
-            )
-            return elapsed >= 0.5 * math.pi / frequency
-        displacement, _ = self._displacement(self._read_bodies(context), k, row)
-        return displacement >= stroke
-
-    def _let_go(self, context: Context, update: DiscreteValues) -> EventStatus:
-        ends = [k for k in self._pushing(context) if self._is_at_stroke(context, k)]
-        if not ends:
-            return EventStatus.DidNothing()  # spares a new evaluation of the forces
-        spent = context.get_discrete_state(self._spent).value().tolist()
-        for k in ends:
-            spent[k] = 1.0
-        update.set_value(self._spent, spent)
-        return EventStatus.Succeeded()
-
-    def _is_past_a_stroke(self, context: Context) -> bool:
-        return any(
-            self._is_at_stroke(context, k)
-            for k in self._pushing(context)
-            if k in self._abrupt
-        )
+    def _needs_age(self, context: Context) -> bool:
+        return self._abrupt
 
     def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
-        """Return that of the springs that still push where their stroke ends."""
-        return [self._witness] if self._abrupt else []
+        """Return that of strokes, if one of them ends in a jump."""
+        return super().DoGetWitnessFunctions(context) if self._abrupt else []
+
+    def _due(self, context: Context, t: float) -> list[float]:
+        """Return 1 for each spring whose stroke has been reached."""
+        spent = self._get_latched(context)
+        pushing = self._pushing(context)
+        if not pushing:
+            return spent
+        rows, bodies = self._rows(context), self._read_bodies(context)
+        for k in pushing:
+            frequency, stroke = rows[k][1:3]
+            if frequency > 0.0:
+                start = self._released.Eval(context)[self._attachments[k]]
+                ended = t - start >= 0.5 * math.pi / frequency
+            else:
+                ended = self._displacement(bodies, k, rows[k])[0] >= stroke
+            spent[k] = float(ended)
+        return spent
 
     def _force_over_stroke(
         self, bodies: list[BodyState], k: int, row: list[float]
@@ -226,7 +205,7 @@ class Springs(LeafSystem):
     def _calc_energy(self, context: Context, output: BasicVector) -> None:
         energy = 0.0
         bodies, rows = self._read_bodies(context), self._rows(context)
-        spent = context.get_discrete_state(self._spent).value().tolist()
+        spent = self._get_latched(context)
         for k in self._by_stroke:
             displacement, _ = self._displacement(bodies, k, rows[k])
             force_max, _, stroke = rows[k][:3]

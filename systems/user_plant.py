@@ -7,6 +7,7 @@ the bodies' motion from the plant's ports, one turns wrenches into its spatial f
 
 from collections.abc import Sequence
 
+import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialAcceleration, SpatialForce, SpatialVelocity
@@ -50,9 +51,8 @@ def add_separation(
     Args:
         builder: that holds the plant.
         plant: finalized and continuous.
-        separation: its bodies' names are those of the plant's bodies, and their mass
-            properties those that the motion analysis takes for theirs; see
-            `body_of_plant`.
+        separation: its bodies' names and mass properties are those of the plant's
+            bodies; see `body_of_plant`.
         bodies: those of the plant, in the order of `Separation.bodies`; by default
             those of their names.
         other_forces: output port with a list of ExternallyAppliedSpatialForce of one's
@@ -61,21 +61,16 @@ def add_separation(
 
     Returns:
         The system that was added. Write the separation's numbers into its Context with
-        `SeparationElements.set_separation`.
+        `SeparationElements.set_separation`; where they vary the bodies, write these
+        into the plant's with `set_mass_properties`.
 
     Raises:
-        ValueError: the plant is discrete or not finalized, has no such body, or its
-            input port for spatial forces is taken.
+        ValueError: the plant is discrete or not finalized, has no such body or one of
+            another mass, or its input port for spatial forces is taken.
     """
     _check_plant(builder, plant)
-    found = (
-        list(bodies) if bodies else [_find(plant, b.name) for b in separation.bodies]
-    )
-    if len(found) != len(separation.bodies):
-        raise InputError(
-            f"bodies must be the {len(separation.bodies)} of the separation, "
-            f"got {len(found)}"
-        )
+    found = list(bodies or (_find(plant, body.name) for body in separation.bodies))
+    _check_bodies(plant, found, separation)
     count = len(found)
     layout = StateLayout(
         count * (_Q + _V),
@@ -139,11 +134,42 @@ def _check_plant(builder: DiagramBuilder, plant: MultibodyPlant) -> None:
 
 
 def _find(plant: MultibodyPlant, name: str) -> RigidBody:
-    if not plant.HasBodyNamed(name):
-        indices = map(BodyIndex, range(plant.num_bodies()))
-        names = [plant.get_body(index).name() for index in indices]
+    indices = map(BodyIndex, range(plant.num_bodies()))
+    names = [plant.get_body(index).name() for index in indices]
+    if names.count(name) > 1:
+        raise InputError(
+            f"plant: must have one body named {name!r}, got {names.count(name)}; hand "
+            "the right ones over as bodies"
+        )
+    if name not in names:
         raise InputError(f"plant: {unknown('body', name, names)}")
     return plant.GetBodyByName(name)
+
+
+def _check_bodies(
+    plant: MultibodyPlant, bodies: Sequence[RigidBody], separation: Separation
+) -> None:
+    wanted = separation.bodies
+    if len(bodies) != len(wanted):
+        raise InputError(
+            f"bodies must be the {len(wanted)} of the separation, got {len(bodies)}"
+        )
+    if len({int(body.index()) for body in bodies}) != len(bodies):
+        raise InputError("bodies must differ, got one twice")
+    for body, description in zip(bodies, wanted, strict=True):
+        if body.GetParentPlant() is not plant:
+            raise InputError(f"{description.name}: must be a body of the plant")
+        own = body_of_plant(plant, body)
+        for quantity, got, of_plant in (
+            ("mass", (description.mass,), (own.mass,)),
+            ("CG", description.p_BoBcm_B, own.p_BoBcm_B),
+            ("inertia", description.I_BBcm_B, own.I_BBcm_B),
+        ):
+            if not np.allclose(got, of_plant, rtol=1e-6, atol=1e-6 * max(of_plant)):
+                raise InputError(
+                    f"{description.name}: {quantity} must be that of the plant's body, "
+                    f"{of_plant}, got {got}; see body_of_plant"
+                )
 
 
 class _BodyMotion(LeafSystem):

@@ -202,11 +202,11 @@ BAD = {
     ),
     "axis not of length one": (
         joint(axes={"x": [1, 1, 0], "y": [0, 0, 1]}),
-        "joint x axis must be of length 1, got .* of length 1.41421356",
+        "attachment_1: joint x axis must be of length 1, got .* of length 1.41421356",
     ),
     "axes not at a right angle": (
         joint(axes={"x": [1, 0, 0], "y": [0.6, 0.8, 0]}),
-        "joint axes x and y must be at a right angle, got 53.13.* deg",
+        "attachment_1: joint axes x and y must be at a right angle, got 53.13.* deg",
     ),
     "body attached to itself": (
         attachment(B="launch_vehicle"),
@@ -222,11 +222,15 @@ BAD = {
     ),
     "table that does not begin at zero": (
         spring(law="table", displacements_mm=[5, 10], forces_N=[1, 0]),
-        "spring_1: profile must have displacements that increase from 0",
+        "spring_1: displacements must increase from 0, got 0.005, 0.01 m",
     ),
     "thrust without direction": (
         burn(times_s=[0, 1], thrusts_N=[1, 1]),
         "loads.burn: thrusts_N and direction: one needs the other",
+    ),
+    "axes of a thruster": (
+        burn(times_s=[0, 1], thrusts_N=[1, 1], direction=[1, 0, 0], axes="world"),
+        "loads.burn: axes: a thruster has none",
     ),
     "load without anything": (
         burn(times_s=[0, 1]),

@@ -196,11 +196,19 @@ def test_spring_that_has_let_go_does_not_push_again():
     [
         ((0.0, 0.1), (5.0,), "got 2 displacements and 1 forces"),
         ((0.0,), (5.0,), "two rows or more"),
-        ((0.01, 0.1), (5.0, 0.0), "increase from 0 to the stroke, got 0.1, 1"),
-        ((0.0, 0.2, 0.1), (5.0, 4.0, 0.0), "increase from 0 to the stroke"),
-        ((0.0, 0.1), (5.0, -1.0), "forces from 0 to the largest, got 1, -0.2"),
-        ((0.0, 0.1), (0.0, 0.0), "largest force must be > 0"),
-        ((0.0, 0.0), (1.0, 0.0), "last displacement must be > 0"),
+        (
+            (0.01, 0.1),
+            (5.0, 0.0),
+            "must increase from 0, got 0.01, 0.1 m",
+        ),
+        ((0.0, 0.2, 0.1), (5.0, 4.0, 0.0), "increase from 0, got 0, 0.2, 0.1 m"),
+        (
+            (0.0, 0.1),
+            (5.0, -1.0),
+            "forces must be >= 0, .*, got 5, -1 N",
+        ),
+        ((0.0, 0.1), (0.0, 0.0), "with one above it, got 0, 0 N"),
+        ((0.0, 0.0), (1.0, 0.0), "displacements must increase from 0, got 0, 0 m"),
         ((0.0, math.nan), (1.0, 0.0), "displacement must be finite"),
     ],
 )
@@ -209,3 +217,28 @@ def test_bad_tables(displacements, forces, message):
         DisplacementSpring.from_table(
             name="spring_1", displacements=displacements, forces=forces
         )
+
+
+def test_spring_that_is_past_its_stroke_when_it_is_let_go():
+    """Its body has slid away on a joint that lets it: it does not push."""
+    separation = coaxial(linear_pair(release_times=(0.0, 0.0, 0.0, 0.8)))
+    first, *rest = separation.attachments
+    slide = dataclasses.replace(
+        FREE, type="prismatic", K_F=1e4, D_F=1e2, K_T=1e4, D_T=1e2
+    )
+    last = dataclasses.replace(rest[-1], joint=slide)
+    separation = dataclasses.replace(
+        separation, attachments=(first, *rest[:-1], last), duration=1.5
+    )
+    run = Simulation(separation).run()
+    assert run.status is RunStatus.COMPLETED, run.message
+    assert run.stroke_ends[last.spring.name] == 0.8
+    late = run.motion.time > 0.5
+    pushed = np.linalg.norm(run.motion.linear_momentum_change, axis=1)
+    assert np.ptp(pushed[late]) < 1e-9 * pushed[-1]
+
+
+@pytest.mark.parametrize("profile", [(), ((0.0, 1.0),), ((0.0, 1.0, 2.0), (1.0, 0.0))])
+def test_bad_profiles(profile):
+    with pytest.raises(ValueError, match="must have two rows of two or more"):
+        DisplacementSpring(name="s", force_max=1.0, stroke=0.1, profile=profile)

@@ -184,6 +184,7 @@ def system_at(motions, external):
     system = SeparationSystem(SEPARATION, external_wrenches=True)
     context = system.CreateDefaultContext()
     system.set_separation(context, SEPARATION)
+    context.SetAccuracy(1e-6)
     system.GetInputPort("external_wrenches").FixValue(context, external)
     # What is due at the start lets go, then what was since, then loads that follow.
     for t in (0.0, NOW, NOW):

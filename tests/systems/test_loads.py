@@ -143,14 +143,46 @@ def test_parameters_of_a_load():
     assert np.abs(later.acceleration[later.time <= 0.5]).max() < 1e-12
 
 
-def test_edges_are_where_a_load_sets_in_or_ceases():
+def test_kinks_are_the_rows_at_which_a_load_acts():
     quiet = Load(
         name="two pulses",
         body="upper",
-        times=(0.0, 1.0, 2.0, 3.0, 4.0, 5.0),
-        torques=((0, 0, 0), (0, 1, 0), (0, 0, 0), (0, 0, 0), (0, 0, 2), (0, 0, 2)),
+        times=(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0),
+        torques=((0, 0, 0), (0, 1, 0), *((0, 0, 0),) * 3, (0, 0, 2), (0, 0, 2)),
     )
-    assert quiet.edges == (0.0, 2.0, 3.0, 5.0)
+    assert quiet.kinks == (0.0, 1.0, 2.0, 4.0, 5.0, 6.0)
+
+
+def test_a_pulse_on_top_of_a_load_is_not_stepped_over():
+    """Two milliseconds of 10 kN, in a second of 10 N."""
+    load = Load(
+        name="kick",
+        body="lower",
+        axes="world",
+        times=(0.0, 0.5, 0.501, 0.502, 0.95),
+        forces=tuple((f, 0.0, 0.0) for f in (10.0, 10.0, 1e4, 10.0, 10.0)),
+    )
+    rows = momenta(with_loads(load, initial=InitialMotion()), [0.0, 0.99])
+    given = (rows - rows[0])[1, 0]
+    assert given == pytest.approx(9.5 + 9990.0 * 1e-3, abs=1e-4)
+
+
+@pytest.mark.parametrize("start", [0.0, 1e-9, 1e-3])
+def test_load_that_follows_a_release_at_once(start):
+    """Under a plain Simulator, whose steps the release does not end exactly."""
+    load = Load(
+        name="retro",
+        body="lower",
+        axes="world",
+        times=(0.0, 0.05),
+        forces=((1000.0, 0.0, 0.0),) * 2,
+        start=start,
+        after="attachment_1",
+    )
+    separation = with_loads(load, release_times=(0.237,), initial=InitialMotion())
+    rows = momenta(separation, [0.0, 0.5])
+    # begins up to 1e-9 s late, and then within event isolation
+    assert (rows - rows[0])[1, 0] == pytest.approx(50.0, abs=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -168,6 +200,7 @@ def test_edges_are_where_a_load_sets_in_or_ceases():
         ({"axes": "orbit"}, "unknown axes 'orbit'"),
         ({"start": -1.0}, "start must be >= 0, got -1"),
         ({"factor": math.inf}, "factor must be finite"),
+        ({"forces": ()}, "must have forces or torques, got none"),
     ],
 )
 def test_bad_loads(change, message):
@@ -179,6 +212,8 @@ def test_loads_that_name_nothing():
     load = Load(name="gust", body="uper", **PULSE)
     with pytest.raises(ValueError, match="gust: unknown body 'uper'; did you mean"):
         with_loads(load)
+    with pytest.raises(ValueError, match="gust: must begin before the end of the run"):
+        with_loads(dataclasses.replace(load, body="upper", start=3.0))
     load = dataclasses.replace(load, body="upper", after="attachment_9")
     with pytest.raises(ValueError, match="gust: unknown attachment 'attachment_9'"):
         with_loads(load)
@@ -190,4 +225,13 @@ def test_loads_that_name_nothing():
             direction_B=(1.0, 1.0, 0.0),
             times=(0.0, 1.0),
             thrusts=(1.0, 1.0),
+        )
+    with pytest.raises(ValueError, match="jet: thrusts must be as many as the 2 times"):
+        thruster(
+            name="jet",
+            body="upper",
+            p_BoQ_B=(0, 0, 0),
+            direction_B=(1.0, 0.0, 0.0),
+            times=(0.0, 1.0),
+            thrusts=(1.0,),
         )

@@ -81,6 +81,22 @@ def test_box_mesh_is_exact(tmp_path, suffix):
     assert inertia == pytest.approx((13, 10, 5, 0, 0, 0), abs=1e-5)
 
 
+def test_products_of_a_skew_mesh(tmp_path):
+    """A tetrahedron against samples of its volume."""
+    corners = np.array([[0, 0, 0], [2, 0.3, 0.1], [0.4, 1.5, 0.2], [0.3, 0.2, 1.0]])
+    file = tmp_path / "skew.obj"
+    trimesh.convex.convex_hull(corners).export(file)
+    _, cg, inertia = mass_properties_of_mesh(file, mass=10.0)
+    rng = np.random.default_rng(3)
+    points = rng.dirichlet(np.ones(4), 200_000) @ corners
+    about = points - points.mean(axis=0)
+    second = 10.0 * about.T @ about / len(points)
+    expected = np.trace(second) * np.eye(3) - second
+    # samples: the square root of their number
+    assert cg == pytest.approx(points.mean(axis=0), abs=5e-3)
+    assert inertia_matrix(inertia) == pytest.approx(expected, abs=2e-2)
+
+
 def test_mesh_is_read_again_when_it_has_changed(tmp_path):
     file = tmp_path / "box.obj"
     for size in (1.0, 2.0):
@@ -177,6 +193,18 @@ def test_bad_shapes():
         ("sphere", (-1.0,), {"mass": 1.0}, "dimension must be > 0, got -1"),
         ("sphere", (1.0,), {}, "must have a mass or a density, got neither"),
         ("sphere", (1.0,), {"mass": math.nan}, "mass must be finite, got nan"),
+        (
+            "sphere",
+            (1.0,),
+            {"mass": 1.0, "rpy_BS": (0, 0, math.nan)},
+            "solid: attitude must be finite, got nan",
+        ),
+        (
+            "sphere",
+            (1.0,),
+            {"mass": 1.0, "p_BoSo_B": (0, 0)},
+            "solid: position must have 3 entries, got 2",
+        ),
     ):
         with pytest.raises(ValueError, match=message):
             mass_properties_of_shape(shape, dimensions, **options)
@@ -193,6 +221,15 @@ def test_bad_models(tmp_path):
     refuse("model file must exist", "none.urdf")
     refuse("model file must end in .sdf, .urdf, .xml", "ball.txt", "")
     refuse("bad.urdf: must be a model, got: .*XML", "bad.urdf", "<robot")
-    refuse("unknown frame 'wing'; known: bus, panel", "p.urdf", URDF, frame="wing")
+    refuse(
+        "frame 'wing' must be one of it; unknown frame 'wing'",
+        "p.urdf",
+        URDF,
+        frame="wing",
+    )
+    negative = URDF.replace('mass value="8"', 'mass value="-8"')
+    refuse("negative.urdf: must be a model, got: .*mass", "negative.urdf", negative)
+    odd = URDF.replace('izz="2.5"', 'izz="25"')
+    refuse("odd.urdf: must be a model, got: .*nertia", "odd.urdf", odd)
     weightless = SDF.replace("<mass>3</mass>", "<mass>0</mass>").replace("0.1", "0")
-    refuse("mass must be > 0|must be a model", "weightless.sdf", weightless)
+    refuse("weightless.sdf: mass must be > 0", "weightless.sdf", weightless)

@@ -8,7 +8,7 @@ from flying import momentum, simulator_of, start
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, Gain, Integrator
-from separations import generic_pair
+from separations import FREE, generic_pair
 
 from drakesep.systems.inertia import inertia_matrix
 from drakesep.systems.model import Body, InitialMotion
@@ -63,6 +63,7 @@ def test_external_wrenches():
     context = parent.CreateDefaultContext()
     inner = system.GetMyMutableContextFromRoot(context)
     system.set_separation(inner, apart)
+    context.SetAccuracy(1e-6)
     parent.ExecuteInitializationEvents(context)  # lets go
 
     acceleration = system.GetOutputPort("acceleration").Eval(inner)
@@ -183,3 +184,43 @@ def test_flown_as_a_simulation_flies_it_the_bits_are_those_of_the_run():
         # a cubic through the last step ends on it, but for its own round-off
         assert final == pytest.approx(getattr(run.motion, name)[-1], abs=1e-15)
     assert simulator.get_integrator().get_num_steps_taken() == run.steps
+
+
+def test_a_context_can_be_used_again():
+    """Releases, strokes and momenta of an earlier flight are forgotten."""
+    system = SeparationSystem(SEPARATION)
+    context = system.CreateDefaultContext()
+    states = []
+    for _ in range(2):
+        context.SetTime(0.0)
+        system.set_separation(context, SEPARATION)
+        simulator_of(system, context, 1e-6).AdvanceTo(0.4)
+        states.append(context.get_continuous_state_vector().CopyToVector().tolist())
+    assert states[0] == states[1]
+
+
+def test_context_without_accuracy_or_numbers():
+    """A parent of fixed steps would not find releases, and say nothing."""
+    system = SeparationSystem(SEPARATION)
+    context = system.CreateDefaultContext()
+    with pytest.raises(RuntimeError, match="must hold a separation: call set_sep"):
+        Simulator(system, context).Initialize()
+    system.set_separation(context, SEPARATION)
+    with pytest.raises(RuntimeError, match="Context must have an accuracy"):
+        Simulator(system, context).Initialize()
+
+
+def test_fixed_steps_find_the_release():
+    late = generic_pair(release_times=(0.104,) * 4, joint=FREE)
+    expected = Simulation(late, Integration(accuracy=1e-9)).run().motion
+    system = SeparationSystem(late)
+    context = system.CreateDefaultContext()
+    system.set_separation(context, late)
+    context.SetAccuracy(1e-6)
+    simulator = Simulator(system, context)
+    config = SimulatorConfig(max_step_size=0.01, use_error_control=False)
+    ApplySimulatorConfig(config, simulator)
+    simulator.AdvanceTo(late.duration)
+    speed = system.GetOutputPort("relative_velocity").Eval(context)
+    # strokes end within steps of 10 ms; stepping over the release would miss 0.07
+    assert speed == pytest.approx(expected.relative_velocity[-1], abs=5e-4)

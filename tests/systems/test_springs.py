@@ -30,6 +30,7 @@ def test_force_port_is_equation_5():
     system = SeparationSystem(separation)
     context = system.CreateDefaultContext()
     system.set_separation(context, separation)
+    context.SetAccuracy(1e-6)
     Simulator(system, context).Initialize()
     for t in (0.0, 0.05, 0.12, 0.2):
         context.SetTime(t)

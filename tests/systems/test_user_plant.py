@@ -18,11 +18,14 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantValueSource
 from separations import generic_pair
 
+from drakesep.systems.parameters import with_values
 from drakesep.systems.separation_system import (
     make_plant,
+    set_mass_properties,
     set_mated_motion,
     spatial_inertia,
 )
+from drakesep.systems.simulation import Simulation
 from drakesep.systems.user_plant import add_separation, body_of_plant
 
 
@@ -129,22 +132,29 @@ def test_other_forces_on_the_plant_pass_through():
 
 
 def test_a_run_is_varied_by_the_context():
-    """Other springs and times, nothing rebuilt, and back again: the same bits."""
+    """Other times and masses, nothing rebuilt, and back again: the same bits."""
     diagram, _, elements, _, plant, _ = in_a_diagram(own_plant)
     attachments = tuple(
         dataclasses.replace(a, release_time=0.2) for a in SEPARATION.attachments
     )
     later = dataclasses.replace(SEPARATION, attachments=attachments)
+    lighter = with_values(SEPARATION, {"upper.mass": 1000.0})
     speeds = []
-    for separation in (SEPARATION, later, SEPARATION):
+    for separation in (SEPARATION, later, lighter, SEPARATION):
         context = diagram.CreateDefaultContext()
         inner = elements.GetMyMutableContextFromRoot(context)
         elements.set_separation(inner, separation)
         plant_context = plant.GetMyMutableContextFromRoot(context)
+        set_mass_properties(plant, plant_context, separation)
         set_mated_motion(plant, plant_context, separation)
         simulator_of(diagram, context, 1e-6).AdvanceTo(0.5)
         speeds.append(elements.GetOutputPort("relative_velocity").Eval(inner).tolist())
-    assert speeds[0] == speeds[2] != speeds[1]
+    assert speeds[0] == speeds[3]
+    assert speeds[1] != speeds[0] != speeds[2]
+    run = Simulation(lighter).run()
+    assert speeds[2] == pytest.approx(
+        run.motion.relative_velocity[run.motion.time.searchsorted(0.5)], abs=1e-4
+    )
 
 
 def test_bodies_by_hand():
@@ -200,7 +210,14 @@ def test_bad_plants():
     empty.Finalize()
     refuse(empty, "plant: unknown body 'lower'")
     plant = make_plant(SEPARATION)
-    refuse(plant, "of the separation, got 1", bodies=[plant.GetBodyByName("lower")])
+    lower, upper = (plant.GetBodyByName(name) for name in ("lower", "upper"))
+    refuse(plant, "of the separation, got 1", bodies=[lower])
+    plant = make_plant(SEPARATION)
+    lower = plant.GetBodyByName("lower")
+    refuse(plant, "bodies must differ, got one twice", bodies=[lower, lower])
+    refuse(make_plant(SEPARATION), "must be a body of the plant", bodies=[lower, upper])
+    lighter = with_values(SEPARATION, {"upper.mass": 1000.0})
+    refuse(make_plant(lighter), r"upper: mass must be that of .* got \(1200.0,\)")
     plant = make_plant(SEPARATION)
     builder = DiagramBuilder()
     builder.AddSystem(plant)
