@@ -2,9 +2,10 @@
 
 import math
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.common.value import AbstractValue, Value
+from pydrake.systems.framework import BasicVector, Context, LeafSystem, ValueProducer
 
 from drakesep.systems import joint_laws, motion_laws
 from drakesep.systems.geometry import axis_on_B, mated_orientation, pad_on_B
@@ -14,6 +15,7 @@ from drakesep.systems.model import Separation
 from drakesep.systems.motion_laws import BodyState, PairState
 from drakesep.systems.state_layout import StateLayout
 from drakesep.systems.vectors import (
+    Quaternion,
     Rotation,
     Vector,
     add,
@@ -37,12 +39,9 @@ class _Joint(NamedTuple):
     attachment: int
     """Its index."""
     type: JointType
+    holds_all_rotations: bool
     R_AJ: Rotation | None
     """Orientation of its frame J in A; None if it is that of A."""
-
-    @property
-    def holds_all_rotations(self) -> bool:
-        return self.type in ("fixed", "prismatic")
 
     def in_J(self, v_A: Vector) -> Vector:
         return v_A if self.R_AJ is None else unrotate(self.R_AJ, v_A)
@@ -62,13 +61,36 @@ class _Pull(NamedTuple):
     energy: float
 
 
+class _HeldJoint(NamedTuple):
+    """A joint that holds, and its parameters."""
+
+    joint: _Joint
+    K_F: Vector
+    D_F: Vector
+    K_T: Vector
+    D_T: Vector
+    p_AoPad_A: Vector
+    p_BoPad_B: Vector
+    axis_B: Vector
+
+
+class _Held(NamedTuple):
+    """The joints that hold a pair of bodies."""
+
+    a: int
+    b: int
+    q_AB: Quaternion
+    turns: bool
+    """Whether one of them holds all rotations."""
+    joints: list[_HeldJoint]
+
+
 class _HeldPair(NamedTuple):
     """Two bodies that joints still hold."""
 
     a: int
     b: int
     A: BodyState
-    B: BodyState
     motion: PairState
     turn: Turn
     held: list[tuple[_Joint, Vector, _Pull]]
@@ -110,6 +132,12 @@ class CfeBushing(LeafSystem):
         self._released = self.DeclareVectorInputPort("released", self._size)
         self._joints = self.DeclareNumericParameter(BasicVector(_FIELDS * self._size))
         self._mated = self.DeclareNumericParameter(BasicVector(4 * len(self._pairs)))
+        # Parameters are read once, until an attachment lets go: a quarter of the cost.
+        self._held = self.DeclareCacheEntry(
+            "held joints",
+            ValueProducer(allocate=lambda: Value[object](), calc=self._calc_held),
+            {self._released.ticket(), self.all_parameters_ticket()},
+        )
         self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
         self.DeclareVectorOutputPort("loads", 6 * self._size, self._calc_loads)
         self.DeclareVectorOutputPort("energy", 1, self._calc_energy)
@@ -130,34 +158,38 @@ class CfeBushing(LeafSystem):
             orientations += mated_orientation(bodies[a], bodies[b])
         context.get_mutable_numeric_parameter(self._mated).SetFromVector(orientations)
 
-    def _held_pairs(self, context: Context) -> Iterator[_HeldPair]:
+    def _calc_held(self, context: Context, output: AbstractValue) -> None:
         released = self._released.Eval(context).tolist()
-        if all(map(math.isfinite, released)):
-            return
-        bodies = self._layout.read(self._state.Eval(context).tolist())
         rows = context.get_numeric_parameter(self._joints).value().tolist()
         mated = context.get_numeric_parameter(self._mated).value().tolist()
+        pairs = []
         for i, ((a, b), joints) in enumerate(self._pairs.items()):
-            held = [joint for joint in joints if math.isinf(released[joint.attachment])]
-            if not held:
-                continue
+            held = []
+            for joint in joints:
+                if math.isinf(released[joint.attachment]):
+                    start = _FIELDS * joint.attachment
+                    row = rows[start : start + _FIELDS]
+                    vectors = (tuple(row[k : k + 3]) for k in range(0, _FIELDS, 3))
+                    held.append(_HeldJoint(joint, *vectors))
+            if held:
+                turns = any(each.joint.holds_all_rotations for each in held)
+                q_AB = tuple(mated[4 * i : 4 * i + 4])
+                pairs.append(_Held(a, b, q_AB, turns, held))
+        output.set_value(pairs)
+
+    def _held_pairs(self, context: Context) -> Iterator[_HeldPair]:
+        pairs = self._held.Eval(context)
+        if not pairs:
+            return
+        bodies = self._layout.read(self._state.Eval(context).tolist())
+        for a, b, q_AB, turns, joints in pairs:
             A, B = bodies[a], bodies[b]
             motion = motion_laws.pair_state(A, B)
             turn = _NO_TURN
-            if any(joint.holds_all_rotations for joint in held):
-                q_AB = (
-                    mated[4 * i],
-                    mated[4 * i + 1],
-                    mated[4 * i + 2],
-                    mated[4 * i + 3],
-                )
+            if turns:
                 turn = joint_laws.rotation_deviation(A, B, q_AB, motion.w_AB, math)
-            pulls = []
-            for joint in held:
-                start = _FIELDS * joint.attachment
-                row = rows[start : start + _FIELDS]
-                pulls.append((joint, *_pull(joint, row, motion, turn)))
-            yield _HeldPair(a, b, A, B, motion, turn, pulls)
+            held = [(joint[0], *_pull(joint, motion, turn)) for joint in joints]
+            yield _HeldPair(a, b, A, motion, turn, held)
 
     def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
         total = WrenchSum(self._count)
@@ -202,32 +234,28 @@ def _pairs(separation: Separation) -> dict[tuple[int, int], list[_Joint]]:
         joint = attachment.joint
         R_AJ = None if joint.R_AJ == _A_AXES else joint.R_AJ
         ends = index[attachment.A], index[attachment.B]
-        pairs.setdefault(ends, []).append(_Joint(i, joint.type, R_AJ))
+        turns = all(joint.constraints.rotation)
+        pairs.setdefault(ends, []).append(_Joint(i, joint.type, turns, R_AJ))
     return pairs
 
 
-def _pull(
-    joint: _Joint, row: Any, motion: PairState, turn: Turn
-) -> tuple[Vector, _Pull]:
+def _pull(held: _HeldJoint, motion: PairState, turn: Turn) -> tuple[Vector, _Pull]:
     """Return B's pad from B's origin, in A, m, and what the joint does."""
-    K_F, D_F, K_T, D_T = row[0:3], row[3:6], row[6:9], row[9:12]
-    (dx_A, v_A), r_A = joint_laws.translation_deviation(motion, row[12:15], row[15:18])
+    joint, K_F, D_F, K_T, D_T, p_AoPad_A, p_BoPad_B, axis_B = held
+    (dx_A, v_A), r_A = joint_laws.translation_deviation(motion, p_AoPad_A, p_BoPad_B)
     force, energy = joint_laws.constraint_force(
         joint.in_J(dx_A), joint.in_J(v_A), K_F, D_F
     )
     torque = moment = _ZERO
     if joint.holds_all_rotations:
-        moment, held = joint_laws.constraint_force(
+        moment, elastic = joint_laws.constraint_force(
             joint.in_J(turn.theta), joint.in_J(turn.rate), K_T, D_T
         )
-        energy += held
+        energy += elastic
     elif joint.type != "spherical":
-        axis_J = joint.in_J(rotate(motion.R_AB, row[18:21]))
-        law = (
-            joint_laws.universal_torque
-            if joint.type == "universal"
-            else joint_laws.swing_torque
-        )
-        torque, held = law(axis_J, joint.in_J(motion.w_AB), K_T, D_T, math)
-        energy += held
+        universal = joint.type == "universal"
+        law = joint_laws.universal_torque if universal else joint_laws.swing_torque
+        axis_J, w_J = joint.in_J(rotate(motion.R_AB, axis_B)), joint.in_J(motion.w_AB)
+        torque, elastic = law(axis_J, w_J, K_T, D_T, math)
+        energy += elastic
     return r_A, _Pull(force, torque, moment, energy)

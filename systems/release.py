@@ -122,9 +122,11 @@ class Release(LatchingSystem):
         return self._get_command(context) is not None
 
     def _due(self, context: Context, t: float) -> list[float]:
+        released = self._get_latched(context)
+        if all(map(math.isfinite, released)):
+            return released
         command = self._get_command(context)
         schedule = self._get(context, self._schedule)
-        released = self._get_latched(context)
         for i, before in enumerate(released):
             if not math.isinf(before):
                 continue

@@ -255,14 +255,15 @@ def sample_times(
         for a in separation.attachments
         if a.spring
     ]
-    times = [np.zeros(1)]
-    for t0, t1 in itertools.pairwise(knots):
+    times = [0.0]
+    for t0, t1 in itertools.pairwise(knots.tolist()):
         middle = 0.5 * (t0 + t1)
         lengths = [end - start for start, end in pushes if start < middle < end]
-        step = min(lengths, default=math.inf) / _ROWS_PER_PUSH
-        intervals = max(1, math.ceil((t1 - t0) / step))
-        times.append(np.linspace(t0, t1, intervals + 1)[1:])
-    return np.concatenate(times)
+        if lengths:
+            intervals = math.ceil((t1 - t0) / min(lengths) * _ROWS_PER_PUSH)
+            times += np.linspace(t0, t1, intervals + 1)[1:-1].tolist()
+        times.append(t1)
+    return np.array(times)
 
 
 def _sample(

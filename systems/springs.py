@@ -132,13 +132,16 @@ class Springs(LatchingSystem):
         pushing = self._pushing(context)
         if not pushing:
             return spent
-        rows, bodies = self._rows(context), self._read_bodies(context)
+        rows = self._rows(context)
+        released = self._released.Eval(context).tolist()
+        bodies: list[BodyState] = []
         for k in pushing:
             frequency, stroke = rows[k][1:3]
             if frequency > 0.0:
-                start = self._released.Eval(context)[self._attachments[k]]
-                ended = t - start >= 0.5 * math.pi / frequency
+                elapsed = t - released[self._attachments[k]]
+                ended = elapsed >= 0.5 * math.pi / frequency
             else:
+                bodies = bodies or self._read_bodies(context)
                 ended = self._displacement(bodies, k, rows[k])[0] >= stroke
             spent[k] = float(ended)
         return spent
@@ -163,11 +166,11 @@ class Springs(LatchingSystem):
         """Return the forces, and the bodies if they had to be read for them."""
         bodies: list[BodyState] = []
         forces: dict[int, float] = {}
+        released, t = self._released.Eval(context).tolist(), context.get_time()
         for k in pushing:
             force_max, frequency = rows[k][:2]
             if frequency > 0.0:
-                start = self._released.Eval(context)[self._attachments[k]]
-                elapsed = context.get_time() - start
+                elapsed = t - released[self._attachments[k]]
                 if 0.0 <= elapsed < 0.5 * math.pi / frequency:
                     forces[k] = spring_laws.spring_force(
                         elapsed, force_max, frequency, math

@@ -52,28 +52,30 @@ def dot(a: Vector, b: Vector) -> Scalar:
 
 def cross(a: Vector, b: Vector) -> Vector:
     """Return a x b."""
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
+    a_x, a_y, a_z = a
+    b_x, b_y, b_z = b
+    return a_y * b_z - a_z * b_y, a_z * b_x - a_x * b_z, a_x * b_y - a_y * b_x
 
 
 def rotate(R: Rotation, v: Vector) -> Vector:
     """Return R v: with R_WB and v_B, v_W."""
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = R
+    x, y, z = v
     return (
-        R[0] * v[0] + R[1] * v[1] + R[2] * v[2],
-        R[3] * v[0] + R[4] * v[1] + R[5] * v[2],
-        R[6] * v[0] + R[7] * v[1] + R[8] * v[2],
+        xx * x + xy * y + xz * z,
+        yx * x + yy * y + yz * z,
+        zx * x + zy * y + zz * z,
     )
 
 
 def unrotate(R: Rotation, v: Vector) -> Vector:
     """Return R^T v: with R_WB and v_W, v_B."""
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = R
+    x, y, z = v
     return (
-        R[0] * v[0] + R[3] * v[1] + R[6] * v[2],
-        R[1] * v[0] + R[4] * v[1] + R[7] * v[2],
-        R[2] * v[0] + R[5] * v[1] + R[8] * v[2],
+        xx * x + yx * y + zx * z,
+        xy * x + yy * y + zy * z,
+        xz * x + yz * y + zz * z,
     )
 
 
@@ -84,16 +86,18 @@ def transpose(R: Rotation) -> Rotation:
 
 def compose(R: Rotation, S: Rotation) -> Rotation:
     """Return R S: with R_AB and S_BC, R_AC."""
+    a, b, c, d, e, f, g, h, i = R
+    A, B, C, D, E, F, G, H, K = S
     return (
-        R[0] * S[0] + R[1] * S[3] + R[2] * S[6],
-        R[0] * S[1] + R[1] * S[4] + R[2] * S[7],
-        R[0] * S[2] + R[1] * S[5] + R[2] * S[8],
-        R[3] * S[0] + R[4] * S[3] + R[5] * S[6],
-        R[3] * S[1] + R[4] * S[4] + R[5] * S[7],
-        R[3] * S[2] + R[4] * S[5] + R[5] * S[8],
-        R[6] * S[0] + R[7] * S[3] + R[8] * S[6],
-        R[6] * S[1] + R[7] * S[4] + R[8] * S[7],
-        R[6] * S[2] + R[7] * S[5] + R[8] * S[8],
+        a * A + b * D + c * G,
+        a * B + b * E + c * H,
+        a * C + b * F + c * K,
+        d * A + e * D + f * G,
+        d * B + e * E + f * H,
+        d * C + e * F + f * K,
+        g * A + h * D + i * G,
+        g * B + h * E + i * H,
+        g * C + h * F + i * K,
     )
 
 
@@ -125,11 +129,13 @@ def conjugate(q: Quaternion) -> Quaternion:
 
 def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
     """Return the quaternion of rotation b followed by rotation a."""
+    aw, ax, ay, az = a
+    bw, bx, by, bz = b
     return (
-        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
     )
 
 
