@@ -50,7 +50,7 @@ def _cell(value: Any, digits: int) -> str:
     if pd.isna(value):
         return ""
     if isinstance(value, float):
-        return f"{value:.{digits}g}"
+        return f"{value + 0.0:.{digits}g}"  # -0.0 is 0
     styles = {"met": "[green]met[/]", "not met": "[bold red]not met[/]"}
     return styles.get(str(value), escape(str(value)))
 
