@@ -125,7 +125,13 @@ def make_plant(separation: Separation) -> MultibodyPlant:
 def set_mass_properties(
     plant: MultibodyPlant, context: Context, separation: Separation
 ) -> None:
-    """Write the bodies' mass properties into the plant's Context."""
+    """Write the bodies' mass properties into a plant's Context.
+
+    Args:
+        plant: that has bodies of their names.
+        context: of the plant.
+        separation: with the bodies.
+    """
     for body in separation.bodies:
         plant.GetBodyByName(body.name).SetSpatialInertiaInBodyFrame(
             context, spatial_inertia(body)
@@ -135,9 +141,14 @@ def set_mass_properties(
 def set_mated_motion(
     plant: MultibodyPlant, context: Context, separation: Separation
 ) -> None:
-    """Write the motion of the mated stack into the plant's Context.
+    """Write the motion of the mated stack into a plant's Context.
 
     It moves as one rigid body, with A's origin at W's and A's CG at rest.
+
+    Args:
+        plant: in which bodies of their names float.
+        context: of the plant.
+        separation: with the bodies, their mated places and the initial motion.
     """
     initial = separation.initial
     A = separation.body(separation.A)

@@ -87,7 +87,7 @@ def test_verify_fails_where_a_requirement_is_not_met(drakesep, tmp_path):
     [
         (
             ("show", "vga"),
-            "vga: must be a readable case file or a built-in case (vega)",
+            "vga: must be a readable case file or a built-in case (dual_launch,",
         ),
         (
             ("simulate", "vega", "--set", "payload.mass=1"),

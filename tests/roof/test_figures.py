@@ -45,4 +45,4 @@ def test_legend_names_every_run(shown, vega_verification):
     figure = figures.translation_figure(shown, vega_verification.case.limits)
     [legend] = figure.legends
     names = [text.get_text() for text in legend.get_texts()]
-    assert names == [*(flight.label for flight in shown), "end of push", "limit"]
+    assert names == [*(flight.label for flight in shown), "end of separation", "limit"]
