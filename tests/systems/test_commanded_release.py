@@ -45,7 +45,7 @@ class Sequencer(LeafSystem):
         super().__init__()
         self.DeclareDiscreteState(1)
         self.DeclareStateOutputPort("up", self.DeclareDiscreteState(1))
-        self.DeclarePeriodicDiscreteUpdateEvent(math.inf, time, self._raise)
+        self.DeclarePeriodicDiscreteUpdateEvent(1e3, time, self._raise)
 
     def _raise(self, context, update):
         update.set_value(1, [1.0])
