@@ -186,8 +186,8 @@ def _print_table_4(console: "Console", study: "WorstCases") -> None:
 
     print_frame(
         console,
-        "Runs after Table 4 of the paper: M maximum, m minimum, Nom nominal; "
-        "published values in parentheses",
+        "Runs in the form of the paper's Table 4: M maximum, m minimum, Nom nominal"
+        + ("; published values in parentheses" if study.case.published else ""),
         study.table_4,
     )
     for flight in study.flights:
