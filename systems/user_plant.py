@@ -165,7 +165,8 @@ def _check_bodies(
             ("CG", description.p_BoBcm_B, own.p_BoBcm_B),
             ("inertia", description.I_BBcm_B, own.I_BBcm_B),
         ):
-            if not np.allclose(got, of_plant, rtol=1e-6, atol=1e-6 * max(of_plant)):
+            largest = max(map(abs, of_plant))
+            if not np.allclose(got, of_plant, rtol=0.0, atol=1e-6 * largest):
                 raise InputError(
                     f"{description.name}: {quantity} must be that of the plant's body, "
                     f"{of_plant}, got {got}; see body_of_plant"

@@ -185,6 +185,26 @@ def test_bodies_by_hand():
     assert elements.GetOutputPort("relative_velocity").Eval(inner)[0] > 0.1
 
 
+def test_description_with_negative_entries_only():
+    """Round-off of a CG behind the origin is no other mass."""
+    behind = with_values(
+        SEPARATION, {f"lower.cg_{axis}": -0.1 / 3 for axis in ("x", "y", "z")}
+    )
+    *_, plant, _ = in_a_diagram(
+        lambda builder: builder.AddSystem(make_plant(behind)),
+        dataclasses.replace(
+            behind,
+            bodies=tuple(
+                dataclasses.replace(
+                    body, p_BoBcm_B=tuple(c * (1.0 + 1e-12) for c in body.p_BoBcm_B)
+                )
+                for body in behind.bodies
+            ),
+        ),
+    )
+    assert plant.num_bodies() == 3
+
+
 def test_description_of_a_plants_body():
     plant = make_plant(SEPARATION)
     for body in SEPARATION.bodies:
