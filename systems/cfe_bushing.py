@@ -228,12 +228,11 @@ class CfeBushing(LeafSystem):
 
 def _pairs(separation: Separation) -> dict[tuple[int, int], list[_Joint]]:
     """Return the joints between each pair of bodies, by the bodies' indices."""
-    index = {body.name: i for i, body in enumerate(separation.bodies)}
     pairs: dict[tuple[int, int], list[_Joint]] = {}
     for i, attachment in enumerate(separation.attachments):
         joint = attachment.joint
         R_AJ = None if joint.R_AJ == _A_AXES else joint.R_AJ
-        ends = index[attachment.A], index[attachment.B]
+        ends = separation.ends(attachment)
         turns = all(joint.constraints.rotation)
         pairs.setdefault(ends, []).append(_Joint(i, joint.type, turns, R_AJ))
     return pairs

@@ -1,9 +1,6 @@
 """Inverse-square gravity in a freely falling world.
 
-Pure functions on tuples of scalars: floats, or arrays whose lanes are samples (see
-`drakesep.systems.vectors`), so that a LeafSystem, which integrates, and the analysis of
-a whole trajectory run through the same lines. Numbered equations are those of Simplicio
-and Bennani, "Worst-case Launch Vehicle Stage Separation Analysis". SI and radians.
+Their form, and the paper whose equations they number, are those of `motion_laws`.
 """
 
 from collections.abc import Sequence

@@ -1,9 +1,6 @@
 """Joints by constraint forces (Eq. 1-4): deviations, forces, torques, energies.
 
-Pure functions on tuples of scalars: floats, or arrays whose lanes are samples (see
-`drakesep.systems.vectors`), so that a LeafSystem, which integrates, and the analysis of
-a whole trajectory run through the same lines. Numbered equations are those of Simplicio
-and Bennani, "Worst-case Launch Vehicle Stage Separation Analysis". SI and radians.
+Their form, and the paper whose equations they number, are those of `motion_laws`.
 """
 
 from typing import NamedTuple
@@ -89,6 +86,13 @@ class Turn(NamedTuple):
     rate: Vector
 
 
+def rotation_from_mated(
+    q_WA: Quaternion, q_WB: Quaternion, q_AB: Quaternion
+) -> Quaternion:
+    """Return the rotation of B from its mated orientation q_AB in A, in A."""
+    return multiply(multiply(conjugate(q_WA), q_WB), conjugate(q_AB))
+
+
 def rotation_deviation(
     A: BodyState, B: BodyState, q_AB: Quaternion, w_AB_A: Vector, ops: Ops
 ) -> Turn:
@@ -101,8 +105,7 @@ def rotation_deviation(
         w_AB_A: angular velocity of B in A, in A, rad/s.
         ops: module of the elementary functions.
     """
-    error = multiply(multiply(conjugate(A.q_WB), B.q_WB), conjugate(q_AB))
-    theta = rotation_vector(error, ops)
+    theta = rotation_vector(rotation_from_mated(A.q_WB, B.q_WB, q_AB), ops)
     angle2 = dot(theta, theta)
     half = 0.5 * ops.sqrt(angle2 + TINY)
     # (1 - (angle/2) cot(angle/2)) / angle^2: round-off of it meets angle^2 again.
@@ -124,7 +127,7 @@ def twist_angle(
         axis_A: the axis, in A.
         ops: module of the elementary functions.
     """
-    w, x, y, z = multiply(multiply(conjugate(q_WA), q_WB), conjugate(q_AB))
+    w, x, y, z = rotation_from_mated(q_WA, q_WB, q_AB)
     return 2.0 * ops.atan2(abs(dot(axis_A, (x, y, z))), abs(w))
 
 

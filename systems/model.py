@@ -265,6 +265,11 @@ class Separation:
         """Return the body of this name."""
         return next(body for body in self.bodies if body.name == name)
 
+    def ends(self, attachment: Attachment) -> tuple[int, int]:
+        """Return the indices of an attachment's bodies A and B."""
+        names = [body.name for body in self.bodies]
+        return names.index(attachment.A), names.index(attachment.B)
+
     @property
     def springs(self) -> tuple[Spring | DisplacementSpring, ...]:
         """The springs, in the order of their attachments."""

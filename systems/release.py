@@ -46,8 +46,7 @@ class Release(LatchingSystem):
     def __init__(self, separation: Separation, layout: StateLayout):
         n = len(separation.attachments)
         super().__init__([math.inf] * n)
-        index = {body.name: i for i, body in enumerate(separation.bodies)}
-        self._ends = [(index[a.A], index[a.B]) for a in separation.attachments]
+        self._ends = [separation.ends(a) for a in separation.attachments]
         self._hinged = [
             i
             for i, a in enumerate(separation.attachments)

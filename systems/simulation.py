@@ -208,8 +208,7 @@ def _find_stroke_end(
     """
     spring = attachment.spring
     assert spring is not None  # _find_stroke_ends
-    names = [body.name for body in separation.bodies]
-    a, b = names.index(attachment.A), names.index(attachment.B)
+    a, b = separation.ends(attachment)
     pad_B = pad_on_B(separation, attachment)
 
     def left(times: Array) -> Array:

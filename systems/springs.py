@@ -52,9 +52,8 @@ class Springs(LatchingSystem):
         pushing = [a for a in separation.attachments if a.spring is not None]
         super().__init__([0.0] * len(pushing))
         self._count = len(separation.bodies)
-        index = {body.name: i for i, body in enumerate(separation.bodies)}
         self._attachments = [separation.attachments.index(a) for a in pushing]
-        self._ends = [(index[a.A], index[a.B]) for a in pushing]
+        self._ends = [separation.ends(a) for a in pushing]
         self._groups: dict[tuple[int, int], list[int]] = {}
         for k, ends in enumerate(self._ends):
             self._groups.setdefault(ends, []).append(k)
