@@ -9,20 +9,12 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem, ValuePro
 
 from drakesep.systems import joint_laws, motion_laws
 from drakesep.systems.geometry import axis_on_B, mated_orientation, pad_on_B
-from drakesep.systems.joint_laws import Turn
-from drakesep.systems.joints import JointType
+from drakesep.systems.joint_laws import HeldJoint, Pull, Turn
+from drakesep.systems.joints import JointType, holds_all_rotations
 from drakesep.systems.model import Separation
 from drakesep.systems.motion_laws import BodyState, PairState
 from drakesep.systems.state_layout import StateLayout
-from drakesep.systems.vectors import (
-    Quaternion,
-    Rotation,
-    Vector,
-    add,
-    cross,
-    rotate,
-    unrotate,
-)
+from drakesep.systems.vectors import Quaternion, Rotation, Vector, add
 from drakesep.systems.wrenches import WrenchSum
 
 
@@ -39,39 +31,8 @@ class _Joint(NamedTuple):
     attachment: int
     """Its index."""
     type: JointType
-    holds_all_rotations: bool
     R_AJ: Rotation | None
     """Orientation of its frame J in A; None if it is that of A."""
-
-    def in_J(self, v_A: Vector) -> Vector:
-        return v_A if self.R_AJ is None else unrotate(self.R_AJ, v_A)
-
-    def in_A(self, v_J: Vector) -> Vector:
-        return v_J if self.R_AJ is None else rotate(self.R_AJ, v_J)
-
-
-class _Pull(NamedTuple):
-    """What a joint does to B, in its frame J, and the energy that it holds."""
-
-    force: Vector
-    torque: Vector
-    """About B's pad, but for `moment`, N m."""
-    moment: Vector
-    """Of a joint that holds all rotations, conjugate to `Turn.theta`; else zero."""
-    energy: float
-
-
-class _HeldJoint(NamedTuple):
-    """A joint that holds, and its parameters."""
-
-    joint: _Joint
-    K_F: Vector
-    D_F: Vector
-    K_T: Vector
-    D_T: Vector
-    p_AoPad_A: Vector
-    p_BoPad_B: Vector
-    axis_B: Vector
 
 
 class _Held(NamedTuple):
@@ -82,7 +43,8 @@ class _Held(NamedTuple):
     q_AB: Quaternion
     turns: bool
     """Whether one of them holds all rotations."""
-    joints: list[_HeldJoint]
+    joints: list[tuple[int, HeldJoint]]
+    """The joints, each with the index of its attachment."""
 
 
 class _HeldPair(NamedTuple):
@@ -93,8 +55,9 @@ class _HeldPair(NamedTuple):
     A: BodyState
     motion: PairState
     turn: Turn
-    held: list[tuple[_Joint, Vector, _Pull]]
-    """The joints, each with its pad from B's origin, in A, and what it does."""
+    held: list[tuple[int, HeldJoint, Vector, Pull]]
+    """The joints, each with the index of its attachment, its pad from B's origin, in A,
+    and what it does."""
 
 
 class CfeBushing(LeafSystem):
@@ -149,7 +112,8 @@ class CfeBushing(LeafSystem):
             joint = attachment.joint
             axis_A = joint.y_axis_A if joint.type == "universal" else joint.x_axis_A
             rows += joint.held_gains()
-            rows += [*attachment.p_AoPad_A, *pad_on_B(separation, attachment)]
+            pad_A = attachment.p_AoPad_A
+            rows += [*pad_A, *pad_on_B(separation, attachment, pad_A)]
             rows += axis_on_B(separation, attachment, axis_A)
         context.get_mutable_numeric_parameter(self._joints).SetFromVector(rows)
         bodies = separation.bodies
@@ -170,9 +134,10 @@ class CfeBushing(LeafSystem):
                     start = _FIELDS * joint.attachment
                     row = rows[start : start + _FIELDS]
                     vectors = (tuple(row[k : k + 3]) for k in range(0, _FIELDS, 3))
-                    held.append(_HeldJoint(joint, *vectors))
+                    each = HeldJoint(joint.type, joint.R_AJ, *vectors)
+                    held.append((joint.attachment, each))
             if held:
-                turns = any(each.joint.holds_all_rotations for each in held)
+                turns = any(holds_all_rotations(each.type) for _, each in held)
                 q_AB = tuple(mated[4 * i : 4 * i + 4])
                 pairs.append(_Held(a, b, q_AB, turns, held))
         output.set_value(pairs)
@@ -188,19 +153,19 @@ class CfeBushing(LeafSystem):
             turn = _NO_TURN
             if turns:
                 turn = joint_laws.rotation_deviation(A, B, q_AB, motion.w_AB, math)
-            held = [(joint[0], *_pull(joint, motion, turn)) for joint in joints]
+            held = [
+                (i, joint, *joint_laws.joint_pull(joint, motion, turn, math))
+                for i, joint in joints
+            ]
             yield _HeldPair(a, b, A, motion, turn, held)
 
     def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
         total = WrenchSum(self._count)
         for pair in self._held_pairs(context):
             force, torque, moment = _ZERO, _ZERO, _ZERO
-            for joint, r_A, pull in pair.held:
-                force_A = joint.in_A(pull.force)
-                force = add(force, force_A)
-                torque = add(torque, cross(r_A, force_A))
-                torque = add(torque, joint.in_A(pull.torque))
-                moment = add(moment, joint.in_A(pull.moment))
+            for _, joint, r_A, pull in pair.held:
+                each = joint_laws.pull_at_origin(joint, r_A, pull)
+                force, torque, moment = map(add, (force, torque, moment), each)
             torque = add(torque, joint_laws.turning_torque(pair.turn, moment))
             on_A, on_B = motion_laws.wrenches_at_origin(
                 pair.A, pair.motion.p_AoBo, force, torque
@@ -212,10 +177,10 @@ class CfeBushing(LeafSystem):
     def _calc_loads(self, context: Context, output: BasicVector) -> None:
         loads = [0.0] * (6 * self._size)
         for pair in self._held_pairs(context):
-            for joint, _, pull in pair.held:
+            for i, joint, _, pull in pair.held:
                 moment_A = joint_laws.turning_torque(pair.turn, joint.in_A(pull.moment))
                 torque = add(pull.torque, joint.in_J(moment_A))
-                start = 6 * joint.attachment
+                start = 6 * i
                 loads[start : start + 6] = [*torque, *pull.force]
         output.SetFromVector(loads)
 
@@ -233,28 +198,5 @@ def _pairs(separation: Separation) -> dict[tuple[int, int], list[_Joint]]:
         joint = attachment.joint
         R_AJ = None if joint.R_AJ == _A_AXES else joint.R_AJ
         ends = separation.ends(attachment)
-        turns = all(joint.constraints.rotation)
-        pairs.setdefault(ends, []).append(_Joint(i, joint.type, turns, R_AJ))
+        pairs.setdefault(ends, []).append(_Joint(i, joint.type, R_AJ))
     return pairs
-
-
-def _pull(held: _HeldJoint, motion: PairState, turn: Turn) -> tuple[Vector, _Pull]:
-    """Return B's pad from B's origin, in A, m, and what the joint does."""
-    joint, K_F, D_F, K_T, D_T, p_AoPad_A, p_BoPad_B, axis_B = held
-    (dx_A, v_A), r_A = joint_laws.translation_deviation(motion, p_AoPad_A, p_BoPad_B)
-    force, energy = joint_laws.constraint_force(
-        joint.in_J(dx_A), joint.in_J(v_A), K_F, D_F
-    )
-    torque = moment = _ZERO
-    if joint.holds_all_rotations:
-        moment, elastic = joint_laws.constraint_force(
-            joint.in_J(turn.theta), joint.in_J(turn.rate), K_T, D_T
-        )
-        energy += elastic
-    elif joint.type != "spherical":
-        universal = joint.type == "universal"
-        law = joint_laws.universal_torque if universal else joint_laws.swing_torque
-        axis_J, w_J = joint.in_J(rotate(motion.R_AB, axis_B)), joint.in_J(motion.w_AB)
-        torque, elastic = law(axis_J, w_J, K_T, D_T, math)
-        energy += elastic
-    return r_A, _Pull(force, torque, moment, energy)

@@ -64,7 +64,8 @@ class Gravity(LeafSystem):
         rows = context.get_numeric_parameter(self._mass_properties).value().tolist()
         for i, body in enumerate(bodies):
             row = rows[_FIELDS * i : _FIELDS * (i + 1)]
-            total.add(
-                i, gravity_laws.gravity_wrench(body, row[0], row[1:4], row[4:], r_W, mu)
+            wrench = gravity_laws.gravity_wrench(
+                body, row[0], row[1:4], row[4:], r_W, mu, math
             )
+            total.add(i, wrench)
         total.write(output)

@@ -5,11 +5,13 @@ Their form, and the paper whose equations they number, are those of `motion_laws
 
 from typing import NamedTuple
 
+from drakesep.systems.joints import JointType, holds_all_rotations
 from drakesep.systems.motion_laws import BodyState, PairState
 from drakesep.systems.vectors import (
     TINY,
     Ops,
     Quaternion,
+    Rotation,
     Scalar,
     Vector,
     add,
@@ -22,7 +24,14 @@ from drakesep.systems.vectors import (
     rotation_vector,
     scale,
     subtract,
+    unrotate,
 )
+
+
+_ZERO = (0.0, 0.0, 0.0)
+_SMALL = 1e-2
+"""Square of an angle, rad^2, below which a series stands for 0/0: neither the quotient
+nor its derivative loses digits."""
 
 
 class Deviation(NamedTuple):
@@ -106,13 +115,22 @@ def rotation_deviation(
         ops: module of the elementary functions.
     """
     theta = rotation_vector(rotation_from_mated(A.q_WB, B.q_WB, q_AB), ops)
-    angle2 = dot(theta, theta)
-    half = 0.5 * ops.sqrt(angle2 + TINY)
-    # (1 - (angle/2) cot(angle/2)) / angle^2: round-off of it meets angle^2 again.
-    c = (1.0 - half * ops.cos(half) / ops.sin(half)) / (angle2 + TINY)
+    c = _curvature(dot(theta, theta), ops)
     wt = cross(theta, w_AB_A)
     rate = add(subtract(w_AB_A, scale(0.5, wt)), scale(c, cross(theta, wt)))
     return Turn(theta, c, rate)
+
+
+def _curvature(angle2: Scalar, ops: Ops) -> Scalar:
+    """Return (1 - (angle/2) cot(angle/2)) / angle^2."""
+    small = angle2 < _SMALL
+    safe = angle2 + small
+    half = 0.5 * ops.sqrt(safe)
+    # Round-off of this difference meets angle^2 again.
+    closed = (1.0 - half * ops.cos(half) / ops.sin(half)) / safe
+    z = angle2
+    series = (1 + z * (1 + z * (1 + z * (1 + z / 39.6) / 40) / 42) / 60) / 12
+    return small * series + (1 - small) * closed
 
 
 def twist_angle(
@@ -157,10 +175,7 @@ def swing_torque(
     """
     x, y, z = x_B_J
     wx, wy, wz = w_J
-    sine2 = y * y + z * z + TINY
-    sine = ops.sqrt(sine2)
-    f = ops.atan2(sine, x) / sine
-    df = (x * f - 1.0) / sine2  # of f with the cosine x
+    f, df = _swing(x, y * y + z * z, ops)
     theta_y, theta_z = -z * f, y * f
     # d theta / dt = G w, with the rates of the axis w x (x, y, z)
     dx_y, dx_z = z, -y
@@ -170,6 +185,24 @@ def swing_torque(
     m_z = K_T[2] * theta_z + D_T[2] * (G_z[0] * wx + G_z[1] * wy + G_z[2] * wz)
     energy = 0.5 * (K_T[1] * theta_y * theta_y + K_T[2] * theta_z * theta_z)
     return negate(add(scale(m_y, G_y), scale(m_z, G_z))), energy
+
+
+def _swing(cosine: Scalar, sine2: Scalar, ops: Ops) -> tuple[Scalar, Scalar]:
+    """Return an angle over its sine, and the derivative of that with the cosine."""
+    small = (sine2 < _SMALL) * (cosine > 0.0)
+    safe = sine2 + small
+    sine = ops.sqrt(safe + TINY)
+    closed = ops.atan2(sine, cosine) / sine
+    closed_slope = (cosine * closed - 1.0) / (safe + TINY)
+    # Both series are hypergeometric: ratios of their terms, from the last inwards.
+    f = slope = 1.0
+    for k in range(7, 0, -1):
+        f = 1.0 + (2 * k - 1) ** 2 / (2 * k * (2 * k + 1)) * sine2 * f
+        slope = 1.0 + 2 * k / (2 * k + 3) * sine2 * slope
+    return (
+        small * f + (1 - small) * closed,
+        small * slope / -3.0 + (1 - small) * closed_slope,
+    )
 
 
 def universal_torque(
@@ -197,3 +230,84 @@ def universal_torque(
     n_y, n_z = -z / cosine, y / cosine
     m = K_T[2] * theta + D_T[2] * (n_y * w_J[1] + n_z * w_J[2])
     return (0.0, -m * n_y, -m * n_z), 0.5 * K_T[2] * theta * theta
+
+
+class HeldJoint(NamedTuple):
+    """A joint that holds."""
+
+    type: JointType
+    R_AJ: Rotation | None
+    """Orientation of its frame J in A; None if it is that of A."""
+    K_F: Vector
+    D_F: Vector
+    K_T: Vector
+    D_T: Vector
+    p_AoPad_A: Vector
+    p_BoPad_B: Vector
+    axis_B: Vector
+    """Its x axis, or y of a universal one, fixed in B."""
+
+    def in_J(self, v_A: Vector) -> Vector:
+        """Return a vector given in A."""
+        return v_A if self.R_AJ is None else unrotate(self.R_AJ, v_A)
+
+    def in_A(self, v_J: Vector) -> Vector:
+        """Return a vector given in J."""
+        return v_J if self.R_AJ is None else rotate(self.R_AJ, v_J)
+
+
+class Pull(NamedTuple):
+    """What a joint does to B, in its frame J, and the energy that it holds."""
+
+    force: Vector
+    torque: Vector
+    """About B's pad, but for `moment`, N m."""
+    moment: Vector
+    """Of a joint that holds all rotations, conjugate to `Turn.theta`; else zero."""
+    energy: Scalar
+
+
+def joint_pull(
+    joint: HeldJoint, motion: PairState, turn: Turn, ops: Ops
+) -> tuple[Vector, Pull]:
+    """Return B's pad from B's origin, in A, m, and what a joint does to B.
+
+    Args:
+        joint: the joint.
+        motion: of B as seen from A.
+        turn: of B in A, for a joint that holds all rotations.
+        ops: module of the elementary functions.
+    """
+    (dx_A, v_A), r_A = translation_deviation(motion, joint.p_AoPad_A, joint.p_BoPad_B)
+    force, energy = constraint_force(
+        joint.in_J(dx_A), joint.in_J(v_A), joint.K_F, joint.D_F
+    )
+    torque = moment = _ZERO
+    if holds_all_rotations(joint.type):
+        moment, elastic = constraint_force(
+            joint.in_J(turn.theta), joint.in_J(turn.rate), joint.K_T, joint.D_T
+        )
+        energy = energy + elastic
+    elif joint.type != "spherical":
+        law = universal_torque if joint.type == "universal" else swing_torque
+        axis_J = joint.in_J(rotate(motion.R_AB, joint.axis_B))
+        torque, elastic = law(
+            axis_J, joint.in_J(motion.w_AB), joint.K_T, joint.D_T, ops
+        )
+        energy = energy + elastic
+    return r_A, Pull(force, torque, moment, energy)
+
+
+def pull_at_origin(
+    joint: HeldJoint, r_A: Vector, pull: Pull
+) -> tuple[Vector, Vector, Vector]:
+    """Return the force, the torque about B's origin and the moment on B, in A.
+
+    Args:
+        joint: the joint.
+        r_A: B's pad from B's origin, in A, m.
+        pull: what it does, in its frame.
+    """
+    force = joint.in_A(pull.force)
+    torque = add(cross(r_A, force), joint.in_A(pull.torque))
+    return force, torque, joint.in_A(pull.moment)

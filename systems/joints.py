@@ -60,6 +60,11 @@ B); a prismatic one slides along x, a cylindrical one also turns about it, and a
 one slides across x and turns about it."""
 
 
+def holds_all_rotations(joint_type: JointType) -> bool:
+    """Return whether joints of a type hold the three rotations."""
+    return all(CONSTRAINTS[joint_type].rotation)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Joint:
     """A joint by constraint forces: its type, its frame and its gains, Eq. 3-4.

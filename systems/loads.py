@@ -5,12 +5,9 @@ from bisect import bisect_right
 from pydrake.systems.framework import BasicVector, Context
 
 from drakesep.systems import motion_laws
-from drakesep.systems.checks import Vector3
 from drakesep.systems.latch import LatchingSystem
-from drakesep.systems.load_tables import Load
 from drakesep.systems.model import Separation
 from drakesep.systems.state_layout import StateLayout
-from drakesep.systems.vectors import Vector, add, scale
 from drakesep.systems.wrenches import WrenchSum
 
 
@@ -99,21 +96,14 @@ class Loads(LatchingSystem):
                 b = self._bodies[k]
                 body = self._layout.read_one(self._state.Eval(context).tolist(), b)
                 elapsed = self._elapsed(context, k, context.get_time())
-                force, torque = _interpolate(load, row, elapsed, factor)
+                start, end = load.times[row : row + 2]
+                s = min(max(0.0, (elapsed - start) / (end - start)), 1.0)
+                force, torque = (
+                    motion_laws.between_rows(column[row], column[row + 1], s, factor)
+                    for column in (load.forces, load.torques)
+                )
                 in_body = load.axes == "body"
                 total.add(
                     b, motion_laws.load_wrench(body, (x, y, z), force, torque, in_body)
                 )
         total.write(output)
-
-
-def _interpolate(load: Load, i: int, t: float, factor: float) -> tuple[Vector, Vector]:
-    """Return force and torque between row i of a load's table and the next."""
-    start, end = load.times[i], load.times[i + 1]
-    s = min(max(0.0, (t - start) / (end - start)), 1.0)
-    before, after = (1.0 - s) * factor, s * factor
-
-    def between(rows: tuple[Vector3, ...]) -> Vector:
-        return add(scale(before, rows[i]), scale(after, rows[i + 1]))
-
-    return between(load.forces), between(load.torques)

@@ -25,6 +25,7 @@ from drakesep.systems.vectors import (
     roll_pitch_yaw,
     rotate,
     rotation_matrix,
+    scale,
     subtract,
     transpose,
     unrotate,
@@ -80,6 +81,18 @@ def body_state(x: State, q: int, v: int) -> BodyState:
 def velocity_at(body: BodyState, r_W: Vector) -> Vector:
     """Return the velocity in W of the body's point at r_W from its origin, m/s."""
     return add(body.v_WBo, cross(body.w_WB, r_W))
+
+
+def between_rows(before: Vector, after: Vector, s: Scalar, factor: Scalar) -> Vector:
+    """Return a load on the straight line between two rows of its table.
+
+    Args:
+        before: force, N, or torque, N m, of the first row.
+        after: that of the next row.
+        s: where between them, 0 to 1.
+        factor: on the load.
+    """
+    return add(scale((1.0 - s) * factor, before), scale(s * factor, after))
 
 
 def load_wrench(

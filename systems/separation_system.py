@@ -1,13 +1,15 @@
 """One separation as a Drake diagram."""
 
-import numpy as np
-from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
+import math
+
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialVelocity
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import RotationalInertia, SpatialInertia
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 
-from drakesep.systems.geometry import place_in_stack
+from drakesep.systems.geometry import mated_motion
 from drakesep.systems.model import Body, Separation
 from drakesep.systems.separation_elements import SeparationElements
 from drakesep.systems.state_layout import state_layout
@@ -151,16 +153,13 @@ def set_mated_motion(
         separation: with the bodies, their mated places and the initial motion.
     """
     initial = separation.initial
-    A = separation.body(separation.A)
-    R_WA = RotationMatrix(RollPitchYaw(initial.rpy_WA))
-    w_W = R_WA.multiply(np.array(initial.w_WA_A))
-    p_AoAcm_A = np.array(place_in_stack(A, A.p_BoBcm_B))
-    for body in separation.bodies:
+    c_A = separation.body(separation.A).p_BoBcm_B
+    motions = mated_motion(separation, initial.rpy_WA, initial.w_WA_A, c_A, math)
+    for body, (q_WB, p_WBo, w_WB, v_WBo) in zip(
+        separation.bodies, motions, strict=True
+    ):
         link = plant.GetBodyByName(body.name)
-        R_WB = R_WA.multiply(RotationMatrix(RollPitchYaw(body.rpy_AB)))
-        p_WBo = R_WA.multiply(np.array(body.p_ABo))
-        v_WBo = np.cross(w_W, p_WBo - R_WA.multiply(p_AoAcm_A))
         plant.SetFloatingBaseBodyPoseInWorldFrame(
-            context, link, RigidTransform(R_WB, p_WBo)
+            context, link, RigidTransform(Quaternion(q_WB), p_WBo)
         )
-        plant.SetFreeBodySpatialVelocity(context, link, SpatialVelocity(w_W, v_WBo))
+        plant.SetFreeBodySpatialVelocity(context, link, SpatialVelocity(w_WB, v_WBo))

@@ -209,7 +209,7 @@ def _find_stroke_end(
     spring = attachment.spring
     assert spring is not None  # _find_stroke_ends
     a, b = separation.ends(attachment)
-    pad_B = pad_on_B(separation, attachment)
+    pad_B = pad_on_B(separation, attachment, attachment.p_AoPad_A)
 
     def left(times: Array) -> Array:
         bodies = system.layout.read(recorder.sample(times)[0])

@@ -55,6 +55,11 @@ def spring_displacement(
     return dot(e_xA, r_A) - p_AoPad_A[0], dot(e_xA, v_APad)
 
 
+def positive_part(x: Scalar) -> Scalar:
+    """Return the larger of x and 0, of floats and of lanes."""
+    return 0.5 * (x + abs(x))
+
+
 def ramps(profile: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
     """Return a piecewise straight line as ramps: where each begins, and its slope.
 
@@ -80,8 +85,9 @@ def displacement_spring_force(
 ) -> Scalar:
     """Return the force of a spring and damper within its stroke, N.
 
-    With `spring_displacement` as its argument, the spring's work is exactly what its
-    energy loses: the force acts along the axis on which displacement is measured.
+    Where it is negative the pad has lifted off: the spring never pulls. With
+    `spring_displacement` as its argument, the spring's work is exactly what its energy
+    loses: the force acts along the axis on which displacement is measured.
 
     Args:
         displacement: of the pad along A's x axis, m.
@@ -95,10 +101,9 @@ def displacement_spring_force(
     u = displacement / stroke
     force = start
     for u_i, slope in ramps:
-        # Half of x + |x| is the larger of x and 0, on floats and on lanes. The first
-        # ramp is a line: a pad pressed in further is pushed harder.
+        # The first ramp is a line: a pad pressed in further is pushed harder.
         x = u - u_i
-        force = force + slope * (0.5 * (x + abs(x)) if u_i > 0.0 else x)
+        force = force + slope * (positive_part(x) if u_i > 0.0 else x)
     return force_max * force - damping * speed
 
 
@@ -117,7 +122,7 @@ def displacement_spring_energy(
     area = start * (1.0 - u)
     for u_i, slope in ramps:
         x = u - u_i
-        left = 0.5 * (x + abs(x)) if u_i > 0.0 else x
+        left = positive_part(x) if u_i > 0.0 else x
         area = area + 0.5 * slope * ((1.0 - u_i) ** 2 - left**2)
     return force_max * stroke * area
 

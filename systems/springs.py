@@ -90,7 +90,8 @@ class Springs(LatchingSystem):
                 rows += [spring.force_max, spring.frequency, spring.stroke, 0.0]
             else:
                 rows += [spring.force_max, 0.0, spring.stroke, spring.damping]
-            rows += [*attachment.p_AoPad_A, *pad_on_B(separation, attachment)]
+            pad_A = attachment.p_AoPad_A
+            rows += [*pad_A, *pad_on_B(separation, attachment, pad_A)]
         context.get_mutable_numeric_parameter(self._springs).SetFromVector(rows)
 
     def _rows(self, context: Context) -> list[list[float]]:
@@ -152,12 +153,10 @@ class Springs(LatchingSystem):
         displacement, speed = self._displacement(bodies, k, row)
         if displacement >= stroke:
             return 0.0
-        return max(
-            0.0,
-            spring_laws.displacement_spring_force(
-                displacement, speed, force_max, stroke, damping, *self._profiles[k]
-            ),
+        force = spring_laws.displacement_spring_force(
+            displacement, speed, force_max, stroke, damping, *self._profiles[k]
         )
+        return spring_laws.positive_part(force)
 
     def _forces(
         self, context: Context, pushing: list[int], rows: list[list[float]]

@@ -8,6 +8,7 @@ A rotation matrix ``R`` is a 9-tuple in row-major order, a quaternion is
 ``(w, x, y, z)``. Frames follow Drake's monogram notation.
 """
 
+from collections.abc import Sequence
 from types import ModuleType
 from typing import Any, TypeAlias
 
@@ -18,8 +19,10 @@ Rotation: TypeAlias = tuple[
     Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar
 ]
 Quaternion: TypeAlias = tuple[Scalar, Scalar, Scalar, Scalar]
+Symmetric: TypeAlias = Sequence[Scalar]
+"""Entries xx, yy, zz, xy, xz, yz of a symmetric matrix."""
 Ops: TypeAlias = ModuleType
-"""Where the elementary functions come from: ``math`` or ``numpy``."""
+"""Where the elementary functions come from: ``math``, ``numpy`` or ``jax.numpy``."""
 
 TINY = 1e-300
 """Keeps 0/0 out where a square goes to zero: no length that matters is below 1e-150."""
@@ -75,6 +78,17 @@ def unrotate(R: Rotation, v: Vector) -> Vector:
     return (
         xx * x + yx * y + zx * z,
         xy * x + yy * y + zy * z,
+        xz * x + yz * y + zz * z,
+    )
+
+
+def apply(S: Symmetric, v: Vector) -> Vector:
+    """Return S v."""
+    xx, yy, zz, xy, xz, yz = S
+    x, y, z = v
+    return (
+        xx * x + xy * y + xz * z,
+        xy * x + yy * y + yz * z,
         xz * x + yz * y + zz * z,
     )
 
