@@ -13,6 +13,17 @@ from drakesep.systems.run import Run
 
 AXES = ("x", "y", "z")
 ANGLES = ("roll", "pitch", "yaw")
+METRICS: tuple[str, ...] = (
+    *(f"G_{name}" for name in OBJECTIVES),
+    *(f"final_rate_{axis}" for axis in AXES),
+    *(f"rate_after_separation_{axis}" for axis in AXES),
+    *(f"deviation_at_separation_{angle}" for angle in ANGLES),
+    "deviation_within_limits_until",
+    "longitudinal_speed_max",
+    "longitudinal_speed_after_separation",
+    "separation_end",
+)
+"""Names of the figures, in order."""
 
 
 def metrics(run: Run, deviation_limits: Sequence[float]) -> dict[str, float]:

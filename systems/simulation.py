@@ -1,6 +1,5 @@
 """Runs of one separation: the diagram is built once, then flown as often as asked."""
 
-import itertools
 import math
 from collections.abc import Mapping
 
@@ -17,16 +16,12 @@ from drakesep.systems.parameters import with_values
 from drakesep.systems.pushers import DisplacementSpring
 from drakesep.systems.recorder import Recorder
 from drakesep.systems.run import Array, Motion, Run, RunStatus
+from drakesep.systems.sampling import NANOSECOND, find_breaks, sample_times
 from drakesep.systems.separation_system import SeparationSystem
 from drakesep.systems.settings import Integration
 
 
-_ROWS = 300
-"""Sample intervals over a run, common to all runs of a case."""
-_NANOSECOND = 1e-9
 _FIRST_STEP = 1e-3
-_ROWS_PER_PUSH = 64
-"""Sample intervals over a push, where the motion changes fastest."""
 
 
 class Simulation:
@@ -130,7 +125,7 @@ class Simulation:
                 separation, separation.scheduled_releases | releases, strokes
             )
             recorder.start_piece()
-            simulator.AdvanceTo(next(t for t in stops if t > now + _NANOSECOND))
+            simulator.AdvanceTo(next(t for t in stops if t > now + NANOSECOND))
             recorder.end_piece()
             simulator.AdvancePendingEvents()
         releases = _releases(separation, released.Eval(context))
@@ -151,31 +146,6 @@ def _releases(separation: Separation, released: Array) -> dict[str, float]:
         for attachment, t in zip(separation.attachments, released, strict=True)
         if math.isfinite(t)
     }
-
-
-def find_breaks(
-    separation: Separation,
-    releases: Mapping[str, float],
-    stroke_ends: Mapping[str, float],
-) -> tuple[float, ...]:
-    """Return the times at which the motion has a kink, with start and end, s.
-
-    Args:
-        separation: as it was flown.
-        releases: when each attachment let go, s, by its name.
-        stroke_ends: when each spring reached its stroke, s, by its name.
-    """
-    kinks = [*releases.values(), *stroke_ends.values()]
-    for load in separation.loads:
-        begin = 0.0 if load.after is None else releases.get(load.after, math.inf)
-        kinks += [begin + load.start + kink for kink in load.kinks]
-    end = separation.duration
-    breaks = [0.0]
-    for t in sorted(kinks):
-        # Kinks a nanosecond apart are one: nothing moves between them.
-        if t - breaks[-1] > _NANOSECOND and end - t > _NANOSECOND:
-            breaks.append(t)
-    return (*breaks, end)
 
 
 def _find_stroke_ends(
@@ -226,43 +196,8 @@ def _find_stroke_end(
     if beyond[0] == 0:
         return release  # it was past its stroke when it was let go
     t0, t1 = times[beyond[0] - 1 : beyond[0] + 1]
-    end = brentq(lambda t: left(np.array([t]))[0], t0, t1, xtol=_NANOSECOND)
+    end = brentq(lambda t: left(np.array([t]))[0], t0, t1, xtol=NANOSECOND)
     return float(end)
-
-
-def sample_times(
-    separation: Separation,
-    releases: Mapping[str, float],
-    stroke_ends: Mapping[str, float],
-) -> Array:
-    """Return when a run is sampled, s.
-
-    At the multiples of a 300th of its length, which all runs of a case share, at
-    every kink, and closer while a spring pushes.
-
-    Args:
-        separation: as it was flown.
-        releases: when each attachment let go, s, by its name.
-        stroke_ends: when each spring reached its stroke, s, by its name.
-    """
-    breaks = np.array(find_breaks(separation, releases, stroke_ends))
-    grid = np.linspace(0.0, separation.duration, _ROWS + 1)
-    apart = np.abs(grid[:, None] - breaks).min(axis=1) > _NANOSECOND
-    knots = np.union1d(grid[apart], breaks)
-    pushes = [
-        (releases[a.name], stroke_ends[a.spring.name])
-        for a in separation.attachments
-        if a.spring
-    ]
-    times = [0.0]
-    for t0, t1 in itertools.pairwise(knots.tolist()):
-        middle = 0.5 * (t0 + t1)
-        lengths = [end - start for start, end in pushes if start < middle < end]
-        if lengths:
-            intervals = math.ceil((t1 - t0) / min(lengths) * _ROWS_PER_PUSH)
-            times += np.linspace(t0, t1, intervals + 1)[1:-1].tolist()
-        times.append(t1)
-    return np.array(times)
 
 
 def _sample(

@@ -8,7 +8,7 @@ from separations import generic_pair
 from drakesep.systems.model import Separation
 from drakesep.systems.parameters import parameters, with_values
 from drakesep.systems.run import Motion, Run, RunStatus
-from drakesep.systems.simulation import find_breaks, sample_times
+from drakesep.systems.sampling import find_breaks, sample_times
 
 
 def made_up_run(separation: Separation | None = None, **columns) -> Run:

@@ -1,0 +1,443 @@
+"""Many runs at once: figures, their derivatives and motion of a whole batch.
+
+The batch engine integrates the same equations as the Drake systems, in JAX and double
+precision, many samples side by side. Drake stays the reference. How a batch is flown is
+told in `drakesep.systems.batch_flight`.
+"""
+
+import functools
+import math
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+
+from drakesep.analysis.batch_metrics import MetricsFold
+from drakesep.analysis.metrics import METRICS
+from drakesep.systems import batch_flight, runge_kutta
+from drakesep.systems.batch_checks import check_rows
+from drakesep.systems.batch_equations import BatchEquations, Lanes
+from drakesep.systems.batch_flight import BatchFlight, Landing
+from drakesep.systems.batch_motion import MotionFold, columns_of
+from drakesep.systems.checks import InputError, check_positive, unknown
+from drakesep.systems.model import Separation
+from drakesep.systems.parameters import parameters, with_values
+from drakesep.systems.run import Motion, Run, RunStatus
+from drakesep.systems.sampling import find_breaks, sample_times
+
+
+Array = NDArray[np.float64]
+Progress = Callable[[int, int], None]
+"""Told how many rows are done, and of how many."""
+
+TOLERANCE = 1e-7
+"""Of a run's error estimate, in SI; figures are within 1e-8 of their values by it."""
+MAX_STEPS = 20_000
+_CHUNK = {"cpu": 128}
+"""Rows that are flown together: on a CPU as many as its cache holds."""
+_CHUNK_OF_ACCELERATOR = 65_536
+_OPTIONS = {"cpu": {"xla_cpu_prefer_vector_width": 512}}
+_RUNS = 16
+"""Rows whose motion is sampled together."""
+_TIMES = 256
+"""Sample times come in multiples of this: each number of them is a program."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BatchResult:
+    """What came of a batch of n rows."""
+
+    metrics: pd.DataFrame
+    """(n, n_m) figures of each row, in SI; NaN in rows that failed."""
+    failures: Mapping[int, str]
+    """Why a row failed, by its number."""
+    steps: NDArray[np.int64]
+    """(n,) integration steps of each row."""
+    jacobian: Array | None = field(default=None, repr=False)
+    """(n, n_m, n_p) derivatives of the figures with the parameters, if asked for."""
+
+
+class _Flown(NamedTuple):
+    """What comes out of a compiled program, for a chunk."""
+
+    metrics: Lanes
+    """(n_m, n)."""
+    landing: Landing
+    slopes: Lanes | None
+    """(n_p, n_m, n)."""
+
+
+class Batch:
+    """Flies a separation for whole arrays of parameter values.
+
+    Programs are compiled at first use, for a separation and the names of the parameters
+    that vary, and kept on disk across processes. Rows are flown in chunks, on all cores:
+    memory does not grow with their number, and no result depends on that of workers.
+    """
+
+    def __init__(
+        self,
+        separation: Separation,
+        names: Sequence[str],
+        *,
+        deviation_limits: Sequence[float] = (math.inf,) * 3,
+        tolerance: float = TOLERANCE,
+        max_steps: int = MAX_STEPS,
+        chunk: int | None = None,
+        workers: int | None = None,
+    ):
+        """Prepare.
+
+        Args:
+            separation: to be flown and varied.
+            names: (n_p,) parameters that vary; see `drakesep.systems.parameters`.
+            deviation_limits: as in `drakesep.analysis.metrics.metrics`.
+            tolerance: of the error estimates of all steps of a run together, in SI.
+            max_steps: after which a row has failed.
+            chunk: rows that are flown together; what suits the machine if None.
+            workers: threads that fly chunks; one per core if None, one on a GPU.
+
+        Raises:
+            ValueError: a parameter is unknown or named twice, or a number is not
+                positive.
+        """
+        nominal = parameters(separation)
+        for name in names:
+            if name not in nominal:
+                raise InputError(unknown("parameter", name, nominal))
+        if len(set(names)) < len(names):
+            raise InputError(f"parameters must differ, got {', '.join(names)}")
+        if len(deviation_limits) != 3 or not all(x > 0.0 for x in deviation_limits):
+            raise InputError(
+                f"deviation limits must be three above 0, got {deviation_limits}"
+            )
+        check_positive("tolerance", tolerance)
+        _keep_programs()
+        platform = jax.default_backend()
+        chunk = _CHUNK.get(platform, _CHUNK_OF_ACCELERATOR) if chunk is None else chunk
+        if workers is None:
+            workers = (os.cpu_count() or 1) if platform == "cpu" else 1
+        for what, number in (
+            ("max_steps", max_steps),
+            ("chunk", chunk),
+            ("workers", workers),
+        ):
+            if number < 1:
+                raise InputError(f"{what} must be >= 1, got {number}")
+        self.separation = separation
+        self.names = tuple(names)
+        self._chunk, self._workers = chunk, workers
+        self._max_steps = max_steps
+        self._nominal = nominal
+        self._defaults = np.array([nominal[name] for name in names])
+        self._equations = BatchEquations(separation)
+        self._flight = BatchFlight(
+            self._equations, tolerance=tolerance, max_steps=max_steps
+        )
+        self._fold = MetricsFold(self._equations, deviation_limits)
+        compiled = functools.partial(jax.jit, compiler_options=_OPTIONS.get(platform))
+        self._figures = compiled(self._fly_figures)
+        self._figures_and_slopes = compiled(self._fly_slopes)
+        self._motion = compiled(self._fly_motion)
+
+    def run(
+        self, values: ArrayLike, *, on_progress: Progress | None = None
+    ) -> BatchResult:
+        """Fly each row of values.
+
+        Args:
+            values: (n, n_p) of the parameters, in SI.
+            on_progress: called after each chunk.
+
+        Raises:
+            ValueError: the values are not n_p columns.
+        """
+        return self._run(self._figures, values, on_progress)
+
+    def jacobian(
+        self, values: ArrayLike, *, on_progress: Progress | None = None
+    ) -> BatchResult:
+        """Fly each row of values, with the derivatives of all figures.
+
+        They are exact: those of the integration itself, in forward mode. At a kink of a
+        figure they are those of one side; see `drakesep.analysis.batch_metrics`.
+
+        Args:
+            values: (n, n_p) of the parameters, in SI.
+            on_progress: called after each chunk.
+
+        Raises:
+            ValueError: the values are not n_p columns.
+        """
+        return self._run(self._figures_and_slopes, values, on_progress)
+
+    def runs(self, values: ArrayLike) -> list[Run]:
+        """Fly each row of values, and return the runs with their sampled motion.
+
+        They are like those of `Simulation.run`, for whatever takes one: an objective, a
+        table, a figure.
+
+        Args:
+            values: (n, n_p) of the parameters, in SI.
+
+        Raises:
+            ValueError: the values are not n_p columns.
+        """
+        rows = self._check_values(values)
+        failures = check_rows(self.separation, self.names, rows)
+        runs: list[Run] = []
+        for first in range(0, len(rows), _RUNS):
+            chunk = rows[first : first + _RUNS]
+            mine = {
+                i - first: why
+                for i, why in failures.items()
+                if first <= i < first + len(chunk)
+            }
+            runs += self._sample(chunk, mine)
+        return runs
+
+    # Chunks of rows.
+
+    def _check_values(self, values: ArrayLike) -> Array:
+        rows = np.asarray(values, dtype=float)
+        if rows.ndim != 2 or rows.shape[1] != len(self.names):
+            raise InputError(
+                f"values must have a column for each of the {len(self.names)} "
+                f"parameters, got an array of shape {rows.shape}"
+            )
+        return rows
+
+    def _run(
+        self,
+        program: Callable[[Array], _Flown],
+        values: ArrayLike,
+        on_progress: Progress | None,
+    ) -> BatchResult:
+        rows = self._check_values(values)
+        failures = check_rows(self.separation, self.names, rows)
+        flyable = rows.copy()
+        flyable[list(failures)] = self._defaults
+        metrics = np.empty((len(rows), len(METRICS)))
+        steps = np.zeros(len(rows), dtype=np.int64)
+        jacobian = None
+        if program is self._figures_and_slopes:
+            jacobian = np.empty((*metrics.shape, len(self.names)))
+        for part, flown in self._fly_chunks(program, flyable):
+            metrics[part] = flown.metrics.T
+            steps[part] = flown.landing.steps
+            if jacobian is not None:
+                jacobian[part] = np.moveaxis(flown.slopes, 2, 0).swapaxes(1, 2)
+            for i, why in self._why_not(flown).items():
+                failures.setdefault(part.start + i, why)
+            if on_progress is not None:
+                on_progress(part.stop, len(rows))
+        metrics[list(failures)] = np.nan
+        if jacobian is not None:
+            jacobian[list(failures)] = np.nan
+        return BatchResult(
+            metrics=pd.DataFrame(metrics, columns=list(METRICS)),
+            failures=dict(sorted(failures.items())),
+            steps=steps,
+            jacobian=jacobian,
+        )
+
+    def _fly_chunks(
+        self, program: Callable[[Array], _Flown], rows: Array
+    ) -> Iterator[tuple[slice, _Flown]]:
+        """Yield the chunks of rows in order, with what came of them."""
+        parts = [
+            slice(start, min(start + self._chunk, len(rows)))
+            for start in range(0, len(rows), self._chunk)
+        ]
+
+        def fly(part: slice) -> _Flown:
+            return _trimmed(_call(program, self._filled(rows[part], self._chunk)), part)
+
+        with ThreadPoolExecutor(self._workers) as pool:
+            try:
+                yield from zip(parts, pool.map(fly, parts), strict=True)
+            except BaseException:
+                pool.shutdown(wait=True, cancel_futures=True)
+                raise
+
+    def _filled(self, rows: Array, count: int) -> Array:
+        """Return (n_p, count) lanes of fewer rows: every chunk has the same size."""
+        lanes = np.tile(self._defaults[:, None], count)
+        lanes[:, : len(rows)] = rows.T
+        return lanes
+
+    def _why_not(self, flown: _Flown) -> dict[int, str]:
+        """Return why rows of a chunk failed."""
+        landing = flown.landing
+        finite = np.isfinite(flown.metrics).all(axis=0)
+        failed = (landing.status != batch_flight.COMPLETED) | ~finite
+        return {
+            i: self._reason(
+                int(landing.status[i]), jax.tree.map(lambda x: x[..., i], landing)
+            )
+            for i in np.flatnonzero(failed).tolist()
+        }
+
+    def _reason(self, status: int, landing: Landing) -> str:
+        if status == batch_flight.STILL_HELD:
+            i = int(np.flatnonzero(np.isinf(landing.released))[0])
+            return f"{self.separation.attachments[i].name} has not let go"
+        if status == batch_flight.STROKE_LEFT:
+            k = int(np.flatnonzero(np.isinf(landing.stroke_ends))[0])
+            return f"{self.separation.springs[k].name} has not reached its stroke"
+        if status == batch_flight.STEP_COLLAPSED:
+            return f"the step size collapsed (at t = {landing.time:g} s)"
+        if status == batch_flight.TOO_MANY_STEPS:
+            return (
+                f"more than {self._max_steps} integration steps "
+                f"(at t = {landing.time:g} s)"
+            )
+        return "a figure is not finite"
+
+    # The programs.
+
+    def _numbers(self, values: Lanes) -> Any:
+        p = {**self._nominal, **dict(zip(self.names, values, strict=True))}
+        return self._equations.numbers(p, values.shape[1])
+
+    def _fly_figures(self, values: Lanes) -> _Flown:
+        landing = self._flight.fly(self._numbers(values), self._fold)
+        metrics = self._fold.finish(landing.folded)
+        return _Flown(metrics, landing._replace(folded=None), None)
+
+    def _fly_slopes(self, values: Lanes) -> _Flown:
+        def fly(lanes: Lanes) -> tuple[Lanes, Landing]:
+            flown = self._fly_figures(lanes)
+            return flown.metrics, flown.landing
+
+        def along(direction: Lanes) -> tuple[Lanes, Lanes, Landing]:
+            tangent = jnp.broadcast_to(direction[:, None], values.shape)
+            return jax.jvp(fly, (values,), (tangent,), has_aux=True)
+
+        metrics, slopes, landing = jax.vmap(along, out_axes=(None, 0, None))(
+            jnp.eye(len(self.names))
+        )
+        return _Flown(metrics, landing, slopes)
+
+    def _fly_motion(self, values: Lanes, times: Lanes) -> Lanes:
+        fold = MotionFold(self._equations, times)
+        return self._flight.fly(self._numbers(values), fold).folded.signals
+
+    # Sampled motion.
+
+    def _sample(self, rows: Array, failures: Mapping[int, str]) -> list[Run]:
+        """Return the runs of at most `_RUNS` rows."""
+        flyable = rows.copy()
+        flyable[list(failures)] = self._defaults
+        lanes = self._filled(flyable, _RUNS)
+        flown = _call(self._figures, lanes)
+        reasons = {**self._why_not(flown), **failures}
+        plans = [
+            _Plan.of(self.separation, flown.landing, i, self._values(row))
+            for i, row in enumerate(rows)
+            if i not in reasons
+        ]
+        signals = self._sample_motion(lanes, plans)
+        runs = {plan.row: plan.run(signals) for plan in plans}
+        for i in range(len(rows)):
+            if i not in runs:
+                runs[i] = Run(
+                    separation=self.separation,
+                    status=RunStatus.FAILED,
+                    message=reasons[i],
+                )
+        return [runs[i] for i in range(len(rows))]
+
+    def _values(self, row: Array) -> dict[str, float]:
+        return dict(zip(self.names, row.tolist(), strict=True))
+
+    def _sample_motion(self, lanes: Array, plans: Sequence["_Plan"]) -> Array:
+        longest = max((len(plan.times) for plan in plans), default=0)
+        times = np.full((-(-longest // _TIMES) * _TIMES, _RUNS), np.inf)
+        for plan in plans:
+            times[: len(plan.times), plan.row] = plan.times
+        signals: Array = np.asarray(_call(self._motion, lanes, times))
+        return signals
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Plan:
+    """A run that is to be sampled."""
+
+    row: int
+    separation: Separation
+    releases: Mapping[str, float]
+    stroke_ends: Mapping[str, float]
+    times: Array
+    steps: int
+
+    @classmethod
+    def of(
+        cls,
+        separation: Separation,
+        landing: Landing,
+        row: int,
+        values: Mapping[str, float],
+    ) -> "_Plan":
+        flown = with_values(separation, values)
+        releases = {
+            attachment.name: float(t)
+            for attachment, t in zip(
+                flown.attachments, landing.released[:, row], strict=True
+            )
+        }
+        ends = {
+            spring.name: float(t)
+            for spring, t in zip(
+                flown.springs, landing.stroke_ends[:, row], strict=True
+            )
+        }
+        return cls(
+            row=row,
+            separation=flown,
+            releases=releases,
+            stroke_ends=ends,
+            times=sample_times(flown, releases, ends),
+            steps=int(landing.steps[row]),
+        )
+
+    def run(self, signals: Array) -> Run:
+        """Return the run, from the signals (T, 24, n) at the times of all."""
+        mine = signals[: len(self.times), :, self.row]
+        return Run(
+            separation=self.separation,
+            status=RunStatus.COMPLETED,
+            motion=Motion(time=self.times, **columns_of(mine)),
+            breaks=find_breaks(self.separation, self.releases, self.stroke_ends),
+            releases=self.releases,
+            stroke_ends=self.stroke_ends,
+            steps=self.steps,
+            evaluations=self.steps * runge_kutta.STAGES,
+        )
+
+
+def _call(program: Callable[..., Any], *lanes: Array) -> Any:
+    """Call a program in double precision, whatever the caller's JAX is set to."""
+    with jax.enable_x64(True):
+        return jax.tree.map(np.asarray, program(*map(jnp.asarray, lanes)))
+
+
+def _trimmed(flown: _Flown, part: slice) -> _Flown:
+    """Return what came of a chunk without what filled it up."""
+    return jax.tree.map(lambda x: x[..., : part.stop - part.start], flown)
+
+
+def _keep_programs() -> None:
+    """Let JAX keep compiled programs on disk, unless its user has said where."""
+    if jax.config.jax_compilation_cache_dir is None:
+        home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+        folder = Path(home) / "drakesep" / "jax"
+        jax.config.update("jax_compilation_cache_dir", str(folder))

@@ -1,0 +1,236 @@
+"""The figures that runs are judged by, of a whole batch at once, from its steps.
+
+The figures are those of `drakesep.analysis.metrics`, over continuous time: on each step a
+signal is the polynomial through its values at the nodes of `lobatto`, split where it
+turns, so that peaks, crossings and integrals of magnitudes are those of the polynomial.
+
+Every figure has its derivative. Where a magnitude or a peak has a kink (a rate that is
+zero, two peaks as high) it is that of one side; the place of a peak or of a zero needs
+none, since the figure does not change with it to first order; the time of a crossing
+carries its own.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+from drakesep.analysis.metrics import ANGLES, AXES, METRICS
+from drakesep.systems import lobatto, motion_laws
+from drakesep.systems.batch_equations import BatchEquations, Lanes, Numbers, pick
+from drakesep.systems.batch_flight import Step
+from drakesep.systems.batch_polynomials import crossing, derivative, polynomial, root
+
+
+class Figures(NamedTuple):
+    """What has been found of each figure so far, (n,) or (3, n)."""
+
+    magnitude: Lanes
+    """Integral of the relative rates' magnitudes since release, rad."""
+    square: Lanes
+    """Integral of their squares, rad^2/s."""
+    relative_peak: Lanes
+    """(3, n) largest relative rates since release, rad/s."""
+    released_speed: Lanes
+    """Largest longitudinal speed since release, m/s."""
+    final_rate: Lanes
+    rate_after: Lanes
+    deviation: Lanes
+    within_until: Lanes
+    speed_max: Lanes
+    speed_after: Lanes
+    separation_end: Lanes
+
+
+class MetricsFold:
+    """Gathers the figures of a batch, step by step."""
+
+    def __init__(self, equations: BatchEquations, deviation_limits: Sequence[float]):
+        """Prepare.
+
+        Args:
+            equations: of the separation.
+            deviation_limits: (3,) limits of roll, pitch and yaw, rad; infinite for none.
+        """
+        self._equations = equations
+        self._duration = equations.separation.duration
+        self._limited = [
+            (i, limit) for i, limit in enumerate(deviation_limits) if limit < math.inf
+        ]
+
+    def start(self, numbers: Numbers) -> Figures:
+        """Return the figures before the first step."""
+        _, n = numbers.mass.shape
+        zero, least, most = jnp.zeros(n), jnp.full(n, -jnp.inf), jnp.full(n, jnp.inf)
+        none = jnp.full((3, n), -jnp.inf)
+        return Figures(
+            magnitude=zero,
+            square=zero,
+            relative_peak=none,
+            released_speed=least,
+            final_rate=jnp.zeros((3, n)),
+            rate_after=none,
+            deviation=jnp.zeros((3, n)),
+            within_until=most,
+            speed_max=least,
+            speed_after=most,
+            separation_end=most,
+        )
+
+    def add(self, figures: Figures, numbers: Numbers, step: Step) -> Figures:
+        """Return the figures after a step."""
+        a, b = self._equations.pair
+        bodies = step.bodies
+        motion = motion_laws.relative_motion(
+            pick(bodies, a), pick(bodies, b), *self._equations.mated_place(numbers), jnp
+        )
+        angles = [motion.angle[i] for i, _ in self._limited]
+        signals = _Signals(
+            [*motion.relative_rate, *motion.rate, motion.relative_velocity[0], *angles]
+        )
+        lowest, highest = signals.extremes()
+        peaks = jnp.maximum(-lowest[:6], highest[:6])
+        released, separated = step.separating, step.separated
+
+        def larger(before: Lanes, value: Lanes, when: Lanes) -> Lanes:
+            return jnp.where(when, jnp.maximum(before, value), before)
+
+        magnitude = step.length * signals.mean_magnitude(3).sum(axis=0)
+        square = step.length * signals.mean_square(3).sum(axis=0)
+        ends_here = separated & jnp.isinf(figures.separation_end)
+        deviation = jnp.abs(jnp.stack([angle[0] for angle in motion.angle]))
+        return Figures(
+            magnitude=figures.magnitude + jnp.where(released, magnitude, 0.0),
+            square=figures.square + jnp.where(released, square, 0.0),
+            relative_peak=larger(figures.relative_peak, peaks[:3], released),
+            released_speed=larger(figures.released_speed, highest[6], released),
+            final_rate=jnp.stack([rate[-1] for rate in motion.rate]),
+            rate_after=larger(figures.rate_after, peaks[3:6], separated),
+            deviation=jnp.where(ends_here, deviation, figures.deviation),
+            within_until=self._within_until(figures, signals, step),
+            speed_max=jnp.maximum(figures.speed_max, highest[6]),
+            speed_after=-larger(-figures.speed_after, -lowest[6], separated),
+            separation_end=jnp.where(ends_here, step.start, figures.separation_end),
+        )
+
+    def _within_until(self, figures: Figures, signals: "_Signals", step: Step) -> Lanes:
+        before = figures.within_until
+        for i, (_, limit) in enumerate(self._limited):
+            beyond, theta = signals.first_beyond(7 + i, limit)
+            time = jnp.where(beyond, step.start + theta * step.length, jnp.inf)
+            before = jnp.where(
+                jnp.isinf(figures.within_until), jnp.minimum(before, time), before
+            )
+        return before
+
+    def finish(self, figures: Figures) -> Lanes:
+        """Return (19, n) metrics, in the order of `METRICS`."""
+        values = {
+            "G_L1": figures.magnitude,  # Eq. 11
+            "G_L2": jnp.sqrt(figures.square),  # Eq. 12
+            "G_Linf": figures.relative_peak.sum(axis=0),  # Eq. 13
+            "G_PM": -figures.released_speed,  # Eq. 14
+            "deviation_within_limits_until": jnp.minimum(
+                figures.within_until, self._duration
+            ),
+            "longitudinal_speed_max": figures.speed_max,
+            "longitudinal_speed_after_separation": figures.speed_after,
+            "separation_end": figures.separation_end,
+        }
+        for i, axis in enumerate(AXES):
+            values[f"final_rate_{axis}"] = figures.final_rate[i]
+            values[f"rate_after_separation_{axis}"] = figures.rate_after[i]
+        for i, angle in enumerate(ANGLES):
+            values[f"deviation_at_separation_{angle}"] = figures.deviation[i]
+        return jnp.stack([values[name] for name in METRICS])
+
+
+class _Signals:
+    """Polynomials on one step, (8, s, n), and where they turn.
+
+    The points are the nodes and, between two nodes, where the slope changes its sign: from
+    one point to the next a signal only rises or only falls.
+    """
+
+    def __init__(self, signals: Sequence[Lanes]):
+        values = jnp.stack(signals, axis=1)
+        self._values = values
+        self._c = jnp.tensordot(lobatto.COEFFICIENTS, values, 1)
+        slopes = lax.stop_gradient(jnp.tensordot(lobatto.SLOPES, values, 1))
+        turns = slopes[:-1] * slopes[1:] < 0.0
+
+        def with_turns(_: None) -> tuple[Lanes, Lanes]:
+            low, high = lobatto.XI[:-1, None, None], lobatto.XI[1:, None, None]
+            slope = derivative(self._c)[:, None]
+            xi = jnp.where(turns, root(slope, low, high), low)
+            return xi, polynomial(self._c[:, None], xi)
+
+        def without(_: None) -> tuple[Lanes, Lanes]:
+            low = jnp.broadcast_to(lobatto.XI[:-1, None, None], values[:-1].shape)
+            return low, values[:-1]
+
+        xi, turning = lax.cond(turns.any(), with_turns, without, None)
+        self.xi = _interleave(lobatto.XI[:, None, None], xi)
+        self.values = _interleave(values, turning)
+
+    def extremes(self) -> tuple[Lanes, Lanes]:
+        """Return (s, n) the smallest and the largest values."""
+        return self.values.min(axis=0), self.values.max(axis=0)
+
+    def mean_square(self, count: int) -> Lanes:
+        """Return the mean square of the first signals."""
+        return jnp.tensordot(lobatto.WEIGHTS, self._values[:, :count] ** 2, 1)
+
+    def mean_magnitude(self, count: int) -> Lanes:
+        """Return the mean magnitude of the first signals."""
+        values, xi = self.values[:, :count], self.xi[:, :count]
+        crosses = values[:-1] * values[1:] < 0.0
+        c = self._c[:, :count]
+
+        def split(_: None) -> Lanes:
+            zero = root(c[:, None], xi[:-1], xi[1:])
+            zero = jnp.where(crosses, zero, xi[1:])
+            powers = np.arange(1.0, lobatto.COUNT + 1.0)[:, None, None]
+            area = jnp.concatenate([jnp.zeros_like(c[:1]), c / powers])[:, None]
+            at_points, at_zeros = polynomial(area, xi), polynomial(area, zero)
+            return 0.5 * (
+                jnp.abs(at_zeros - at_points[:-1]) + jnp.abs(at_points[1:] - at_zeros)
+            ).sum(axis=0)
+
+        def whole(_: None) -> Lanes:
+            return jnp.abs(jnp.tensordot(lobatto.WEIGHTS, self._values[:, :count], 1))
+
+        return lax.cond(crosses.any(), split, whole, None)
+
+    def first_beyond(self, index: int, limit: float) -> tuple[Lanes, Lanes]:
+        """Return (n,) whether a signal's magnitude exceeds a limit, and first where.
+
+        Args:
+            index: of the signal.
+            limit: of its magnitude.
+        """
+        values, xi, c = self.values[:, index], self.xi[:, index], self._c[:, index]
+        beyond = jnp.abs(values) > limit
+
+        def find(_: None) -> Lanes:
+            after = jnp.argmax(beyond, axis=0)[None]
+            before = jnp.maximum(after - 1, 0)
+            low, high = (jnp.take_along_axis(xi, at, 0)[0] for at in (before, after))
+            side = jnp.sign(jnp.take_along_axis(values, after, 0)[0])
+            at = crossing(c.at[0].add(-limit * side), low, high)
+            return 0.5 * (1.0 + jnp.where(after[0] > 0, at, -1.0))
+
+        theta = lax.cond(
+            beyond.any(), find, lambda _: jnp.zeros(values.shape[1:]), None
+        )
+        return beyond.any(axis=0), theta
+
+
+def _interleave(nodes: Lanes, between: Lanes) -> Lanes:
+    """Return (15, s, n) from 8 at the nodes and 7 between them."""
+    nodes = jnp.broadcast_to(nodes, (len(nodes), *between.shape[1:]))
+    pairs = jnp.stack([nodes[:-1], between], axis=1)
+    return jnp.concatenate([pairs.reshape(-1, *between.shape[1:]), nodes[-1:]])

@@ -1,0 +1,84 @@
+"""Which rows of parameter values are not physical, and why."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drakesep.systems.inertia import physical_margin
+from drakesep.systems.model import Separation
+from drakesep.systems.parameters import parameters, with_values
+
+
+Array = NDArray[np.float64]
+
+_ENTRIES = ("xx", "yy", "zz", "xy", "xz", "yz")
+_POSITIVE = ("mass", "force_max", "stroke", "design_mass", "release_angle")
+_NOT_NEGATIVE = ("damping", "release_time", "start")
+_MARGIN = 1e-9
+"""Of tr(Sigma): an inertia that is nearer to the edge is looked at closely."""
+
+
+def check_rows(
+    separation: Separation, names: Sequence[str], values: Array
+) -> dict[int, str]:
+    """Return why rows are not physical, by their numbers.
+
+    What a row may hold is said once, in the model: this only finds the rows that may not
+    pass, at the speed of arrays, and lets the model judge them.
+
+    Args:
+        separation: whose parameters they are.
+        names: (n_p,) of the parameters.
+        values: (n, n_p) in SI.
+    """
+    doubtful = ~np.isfinite(values).all(axis=1)
+    for name, column in zip(names, values.T, strict=True):
+        quantity = name.rpartition(".")[2]
+        if quantity in _POSITIVE:
+            doubtful |= column <= 0.0
+        if quantity in _NOT_NEGATIVE:
+            doubtful |= column < 0.0
+        if quantity in ("release_time", "start"):
+            doubtful |= column >= separation.duration - _latest_start(separation)
+        if quantity == "release_angle":
+            doubtful |= column >= math.pi
+    doubtful |= _edge_of_inertia(separation, names, values)
+    failures = {}
+    for row in np.flatnonzero(doubtful).tolist():
+        try:
+            with_values(separation, dict(zip(names, values[row].tolist(), strict=True)))
+        except ValueError as error:
+            failures[row] = str(error)
+    return failures
+
+
+def _latest_start(separation: Separation) -> float:
+    return max((load.times[0] for load in separation.loads), default=0.0)
+
+
+def _edge_of_inertia(
+    separation: Separation, names: Sequence[str], values: Array
+) -> NDArray[np.bool_]:
+    """Return (n,) whether an inertia is impossible, or nearly so."""
+    doubtful = np.full(len(values), False)
+    nominal = parameters(separation)
+    for body in separation.bodies:
+        keys = [f"{body.name}.inertia_{entry}" for entry in _ENTRIES]
+        if not any(key in names for key in keys):
+            continue
+        inertia = np.stack(
+            [
+                values[:, names.index(key)]
+                if key in names
+                else np.full(len(values), nominal[key])
+                for key in keys
+            ],
+            axis=1,
+        )
+        finite = np.isfinite(inertia).all(axis=1)
+        trace = 0.5 * inertia[finite, :3].sum(axis=1)
+        margin = physical_margin(inertia[finite])
+        doubtful[finite] |= ~(margin > _MARGIN * np.abs(trace))
+    return doubtful

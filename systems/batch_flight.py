@@ -1,0 +1,521 @@
+"""The integration of a batch of separations, every sample at its own pace.
+
+Each sample takes steps of DOP853 (see `runge_kutta`), controlled by its own error
+estimate and ended at its own kinks: releases, ends of strokes, rows of load tables at
+times that are known beforehand, and strokes, profiles' corners and hinge angles that are
+found within a step. What a sample does depends on its own numbers alone, not on its
+neighbours in the batch.
+
+Everything is differentiable in forward mode: steps end where events are, whose times
+carry their derivatives; only the choice of the steps' number does not.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+from drakesep.systems import batch_polynomials as polynomials
+from drakesep.systems import joint_laws, lobatto, motion_laws, runge_kutta
+from drakesep.systems.batch_equations import BatchEquations, Lanes, Mode, Numbers, pick
+from drakesep.systems.geometry import mated_orientation
+from drakesep.systems.motion_laws import BodyState
+from drakesep.systems.pushers import DisplacementSpring
+from drakesep.systems.vectors import TINY
+
+
+FLYING, COMPLETED, STILL_HELD, STROKE_LEFT, STEP_COLLAPSED, TOO_MANY_STEPS = range(6)
+"""How a sample fares."""
+_SHORTEST = 1e-12
+"""Step, s, below which an integration has collapsed."""
+_SAFETY, _SHRINK, _GROW = 0.9, 0.2, 6.0
+_PHASE = 0.8
+"""First guess of a step, rad of the fastest motion, at a tolerance of 1e-8."""
+_WEIGHTS = np.concatenate(
+    [
+        np.zeros((1, runge_kutta.STAGES)),
+        runge_kutta.weights_at(lobatto.THETA[1:-1]),
+        runge_kutta.B[None],
+    ]
+)
+
+
+class Step(NamedTuple):
+    """A stretch of the motion of every sample, from kink to kink or shorter.
+
+    A sample that did not move has the length zero, and its state at every node.
+    """
+
+    start: Lanes
+    """(n,), s."""
+    length: Lanes
+    """(n,), s."""
+    x: Lanes
+    """(13, 8, m, n) states of the bodies at the nodes of `lobatto`."""
+    mode: Mode
+    """What has happened by the start."""
+    separating: Lanes
+    """(n,) whether an attachment of B has let go."""
+    separated: Lanes
+    """(n,) whether all have, and all their strokes are reached."""
+
+    @property
+    def bodies(self) -> BodyState:
+        """The bodies at the nodes, of (8, m, n)."""
+        return motion_laws.body_state(self.x, 0, 7)
+
+
+class Fold(Protocol):
+    """What is made of the steps of a flight, one after the other."""
+
+    def start(self, numbers: Numbers) -> Any:
+        """Return what there is before the first step."""
+
+    def add(self, carry: Any, numbers: Numbers, step: Step) -> Any:
+        """Return what there is after a step."""
+
+
+class _Flight(NamedTuple):
+    """Where the samples of a batch are."""
+
+    t: Lanes
+    x: Lanes
+    mode: Mode
+    stroke_ends: Lanes
+    beyond: Lanes
+    """(e, n) whether the quantity of each event was at or above its threshold."""
+    watched: Lanes
+    """(e, n) whether it could happen in the step before."""
+    step: Lanes
+    """(n,) that the next would like to take, s."""
+    status: Lanes
+    steps: Lanes
+    folded: Any
+
+
+class Landing(NamedTuple):
+    """How the samples of a batch ended."""
+
+    status: Lanes
+    """(n,) COMPLETED, or why not."""
+    time: Lanes
+    """(n,) at which they ended, s."""
+    steps: Lanes
+    """(n,) taken, the rejected among them."""
+    released: Lanes
+    """(a, n), s; infinite for attachments that hold."""
+    stroke_ends: Lanes
+    """(k, n), s; infinite for strokes that were not reached."""
+    folded: Any
+
+
+class _Event(NamedTuple):
+    """Something that happens where a quantity crosses zero."""
+
+    quantity: Callable[[BodyState, Numbers], Lanes]
+    attachment: int
+    spring: int | None
+    """That must push; None: the attachment must hold."""
+    latches: bool
+    """Whether it happens once, upwards: the stroke's end, or the release."""
+
+
+class BatchFlight:
+    """Flies batches of one separation."""
+
+    def __init__(self, equations: BatchEquations, *, tolerance: float, max_steps: int):
+        """Prepare.
+
+        Args:
+            equations: of the separation.
+            tolerance: of the error estimates of all steps of a run together, in SI.
+            max_steps: at which a sample is given up.
+        """
+        self._equations = equations
+        self._separation = equations.separation
+        self._tolerance = tolerance
+        self._max_steps = max_steps
+        self._events = _events(equations)
+        B = self._separation.B
+        self._of_B = [
+            i for i, a in enumerate(self._separation.attachments) if B in (a.A, a.B)
+        ]
+
+    def fly(self, numbers: Numbers, fold: Fold) -> Landing:
+        """Fly a batch.
+
+        Args:
+            numbers: of the batch.
+            fold: what is made of the steps.
+        """
+        x, mode = self._equations.start(numbers)
+        n = x.shape[-1]
+        events = jnp.full((len(self._events), n), False)
+        flight = _Flight(
+            t=jnp.zeros(n),
+            x=x,
+            mode=mode,
+            stroke_ends=jnp.full(mode.spent.shape, jnp.inf),
+            beyond=events,
+            watched=events,
+            step=jnp.full(n, jnp.nan),
+            status=jnp.full(n, FLYING),
+            steps=jnp.zeros(n, dtype=int),
+            folded=fold.start(numbers),
+        )
+        flight = lax.while_loop(
+            lambda flight: (flight.status == FLYING).any(),
+            lambda flight: self._advance(flight, numbers, fold),
+            flight,
+        )
+        return Landing(
+            flight.status,
+            flight.t,
+            flight.steps,
+            flight.mode.released,
+            flight.stroke_ends,
+            flight.folded,
+        )
+
+    def _advance(self, flight: _Flight, numbers: Numbers, fold: Fold) -> _Flight:
+        """Take one step of every sample."""
+        flight = self._latch(flight, numbers)
+        t, mode = flight.t, flight.mode
+        flying = flight.status == FLYING
+        wanted = jnp.where(
+            jnp.isnan(flight.step), self._first_guess(flight, numbers), flight.step
+        )
+        end = self._next_known_event(t, numbers, mode)
+        left = jnp.where(flying, end - t, 0.0)
+        pieces = jnp.maximum(jnp.ceil(_still(left / wanted) - 1e-9), 1.0)
+        h = left / pieces
+
+        K = self._stages(flight, h, numbers)
+        error = self._error(K)
+        accepted = flying & (error <= 1.0)
+        moved = jnp.where(accepted, h, 0.0)
+        nodes, fraction, beyond, crossed = self._to_first_event(
+            flight, K, accepted, moved, numbers
+        )
+        t_new = jnp.where(pieces > 1.0, t + h, end)
+        t_new = jnp.where(fraction < 1.0, t + fraction * h, t_new)
+        separating, separated = self._progress(mode)
+        step = Step(t, fraction * moved, nodes, mode, separating, separated)
+        factor = jnp.clip(
+            _SAFETY * (error + TINY) ** (-1.0 / runge_kutta.ORDER_OF_ERROR),
+            _SHRINK,
+            _GROW,
+        )
+        factor = jnp.where(jnp.isfinite(error), factor, _SHRINK)
+        controlled = _still(h * factor)
+        controlled = jnp.where(accepted, jnp.maximum(controlled, wanted), controlled)
+        flight = flight._replace(
+            t=jnp.where(accepted, t_new, t),
+            x=nodes[:, -1],
+            beyond=beyond,
+            step=jnp.where(flying, controlled, flight.step),
+            steps=flight.steps + flying,
+            folded=fold.add(flight.folded, numbers, step),
+        )
+        flight = self._latch_crossed(flight, crossed)
+        return flight._replace(status=self._judge(flight, accepted, h))
+
+    # What happens at known times.
+
+    def _latch(self, flight: _Flight, numbers: Numbers) -> _Flight:
+        """Let happen what is due by now."""
+        t, mode = flight.t, flight.mode
+        due = jnp.isinf(mode.released) & (numbers.release_time <= t)
+        released = jnp.where(due, numbers.release_time, mode.released)
+        mode = Mode(released, mode.spent)
+        ends = self._equations.stroke_end(numbers, mode)
+        timed = np.isin(np.arange(len(mode.spent)), self._equations.timed)[:, None]
+        ended = timed & (ends <= t) & ~mode.spent
+        mode = Mode(released, mode.spent | ended)
+        flight = flight._replace(
+            mode=mode,
+            stroke_ends=jnp.where(ended, ends, flight.stroke_ends),
+            step=jnp.where(due.any(axis=0) | ended.any(axis=0), jnp.nan, flight.step),
+        )
+        if not self._events:
+            return flight
+        # What begins to be watched may be beyond its threshold already.
+        watched = self._watched(mode)
+        begins = watched & ~flight.watched
+        now = self._quantities(flight.x, numbers) >= 0.0
+        flight = flight._replace(
+            beyond=jnp.where(begins, now, flight.beyond), watched=watched
+        )
+        return self._latch_crossed(flight, begins & now)
+
+    def _latch_crossed(self, flight: _Flight, crossed: Lanes) -> _Flight:
+        """Let happen what was crossed at this time."""
+        released, spent = flight.mode
+        stroke_ends, step = flight.stroke_ends, flight.step
+        for event, happened in zip(self._events, crossed, strict=True):
+            if not event.latches:
+                continue
+            if event.spring is None:
+                i = event.attachment
+                released = released.at[i].set(
+                    jnp.where(happened, flight.t, released[i])
+                )
+            else:
+                k = event.spring
+                spent = spent.at[k].set(spent[k] | happened)
+                stroke_ends = stroke_ends.at[k].set(
+                    jnp.where(happened, flight.t, stroke_ends[k])
+                )
+            step = jnp.where(happened, jnp.nan, step)
+        return flight._replace(
+            mode=Mode(released, spent), stroke_ends=stroke_ends, step=step
+        )
+
+    def _next_known_event(self, t: Lanes, numbers: Numbers, mode: Mode) -> Lanes:
+        """Return (n,) the next time at which something is known to happen, s."""
+        timed = np.isin(np.arange(len(mode.spent)), self._equations.timed)[:, None]
+        times = jnp.concatenate(
+            [
+                jnp.where(jnp.isinf(mode.released), numbers.release_time, jnp.inf),
+                jnp.where(timed, self._equations.stroke_end(numbers, mode), jnp.inf),
+                *self._equations.load_times(numbers, mode),
+                jnp.full((1, *t.shape), self._separation.duration),
+            ]
+        )
+        ahead = jnp.where(times > t, times, jnp.inf).min(axis=0)
+        return jnp.minimum(ahead, self._separation.duration)
+
+    def _first_guess(self, flight: _Flight, numbers: Numbers) -> Lanes:
+        """Return (n,) a step that suits what acts now, s."""
+        mode = flight.mode
+        w = flight.x[7:10]
+        frequency = jnp.sqrt((w * w).sum(axis=0)).max(axis=0)
+        lightness = 1.0 / numbers.mass
+        slenderness = 1.0 / jnp.stack(tuple(numbers.I_BBcm_B)[:3]).min(axis=0)
+        pushing = self._equations.pushing(mode)
+        for k, i in enumerate(self._equations.spring_attachments):
+            spring = numbers.frequency[k]
+            if k in self._equations.by_stroke:
+                a, b = self._equations.ends[i]
+                light = lightness[a] + lightness[b]
+                stiffness = numbers.force_max[k] / numbers.stroke[k]
+                spring = jnp.sqrt(len(pushing) * stiffness * light)
+            frequency = jnp.maximum(frequency, jnp.where(pushing[k], spring, 0.0))
+        K, D = jnp.zeros_like(frequency), jnp.zeros_like(frequency)
+        for i, attachment in enumerate(self._separation.attachments):
+            gains = np.reshape(attachment.joint.held_gains(), (4, 3)).max(axis=1)
+            a, b = self._equations.ends[i]
+            arms = [
+                sum(x * x for x in _arm(numbers, body, pads, i))
+                for body, pads in ((a, numbers.p_AoPad_A), (b, numbers.p_BoPad_B))
+            ]
+            turning = slenderness[a] + slenderness[b]
+            moving = (
+                lightness[a]
+                + lightness[b]
+                + arms[0] * slenderness[a]
+                + arms[1] * slenderness[b]
+            )
+            held = jnp.isinf(mode.released[i])
+            K = K + jnp.where(held, gains[0] * moving + gains[2] * turning, 0.0)
+            D = D + jnp.where(held, gains[1] * moving + gains[3] * turning, 0.0)
+        frequency = jnp.maximum(frequency, jnp.maximum(jnp.sqrt(K + TINY), D))
+        scale = (self._tolerance / 1e-8) ** (1.0 / runge_kutta.ORDER_OF_ERROR)
+        return _still(_PHASE * scale / (frequency + 1e-3))
+
+    # A step.
+
+    def _stages(self, flight: _Flight, h: Lanes, numbers: Numbers) -> Lanes:
+        """Return (16, 13, m, n) derivatives at the stages of a step."""
+        x, t, mode = flight.x, flight.t, flight.mode
+        A = jnp.array(runge_kutta.A)
+        times = t + jnp.array(runge_kutta.C)[:, None] * h
+        timed = self._equations.at_times(times, t, numbers, mode)
+
+        def stages(phase: int) -> Callable[[None], Lanes]:
+            def stage(i: int, K: Lanes) -> Lanes:
+                y = x + h * jnp.tensordot(A[i], K, 1)
+                now = jax.tree.map(lambda lanes: lanes[i], timed)
+                k = self._equations.derivative(phase, now, y, numbers, mode)
+                return K.at[i].set(k)
+
+            K = jnp.zeros((runge_kutta.STAGES, *x.shape))
+            return lambda _: lax.fori_loop(0, runge_kutta.STAGES, stage, K)
+
+        return lax.switch(
+            self._equations.phase(mode), [stages(phase) for phase in range(3)], None
+        )
+
+    def _error(self, K: Lanes) -> Lanes:
+        """Return (n,) the error estimate of a step over its share of the tolerance."""
+        K = _still(K)
+        share = self._tolerance / self._separation.duration
+        fifth, third = (
+            (jnp.tensordot(E, K, 1) ** 2).sum(axis=(0, 1)) / share**2
+            for E in (runge_kutta.E5, runge_kutta.E3)
+        )
+        states = K.shape[1] * K.shape[2]
+        return fifth / jnp.sqrt((fifth + 0.01 * third) * states + TINY)
+
+    def _to_first_event(
+        self,
+        flight: _Flight,
+        K: Lanes,
+        accepted: Lanes,
+        moved: Lanes,
+        numbers: Numbers,
+    ) -> tuple[Lanes, Lanes, Lanes, Lanes]:
+        """Return the states at the nodes of a step, cut off at the first event in it.
+
+        Returns:
+            (13, 8, m, n) states, (n,) the fraction of the step that was taken, (e, n)
+            which events are now beyond their threshold, and (e, n) which happened.
+        """
+        change = jnp.tensordot(_WEIGHTS, K, 1)
+        nodes = flight.x + jnp.where(accepted, moved * change, 0.0)
+        nodes = jnp.moveaxis(nodes, 0, 1)
+        whole = jnp.ones_like(moved)
+        none = jnp.full(flight.beyond.shape, False)
+        if not self._events:
+            return nodes, whole, flight.beyond, none
+        values = self._quantities(nodes, numbers)
+        crossing = ((values >= 0.0) != flight.beyond[:, None]) & self._watched(
+            flight.mode
+        )[:, None]
+
+        def cut(_: None) -> tuple[Lanes, Lanes, Lanes]:
+            at = _first_crossing(values, crossing)
+            fraction = jnp.minimum(at.min(axis=0), 1.0)
+            happened = at <= jnp.minimum(_still(fraction) + 1e-12, 1.0)
+            powers = jnp.tensordot(runge_kutta.POWERS, K, 1)
+            theta = lobatto.THETA[:, None] * fraction
+            total = jnp.zeros_like(change)
+            for coefficient in powers[::-1]:
+                total = total * theta[:, None, None, :] + coefficient
+            cut_nodes = flight.x + jnp.where(accepted, moved * total, 0.0)
+            return jnp.moveaxis(cut_nodes, 0, 1), fraction, happened
+
+        nodes, fraction, happened = lax.cond(
+            crossing.any(), cut, lambda _: (nodes, whole, none), None
+        )
+        return nodes, fraction, flight.beyond ^ happened, happened
+
+    def _quantities(self, x: Lanes, numbers: Numbers) -> Lanes:
+        """Return (e, ..., n) the events' quantities at states (13, ..., m, n)."""
+        bodies = motion_laws.body_state(x, 0, 7)
+        return jnp.stack([event.quantity(bodies, numbers) for event in self._events])
+
+    def _watched(self, mode: Mode) -> Lanes:
+        """Return (e, n) whether each event can happen."""
+        pushing = self._equations.pushing(mode)
+        held = jnp.isinf(mode.released)
+        return jnp.stack(
+            [
+                held[event.attachment]
+                if event.spring is None
+                else pushing[event.spring]
+                for event in self._events
+            ]
+        )
+
+    # How it fares.
+
+    def _progress(self, mode: Mode) -> tuple[Lanes, Lanes]:
+        """Return (n,) whether B has begun to separate, and whether it has ended."""
+        free = jnp.isfinite(mode.released)
+        began, ended = jnp.full(free.shape[1:], False), jnp.full(free.shape[1:], True)
+        for i in self._of_B:
+            began, ended = began | free[i], ended & free[i]
+            if i in self._equations.spring_attachments:
+                k = self._equations.spring_attachments.index(i)
+                ended = ended & mode.spent[k]
+        return began, ended
+
+    def _judge(self, flight: _Flight, accepted: Lanes, h: Lanes) -> Lanes:
+        """Return (n,) the status of the samples after a step."""
+        held = jnp.isinf(flight.mode.released).any(axis=0)
+        stroke_left = ~flight.mode.spent.all(axis=0)
+        end = jnp.where(
+            held, STILL_HELD, jnp.where(stroke_left, STROKE_LEFT, COMPLETED)
+        )
+        status = jnp.where(flight.t >= self._separation.duration, end, FLYING)
+        collapsed = ~accepted & (h < _SHORTEST)
+        status = jnp.where(collapsed, STEP_COLLAPSED, status)
+        too_many = (status == FLYING) & (flight.steps >= self._max_steps)
+        status = jnp.where(too_many, TOO_MANY_STEPS, status)
+        return jnp.where(flight.status == FLYING, status, flight.status)
+
+
+def _still(x: Lanes) -> Lanes:
+    """Return x without its derivative: what only decides how to go on."""
+    return lax.stop_gradient(x)
+
+
+def _arm(numbers: Numbers, body: int, pads: Any, i: int) -> tuple[Lanes, ...]:
+    cg = pick(numbers.p_BoBcm_B, body)
+    return tuple(pad - c for pad, c in zip(pick(pads, i), cg, strict=True))
+
+
+def _first_crossing(values: Lanes, crossing: Lanes) -> Lanes:
+    """Return (e, n) the fraction of a step at which a quantity crosses zero; 2 if none.
+
+    Args:
+        values: (e, 8, n) the quantity at the nodes.
+        crossing: (e, 8, n) where it is beyond.
+    """
+    c = jnp.tensordot(lobatto.COEFFICIENTS, values, ((1,), (1,)))
+    first = jnp.maximum(jnp.argmax(crossing, axis=1), 1)
+    xi = jnp.array(lobatto.XI)
+    at = polynomials.crossing(c, xi[first - 1], xi[first])
+    return jnp.where(crossing.any(axis=1), 0.5 * (1.0 + at), 2.0)
+
+
+def _events(equations: BatchEquations) -> list[_Event]:
+    """Return what is found within steps."""
+    separation = equations.separation
+    events = []
+    for k in equations.by_stroke:
+        spring = separation.springs[k]
+        assert isinstance(spring, DisplacementSpring)
+        i = equations.spring_attachments[k]
+        corners = [u for u, _ in spring.profile[1:-1]]
+        for u in (*corners, 1.0):
+            events.append(_Event(_beyond(equations, k, u), i, k, u == 1.0))
+        if spring.damping > 0.0:
+            events.append(_Event(_lifted(equations, k), i, k, False))
+    for i, attachment in enumerate(separation.attachments):
+        if np.isfinite(attachment.release_angle):
+            events.append(_Event(_turned(equations, i), i, None, True))
+    return events
+
+
+def _beyond(equations: BatchEquations, k: int, u: float) -> Callable[..., Lanes]:
+    def quantity(bodies: BodyState, numbers: Numbers) -> Lanes:
+        displacement, _ = equations.displacement(k, bodies, numbers)
+        return displacement - u * numbers.stroke[k]
+
+    return quantity
+
+
+def _lifted(equations: BatchEquations, k: int) -> Callable[..., Lanes]:
+    def quantity(bodies: BodyState, numbers: Numbers) -> Lanes:
+        return -equations.stroke_force(k, bodies, numbers)
+
+    return quantity
+
+
+def _turned(equations: BatchEquations, i: int) -> Callable[..., Lanes]:
+    a, b = equations.ends[i]
+    separation = equations.separation
+    q_AB = mated_orientation(separation.bodies[a], separation.bodies[b])
+    axis_A = separation.attachments[i].joint.x_axis_A
+
+    def quantity(bodies: BodyState, numbers: Numbers) -> Lanes:
+        A, B = pick(bodies, a), pick(bodies, b)
+        angle = joint_laws.twist_angle(A.q_WB, B.q_WB, q_AB, axis_A, jnp)
+        return angle - numbers.release_angle[i]
+
+    return quantity

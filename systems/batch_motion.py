@@ -1,0 +1,103 @@
+"""The motion of a batch at given times, and the runs made of it."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+from numpy.typing import NDArray
+
+from drakesep.systems import lobatto, motion_laws
+from drakesep.systems.batch_equations import BatchEquations, Lanes, Numbers, pick
+from drakesep.systems.batch_flight import Step
+from drakesep.systems.batch_polynomials import polynomial
+from drakesep.systems.motion_laws import RelativeMotion
+
+
+COLUMNS = (
+    *RelativeMotion._fields,
+    "acceleration",
+    "linear_momentum_change",
+    "angular_momentum_change",
+)
+"""Of `drakesep.systems.run.Motion`, three signals each."""
+
+
+class Samples(NamedTuple):
+    """What has been sampled so far."""
+
+    signals: Lanes
+    """(T, 24, n)."""
+    momentum: Lanes
+    """(6, n) given to B by the springs by the end of the last step, N s and N m s."""
+
+
+class MotionFold:
+    """Samples the motion of every row at its own times."""
+
+    def __init__(self, equations: BatchEquations, times: Lanes):
+        """Prepare.
+
+        Args:
+            equations: of the separation.
+            times: (T, n), s; those beyond the run are not sampled.
+        """
+        self._equations = equations
+        self._times = times
+
+    def start(self, numbers: Numbers) -> Samples:
+        """Return what there is before the first step."""
+        count, n = self._times.shape
+        signals = jnp.full((count, 3 * len(COLUMNS), n), jnp.nan)
+        return Samples(signals, jnp.zeros((6, n)))
+
+    def add(self, samples: Samples, numbers: Numbers, step: Step) -> Samples:
+        """Return the samples after a step: those at a kink are those after it."""
+        motion, momentum_rate = self._at_nodes(numbers, step)
+        gained = 0.5 * step.length * jnp.tensordot(lobatto.INTEGRALS, momentum_rate, 1)
+        momentum = samples.momentum + gained
+        values = jnp.concatenate([motion, momentum], axis=1)
+        length = jnp.where(step.length > 0.0, step.length, 1.0)
+        xi = 2.0 * (self._times - step.start) / length - 1.0
+        # Round-off of the step's end is within it.
+        inside = (step.length > 0.0) & (xi >= -1.0) & (xi <= 1.0 + 1e-9)
+        c = jnp.tensordot(lobatto.COEFFICIENTS, values, 1)
+        at_times = polynomial(c[:, None], xi[:, None])
+        signals = jnp.where(inside[:, None], at_times, samples.signals)
+        return Samples(signals, momentum[-1])
+
+    def _at_nodes(self, numbers: Numbers, step: Step) -> tuple[Lanes, Lanes]:
+        """Return (8, 18, n) motion and (8, 6, n) rates of momentum at the nodes."""
+        equations = self._equations
+        a, b = equations.pair
+        bodies = step.bodies
+        A, B = pick(bodies, a), pick(bodies, b)
+        p_BoBcm_B, mated = equations.mated_place(numbers)
+        motion = motion_laws.relative_motion(A, B, p_BoBcm_B, mated, jnp)
+        times = step.start + lobatto.THETA[:, None] * step.length
+        timed = equations.at_times(times, step.start, numbers, step.mode)
+        everything = 2
+        slopes = lax.map(
+            lambda node: equations.derivative(
+                everything, node[0], node[1], numbers, step.mode
+            ),
+            (timed, jnp.moveaxis(step.x, 1, 0)),
+        )[:, :, b]
+        alpha, a_Bo = (tuple(slopes[:, k + i] for i in range(3)) for k in (7, 10))
+        acceleration = motion_laws.cg_acceleration(B, p_BoBcm_B, alpha, a_Bo)
+        wrench = equations.spring_wrench_on(b, timed, bodies, numbers, step.mode)
+        rates = motion_laws.momentum_rate(B, p_BoBcm_B, wrench)
+        return (
+            _stack([*motion, acceleration]),
+            _stack(rates),
+        )
+
+
+def _stack(vectors: list[tuple[Lanes, ...]] | tuple[tuple[Lanes, ...], ...]) -> Lanes:
+    return jnp.stack([x for vector in vectors for x in vector], axis=1)
+
+
+def columns_of(signals: NDArray[np.float64]) -> Mapping[str, NDArray[np.float64]]:
+    """Return the columns (T, 3) of a row's motion from its signals (T, 24)."""
+    return {name: signals[:, 3 * i : 3 * i + 3] for i, name in enumerate(COLUMNS)}
