@@ -1,3 +1,5 @@
+from .batch import Batch as Batch
+from .batch import BatchResult as BatchResult
 from .dispersions import Box as Box
 from .dispersions import Dispersion as Dispersion
 from .fleet import Fleet as Fleet

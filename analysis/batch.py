@@ -71,16 +71,17 @@ class _Flown(NamedTuple):
     metrics: Lanes
     """(n_m, n)."""
     landing: Landing
-    slopes: Lanes | None
-    """(n_p, n_m, n)."""
+    slopes: Any
+    """(n_p, n_m, n), if asked for."""
 
 
 class Batch:
     """Flies a separation for whole arrays of parameter values.
 
     Programs are compiled at first use, for a separation and the names of the parameters
-    that vary, and kept on disk across processes. Rows are flown in chunks, on all cores:
-    memory does not grow with their number, and no result depends on that of workers.
+    that vary, and kept on disk across processes. Rows are flown in chunks, on all
+    cores: memory does not grow with their number, and no result depends on the number
+    of workers.
     """
 
     def __init__(
@@ -139,9 +140,13 @@ class Batch:
         self._nominal = nominal
         self._defaults = np.array([nominal[name] for name in names])
         self._equations = BatchEquations(separation)
-        self._flight = BatchFlight(
-            self._equations, tolerance=tolerance, max_steps=max_steps
+        flight = functools.partial(
+            BatchFlight, self._equations, tolerance=tolerance, max_steps=max_steps
         )
+        self._flight = flight()
+        # Where times vary, those that coincide must be told apart.
+        timed = any(name.endswith((".release_time", ".start")) for name in names)
+        self._flight_of_slopes = flight(one_by_one=timed)
         self._fold = MetricsFold(self._equations, deviation_limits)
         compiled = functools.partial(jax.jit, compiler_options=_OPTIONS.get(platform))
         self._figures = compiled(self._fly_figures)
@@ -234,7 +239,7 @@ class Batch:
             metrics[part] = flown.metrics.T
             steps[part] = flown.landing.steps
             if jacobian is not None:
-                jacobian[part] = np.moveaxis(flown.slopes, 2, 0).swapaxes(1, 2)
+                jacobian[part] = np.transpose(flown.slopes, (2, 1, 0))
             for i, why in self._why_not(flown).items():
                 failures.setdefault(part.start + i, why)
             if on_progress is not None:
@@ -280,13 +285,13 @@ class Batch:
         finite = np.isfinite(flown.metrics).all(axis=0)
         failed = (landing.status != batch_flight.COMPLETED) | ~finite
         return {
-            i: self._reason(
-                int(landing.status[i]), jax.tree.map(lambda x: x[..., i], landing)
-            )
+            i: self._reason(_of_row(landing, i))
             for i in np.flatnonzero(failed).tolist()
         }
 
-    def _reason(self, status: int, landing: Landing) -> str:
+    def _reason(self, landing: Landing) -> str:
+        """Return why one row failed."""
+        status = int(landing.status)
         if status == batch_flight.STILL_HELD:
             i = int(np.flatnonzero(np.isinf(landing.released))[0])
             return f"{self.separation.attachments[i].name} has not let go"
@@ -309,13 +314,16 @@ class Batch:
         return self._equations.numbers(p, values.shape[1])
 
     def _fly_figures(self, values: Lanes) -> _Flown:
-        landing = self._flight.fly(self._numbers(values), self._fold)
+        return self._flown(self._flight, values)
+
+    def _flown(self, flight: BatchFlight, values: Lanes) -> _Flown:
+        landing = flight.fly(self._numbers(values), self._fold)
         metrics = self._fold.finish(landing.folded)
         return _Flown(metrics, landing._replace(folded=None), None)
 
     def _fly_slopes(self, values: Lanes) -> _Flown:
         def fly(lanes: Lanes) -> tuple[Lanes, Landing]:
-            flown = self._fly_figures(lanes)
+            flown = self._flown(self._flight_of_slopes, lanes)
             return flown.metrics, flown.landing
 
         def along(direction: Lanes) -> tuple[Lanes, Lanes, Landing]:
@@ -430,14 +438,21 @@ def _call(program: Callable[..., Any], *lanes: Array) -> Any:
         return jax.tree.map(np.asarray, program(*map(jnp.asarray, lanes)))
 
 
+def _of_row(landing: Landing, row: int) -> Landing:
+    mine: Landing = jax.tree.map(lambda x: x[..., row], landing)
+    return mine
+
+
 def _trimmed(flown: _Flown, part: slice) -> _Flown:
     """Return what came of a chunk without what filled it up."""
-    return jax.tree.map(lambda x: x[..., : part.stop - part.start], flown)
+    count = part.stop - part.start
+    trimmed: _Flown = jax.tree.map(lambda x: x[..., :count], flown)
+    return trimmed
 
 
 def _keep_programs() -> None:
     """Let JAX keep compiled programs on disk, unless its user has said where."""
-    if jax.config.jax_compilation_cache_dir is None:
+    if jax.config.values["jax_compilation_cache_dir"] is None:
         home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
         folder = Path(home) / "drakesep" / "jax"
-        jax.config.update("jax_compilation_cache_dir", str(folder))
+        jax.config.update("jax_compilation_cache_dir", str(folder))  # type: ignore[no-untyped-call]

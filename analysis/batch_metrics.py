@@ -1,8 +1,8 @@
 """The figures that runs are judged by, of a whole batch at once, from its steps.
 
-The figures are those of `drakesep.analysis.metrics`, over continuous time: on each step a
-signal is the polynomial through its values at the nodes of `lobatto`, split where it
-turns, so that peaks, crossings and integrals of magnitudes are those of the polynomial.
+The figures are those of `drakesep.analysis.metrics`, over continuous time: on each step
+a signal is the polynomial through its values at the nodes of `lobatto`, split where it
+turns: peaks, crossings and integrals of magnitudes are those of the polynomial.
 
 Every figure has its derivative. Where a magnitude or a peak has a kink (a rate that is
 zero, two peaks as high) it is that of one side; the place of a peak or of a zero needs
@@ -23,6 +23,10 @@ from drakesep.systems import lobatto, motion_laws
 from drakesep.systems.batch_equations import BatchEquations, Lanes, Numbers, pick
 from drakesep.systems.batch_flight import Step
 from drakesep.systems.batch_polynomials import crossing, derivative, polynomial, root
+
+
+_ANGLES = 7
+"""Where the limited angles stand among the signals."""
 
 
 class Figures(NamedTuple):
@@ -53,7 +57,7 @@ class MetricsFold:
 
         Args:
             equations: of the separation.
-            deviation_limits: (3,) limits of roll, pitch and yaw, rad; infinite for none.
+            deviation_limits: (3,) of roll, pitch and yaw, rad; infinite for none.
         """
         self._equations = equations
         self._duration = equations.separation.duration
@@ -117,14 +121,13 @@ class MetricsFold:
         )
 
     def _within_until(self, figures: Figures, signals: "_Signals", step: Step) -> Lanes:
-        before = figures.within_until
-        for i, (_, limit) in enumerate(self._limited):
-            beyond, theta = signals.first_beyond(7 + i, limit)
-            time = jnp.where(beyond, step.start + theta * step.length, jnp.inf)
-            before = jnp.where(
-                jnp.isinf(figures.within_until), jnp.minimum(before, time), before
-            )
-        return before
+        if not self._limited:
+            return figures.within_until
+        limits = jnp.array([limit for _, limit in self._limited])
+        beyond, theta = signals.first_beyond(_ANGLES, limits)
+        times = jnp.where(beyond, step.start + theta * step.length, jnp.inf)
+        found = jnp.isfinite(figures.within_until)
+        return jnp.where(found, figures.within_until, times.min(axis=0))
 
     def finish(self, figures: Figures) -> Lanes:
         """Return (19, n) metrics, in the order of `METRICS`."""
@@ -151,8 +154,8 @@ class MetricsFold:
 class _Signals:
     """Polynomials on one step, (8, s, n), and where they turn.
 
-    The points are the nodes and, between two nodes, where the slope changes its sign: from
-    one point to the next a signal only rises or only falls.
+    The points are the nodes and, between two nodes, where the slope changes its sign:
+    from one point to the next a signal only rises or only falls.
     """
 
     def __init__(self, signals: Sequence[Lanes]):
@@ -205,14 +208,18 @@ class _Signals:
 
         return lax.cond(crosses.any(), split, whole, None)
 
-    def first_beyond(self, index: int, limit: float) -> tuple[Lanes, Lanes]:
-        """Return (n,) whether a signal's magnitude exceeds a limit, and first where.
+    def first_beyond(self, first: int, limits: Lanes) -> tuple[Lanes, Lanes]:
+        """Return (l, n) whether signals' magnitudes exceed limits, and first where.
 
         Args:
-            index: of the signal.
-            limit: of its magnitude.
+            first: of the signals, which follow one another.
+            limits: (l,) of their magnitudes.
+
+        Returns:
+            Whether they do, and the fractions of the step.
         """
-        values, xi, c = self.values[:, index], self.xi[:, index], self._c[:, index]
+        values, xi, c = (x[:, first:] for x in (self.values, self.xi, self._c))
+        limit = limits[:, None]
         beyond = jnp.abs(values) > limit
 
         def find(_: None) -> Lanes:

@@ -25,8 +25,8 @@ def check_rows(
 ) -> dict[int, str]:
     """Return why rows are not physical, by their numbers.
 
-    What a row may hold is said once, in the model: this only finds the rows that may not
-    pass, at the speed of arrays, and lets the model judge them.
+    What a row may hold is said once, in the model: this only finds, at the speed of
+    arrays, the rows that may not pass, and lets the model judge them.
 
     Args:
         separation: whose parameters they are.

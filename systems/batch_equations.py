@@ -51,7 +51,7 @@ _NO_TURN = Turn((0.0, 0.0, 0.0), 0.0, (0.0, 0.0, 0.0))
 
 
 class Numbers(NamedTuple):
-    """The parameters of a separation on lanes: of m bodies, a attachments, k springs."""
+    """The parameters of a separation on lanes: m bodies, a attachments, k springs."""
 
     mass: Lanes
     """(m, n), kg."""
@@ -96,6 +96,8 @@ class Mode(NamedTuple):
     """(a, n) time of each attachment's release, s; infinite while it holds."""
     spent: Lanes
     """(k, n) whether each spring has let go of its pad."""
+    passed: Lanes
+    """(r, n) whether each row of the load tables has been passed, load after load."""
 
 
 class Timed(NamedTuple):
@@ -226,6 +228,7 @@ class BatchEquations:
         return x, Mode(
             jnp.full((len(self.ends), n), jnp.inf),
             jnp.full((len(self.spring_attachments), n), False),
+            jnp.full((sum(len(load.times) for load in separation.loads), n), False),
         )
 
     def mated_place(self, numbers: Numbers) -> tuple[Vector, Vector]:
@@ -247,41 +250,42 @@ class BatchEquations:
         released = mode.released[jnp.array(self.spring_attachments, dtype=int)]
         return released + 0.5 * jnp.pi / numbers.frequency  # Eq. 5
 
-    def load_times(self, numbers: Numbers, mode: Mode) -> list[Lanes]:
-        """Return, of each load, (rows, n) the times of its table's rows, s."""
-        times = []
+    def row_times(self, numbers: Numbers, mode: Mode) -> Lanes:
+        """Return (r, n) the times of the rows of the load tables, s."""
+        times = [jnp.zeros((0, *mode.released.shape[1:]))]
         for i, (load, after) in enumerate(
             zip(self.separation.loads, self._load_after, strict=True)
         ):
             begin = 0.0 if after is None else mode.released[after]
             start = begin + numbers.load_start[i]
             times.append(start + np.array(load.times)[:, None])
-        return times
+        return jnp.concatenate(times)
 
     def pushing(self, mode: Mode) -> Lanes:
         """Return (k, n) whether springs are released, and have not let go."""
         released = mode.released[jnp.array(self.spring_attachments, dtype=int)]
         return jnp.isfinite(released) & ~mode.spent
 
-    def at_times(self, t: Lanes, start: Lanes, numbers: Numbers, mode: Mode) -> Timed:
+    def at_times(self, t: Lanes, numbers: Numbers, mode: Mode) -> Timed:
         """Return what depends on time alone.
 
         Args:
             t: (..., n) times within a step, s.
-            start: (n,) its start, s.
             numbers: of the batch.
-            mode: what has happened by the start.
+            mode: what has happened by the start of the step.
         """
         orbit = self.separation.orbit
         r_W = None
         if orbit is not None:
             r_W = gravity_laws.orbit_position(t, orbit.radius, orbit.mean_motion, jnp)
-        loads = [
-            _load_between_rows(load, times, t, start, numbers.load_factor[i])
-            for i, (load, times) in enumerate(
-                zip(self.separation.loads, self.load_times(numbers, mode), strict=True)
-            )
-        ]
+        loads, first = [], 0
+        times = self.row_times(numbers, mode)
+        for i, load in enumerate(self.separation.loads):
+            table = slice(first, first + len(load.times))
+            first = table.stop
+            count = mode.passed[table].sum(axis=0)
+            factor = numbers.load_factor[i]
+            loads.append(_load_between_rows(load, times[table], t, count, factor))
         return Timed(self._timed_forces(t, numbers, mode), r_W, loads)
 
     def _timed_forces(self, t: Lanes, numbers: Numbers, mode: Mode) -> Lanes:
@@ -337,7 +341,7 @@ class BatchEquations:
     ) -> Wrench:
         orbit = self.separation.orbit
         total = _no_wrench(bodies)
-        if orbit is not None:
+        if orbit is not None and timed.r_W is not None:
             total = gravity_laws.gravity_wrench(
                 bodies,
                 numbers.mass,
@@ -483,13 +487,18 @@ def _group_joints(separation: Separation) -> dict[tuple[int, int], list[_Joints]
         attachments = [separation.attachments[i] for i in indices]
         gains = np.array([a.joint.held_gains() for a in attachments])
         axes = np.array([_axis_on_B(separation, i) for i in indices])
-        columns = [tuple(gains[:, c : c + 3].T[..., None]) for c in range(0, 12, 3)]
+        K_F, D_F, K_T, D_T = (
+            tuple(gains[:, c : c + 3].T[..., None]) for c in range(0, 12, 3)
+        )
         pairs.setdefault(ends, []).append(
             _Joints(
                 indices,
                 joint_type,
                 None if R_AJ == _A_AXES else R_AJ,
-                *columns,
+                K_F,
+                D_F,
+                K_T,
+                D_T,
                 tuple(axes.T[..., None]),
             )
         )
@@ -508,11 +517,11 @@ def _sum_held(values: Lanes, held: Lanes) -> Lanes:
 
 
 def _load_between_rows(
-    load: Load, times: Lanes, t: Lanes, start: Lanes, factor: Lanes
+    load: Load, times: Lanes, t: Lanes, passed: Lanes, factor: Lanes
 ) -> tuple[Vector, Vector]:
-    """Return force and torque, of (..., n), of a load within a step from a start."""
+    """Return force and torque, of (..., n), of a load that has passed some rows."""
     last = len(load.times) - 2
-    row = jnp.sum(times <= start, axis=0) - 1
+    row = passed - 1
     acts = (row >= 0) & (row <= last)
     row = jnp.clip(row, 0, last)
     length = jnp.diff(jnp.array(load.times))

@@ -1,13 +1,13 @@
 """The integration of a batch of separations, every sample at its own pace.
 
 Each sample takes steps of DOP853 (see `runge_kutta`), controlled by its own error
-estimate and ended at its own kinks: releases, ends of strokes, rows of load tables at
-times that are known beforehand, and strokes, profiles' corners and hinge angles that are
-found within a step. What a sample does depends on its own numbers alone, not on its
-neighbours in the batch.
+estimate and ended at its own kinks: releases, ends of strokes and rows of load tables
+at times that are known beforehand, and strokes, corners of profiles and hinge angles
+that are found within a step. What a sample does depends on its own numbers, not on
+those of its neighbours in the batch.
 
 Everything is differentiable in forward mode: steps end where events are, whose times
-carry their derivatives; only the choice of the steps' number does not.
+carry their derivatives; only the choice of the number of steps carries none.
 """
 
 from collections.abc import Callable
@@ -126,18 +126,28 @@ class _Event(NamedTuple):
 class BatchFlight:
     """Flies batches of one separation."""
 
-    def __init__(self, equations: BatchEquations, *, tolerance: float, max_steps: int):
+    def __init__(
+        self,
+        equations: BatchEquations,
+        *,
+        tolerance: float,
+        max_steps: int,
+        one_by_one: bool = False,
+    ):
         """Prepare.
 
         Args:
             equations: of the separation.
             tolerance: of the error estimates of all steps of a run together, in SI.
             max_steps: at which a sample is given up.
+            one_by_one: whether what happens at the same time happens in steps of its
+                own, of no length: their derivatives are not those of one event.
         """
         self._equations = equations
         self._separation = equations.separation
         self._tolerance = tolerance
         self._max_steps = max_steps
+        self._one_by_one = one_by_one
         self._events = _events(equations)
         B = self._separation.B
         self._of_B = [
@@ -188,7 +198,7 @@ class BatchFlight:
         wanted = jnp.where(
             jnp.isnan(flight.step), self._first_guess(flight, numbers), flight.step
         )
-        end = self._next_known_event(t, numbers, mode)
+        end = self._next_known_event(numbers, mode)
         left = jnp.where(flying, end - t, 0.0)
         pieces = jnp.maximum(jnp.ceil(_still(left / wanted) - 1e-9), 1.0)
         h = left / pieces
@@ -225,25 +235,29 @@ class BatchFlight:
 
     # What happens at known times.
 
+    def _known_events(self, numbers: Numbers, mode: Mode) -> tuple[Lanes, Lanes]:
+        """Return (e, n) the times of known events, s, and whether they are to come.
+
+        First the releases, then the ends of strokes by time, then the rows of loads.
+        """
+        timed = np.isin(np.arange(len(mode.spent)), self._equations.timed)[:, None]
+        times = [
+            numbers.release_time,
+            self._equations.stroke_end(numbers, mode),
+            self._equations.row_times(numbers, mode),
+        ]
+        ahead = [jnp.isinf(mode.released), timed & ~mode.spent, ~mode.passed]
+        return jnp.concatenate(times), jnp.concatenate(ahead)
+
     def _latch(self, flight: _Flight, numbers: Numbers) -> _Flight:
         """Let happen what is due by now."""
-        t, mode = flight.t, flight.mode
-        due = jnp.isinf(mode.released) & (numbers.release_time <= t)
-        released = jnp.where(due, numbers.release_time, mode.released)
-        mode = Mode(released, mode.spent)
-        ends = self._equations.stroke_end(numbers, mode)
-        timed = np.isin(np.arange(len(mode.spent)), self._equations.timed)[:, None]
-        ended = timed & (ends <= t) & ~mode.spent
-        mode = Mode(released, mode.spent | ended)
-        flight = flight._replace(
-            mode=mode,
-            stroke_ends=jnp.where(ended, ends, flight.stroke_ends),
-            step=jnp.where(due.any(axis=0) | ended.any(axis=0), jnp.nan, flight.step),
-        )
+        flight = self._latch_due(flight, numbers)
+        if not self._one_by_one:
+            flight = self._latch_due(flight, numbers)  # loads that a release starts
         if not self._events:
             return flight
         # What begins to be watched may be beyond its threshold already.
-        watched = self._watched(mode)
+        watched = self._watched(flight.mode)
         begins = watched & ~flight.watched
         now = self._quantities(flight.x, numbers) >= 0.0
         flight = flight._replace(
@@ -251,9 +265,27 @@ class BatchFlight:
         )
         return self._latch_crossed(flight, begins & now)
 
+    def _latch_due(self, flight: _Flight, numbers: Numbers) -> _Flight:
+        mode = flight.mode
+        times, ahead = self._known_events(numbers, mode)
+        due = ahead & (times <= flight.t)
+        if self._one_by_one:
+            due = due & (jnp.cumsum(due, axis=0) == 1)
+        a, k = len(mode.released), len(mode.spent)
+        released, ended, passed = due[:a], due[a : a + k], due[a + k :]
+        return flight._replace(
+            mode=Mode(
+                jnp.where(released, times[:a], mode.released),
+                mode.spent | ended,
+                mode.passed | passed,
+            ),
+            stroke_ends=jnp.where(ended, times[a : a + k], flight.stroke_ends),
+            step=jnp.where(due.any(axis=0), jnp.nan, flight.step),
+        )
+
     def _latch_crossed(self, flight: _Flight, crossed: Lanes) -> _Flight:
         """Let happen what was crossed at this time."""
-        released, spent = flight.mode
+        released, spent, passed = flight.mode
         stroke_ends, step = flight.stroke_ends, flight.step
         for event, happened in zip(self._events, crossed, strict=True):
             if not event.latches:
@@ -271,22 +303,18 @@ class BatchFlight:
                 )
             step = jnp.where(happened, jnp.nan, step)
         return flight._replace(
-            mode=Mode(released, spent), stroke_ends=stroke_ends, step=step
+            mode=Mode(released, spent, passed), stroke_ends=stroke_ends, step=step
         )
 
-    def _next_known_event(self, t: Lanes, numbers: Numbers, mode: Mode) -> Lanes:
+    def _next_known_event(self, numbers: Numbers, mode: Mode) -> Lanes:
         """Return (n,) the next time at which something is known to happen, s."""
-        timed = np.isin(np.arange(len(mode.spent)), self._equations.timed)[:, None]
-        times = jnp.concatenate(
-            [
-                jnp.where(jnp.isinf(mode.released), numbers.release_time, jnp.inf),
-                jnp.where(timed, self._equations.stroke_end(numbers, mode), jnp.inf),
-                *self._equations.load_times(numbers, mode),
-                jnp.full((1, *t.shape), self._separation.duration),
-            ]
-        )
-        ahead = jnp.where(times > t, times, jnp.inf).min(axis=0)
-        return jnp.minimum(ahead, self._separation.duration)
+        times, ahead = self._known_events(numbers, mode)
+        times = jnp.where(ahead, times, jnp.inf)
+        # Not min: of events at the same time, it would mix the derivatives.
+        first = jnp.argmin(times, axis=0)[None]
+        time = jnp.take_along_axis(times, first, 0)[0]
+        duration = self._separation.duration
+        return jnp.where(time < duration, time, duration)
 
     def _first_guess(self, flight: _Flight, numbers: Numbers) -> Lanes:
         """Return (n,) a step that suits what acts now, s."""
@@ -333,7 +361,7 @@ class BatchFlight:
         x, t, mode = flight.x, flight.t, flight.mode
         A = jnp.array(runge_kutta.A)
         times = t + jnp.array(runge_kutta.C)[:, None] * h
-        timed = self._equations.at_times(times, t, numbers, mode)
+        timed = self._equations.at_times(times, numbers, mode)
 
         def stages(phase: int) -> Callable[[None], Lanes]:
             def stage(i: int, K: Lanes) -> Lanes:

@@ -76,7 +76,7 @@ class MotionFold:
         p_BoBcm_B, mated = equations.mated_place(numbers)
         motion = motion_laws.relative_motion(A, B, p_BoBcm_B, mated, jnp)
         times = step.start + lobatto.THETA[:, None] * step.length
-        timed = equations.at_times(times, step.start, numbers, step.mode)
+        timed = equations.at_times(times, numbers, step.mode)
         everything = 2
         slopes = lax.map(
             lambda node: equations.derivative(

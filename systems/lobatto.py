@@ -16,7 +16,7 @@ COUNT = 8
 
 def _nodes() -> Array:
     inner = Legendre.basis(COUNT - 1).deriv().roots()
-    return np.concatenate([[-1.0], np.real(inner), [1.0]])
+    return np.array([-1.0, *np.real(inner).tolist(), 1.0])
 
 
 XI: Array = _nodes()

@@ -2,7 +2,7 @@
 
 Hairer, Norsett and Wanner, "Solving Ordinary Differential Equations I", II.5 and II.6.
 The coefficients are scipy's. With stages k_1 to k_16, of which the last four serve the
-continuous extension, everything that a step of length h gives is a weighted sum of them.
+continuous extension, all that a step of length h gives is a weighted sum of them.
 """
 
 import numpy as np
@@ -29,14 +29,14 @@ def _padded(weights: Array) -> Array:
 A: Array = np.concatenate(
     [_padded(DOP853.A), _padded(DOP853.B)[None], _padded(DOP853.A_EXTRA)]
 )
-"""(16, 16): stage i is evaluated at y + h sum_j A_ij k_j; the 13th at the step's end."""
+"""(16, 16): stage i is at y + h sum_j A_ij k_j; the 13th at the end of the step."""
 B: Array = _padded(DOP853.B)
 """(16,): the step ends at y + h sum_j B_j k_j."""
 C: Array = np.concatenate([DOP853.C, [1.0], DOP853.C_EXTRA])
 """(16,): stage i is evaluated at t + C_i h."""
 E3: Array = _padded(DOP853.E3)
 E5: Array = _padded(DOP853.E5)
-"""(16,): the errors of the embedded third- and fifth-order methods are h sum_j E_j k_j."""
+"""(16,): errors of the embedded third- and fifth-order methods are h sum_j E_j k_j."""
 
 
 def _continuous_extension() -> Array:

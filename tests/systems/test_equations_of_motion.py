@@ -9,6 +9,8 @@ articulated-body algorithm makes accelerations of them.
 import math
 from typing import NamedTuple
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pinocchio
 import pytest
@@ -17,9 +19,11 @@ from pydrake.multibody.math import SpatialVelocity
 from scipy.spatial.transform import Rotation
 from separations import inertia_of_points
 
+from drakesep.systems.batch_equations import BatchEquations, Mode
 from drakesep.systems.joints import Joint
 from drakesep.systems.load_tables import Load
 from drakesep.systems.model import Attachment, Body, Orbit, Separation
+from drakesep.systems.parameters import parameters
 from drakesep.systems.pushers import DisplacementSpring, Spring
 from drakesep.systems.separation_system import SeparationSystem
 
@@ -428,6 +432,59 @@ def test_accelerations_of_all_bodies(seed):
     )
     # Round-off of some hundred operations leaves 4e-15.
     assert got == pytest.approx(oracle, abs=1e-10 * np.abs(oracle).max())
+
+
+def test_accelerations_of_the_batch_engine():
+    """All random states at once, against the same oracle."""
+    equations = BatchEquations(SEPARATION)
+    none = np.zeros(6 * len(SEPARATION.bodies))
+    cases = [random_motions(np.random.default_rng(seed)) for seed in SEEDS]
+    oracle = [
+        [
+            pinocchio_acceleration(body, motions[body.name], wrenches[body.name])
+            for body in SEPARATION.bodies
+        ]
+        for motions, wrenches in ((m, forces_of(m, none).wrenches) for m in cases)
+    ]
+    states = [
+        [batch_state(motions[body.name]) for body in SEPARATION.bodies]
+        for motions in cases
+    ]
+    x = np.transpose(states, (2, 1, 0))
+    n = len(SEEDS)
+    released = [
+        a.release_time if a.release_time <= NOW else np.inf
+        for a in SEPARATION.attachments
+    ]
+    with jax.enable_x64(True):
+        numbers = equations.numbers(parameters(SEPARATION), n)
+        mode = Mode(
+            jnp.tile(jnp.array(released)[:, None], n),
+            jnp.full((len(SEPARATION.springs), n), False),
+            jnp.zeros(0),
+        )
+        mode = mode._replace(passed=equations.row_times(numbers, mode) <= NOW)
+        now = jnp.full(n, NOW)
+        timed = equations.at_times(now, numbers, mode)
+        phase = int(equations.phase(mode))
+        got = np.array(equations.derivative(phase, timed, jnp.array(x), numbers, mode))
+    expected = np.transpose(oracle, (2, 1, 0))
+    # round-off, as above
+    assert got[7:] == pytest.approx(expected, abs=1e-10 * np.abs(expected).max())
+    assert got[4:7] == pytest.approx(x[10:])
+    dt = 1e-6
+    for i in np.ndindex(x.shape[1:]):
+        q, w = x[:4, *i], x[7:10, *i]
+        start = Rotation.from_quat(q, scalar_first=True)
+        moved = (Rotation.from_rotvec(dt * w) * start).as_quat(scalar_first=True)
+        moved *= np.sign(moved @ q)
+        # first order in dt: (rates of 2 rad/s times dt)^2
+        assert q + dt * got[:4, *i] == pytest.approx(moved, abs=1e-11)
+
+
+def batch_state(motion: Motion) -> np.ndarray:
+    quaternion = Rotation.from_matrix(motion.R).as_quat(scalar_first=True)
+    return np.concatenate([quaternion, motion.p, motion.w, motion.v])
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -1,0 +1,472 @@
+"""The batch engine against Drake, against itself, and against bad input."""
+
+import dataclasses
+import math
+import subprocess
+import sys
+
+import jax
+import numpy as np
+import pytest
+from separations import generic_pair
+
+from drakesep.analysis.batch import Batch
+from drakesep.analysis.fleet import Fleet
+from drakesep.analysis.metrics import METRICS, metrics
+from drakesep.analysis.physical_set import PhysicalSet
+from drakesep.analysis.requirements import deviation_limits
+from drakesep.case_file import load_case
+from drakesep.systems import sampling
+from drakesep.systems.checks import InputError
+from drakesep.systems.joints import Joint
+from drakesep.systems.load_tables import Load
+from drakesep.systems.model import Separation
+from drakesep.systems.parameters import parameters
+from drakesep.systems.pushers import DisplacementSpring
+from drakesep.systems.run import RunStatus
+from drakesep.systems.settings import Integration
+from drakesep.systems.simulation import Simulation
+
+
+RELATIVE, ABSOLUTE = 1e-8, 1e-9
+"""Of each figure, in SI: what the engine promises."""
+LIMITS = (0.02, 0.02, math.inf)
+NONE = (math.inf,) * 3
+
+
+def random_rows(case, count: int, seed: int = 0) -> np.ndarray:
+    """Values in the physical part of a case's box, many of them at its edges."""
+    box, rng = case.box, np.random.default_rng(seed)
+    physical = PhysicalSet(case.separation, box)
+    u = np.clip(rng.uniform(-1.3, 1.3, size=(count, len(box))), -1.0, 1.0)
+    return box.nominal + box.tolerance * np.array([physical.draw_back(x) for x in u])
+
+
+def around(separation: Separation, names, spread: float, count: int) -> np.ndarray:
+    nominal = np.array([parameters(separation)[name] for name in names])
+    rng = np.random.default_rng(0)
+    return nominal * (1.0 + spread * rng.uniform(-1, 1, size=(count, len(names))))
+
+
+def drake_figures(
+    separation, names, rows, limits, accuracy=1e-10, workers=None
+) -> np.ndarray:
+    integration = Integration(accuracy=accuracy)
+    with Fleet(separation, integration, workers=workers) as fleet:
+        runs = fleet.fly([dict(zip(names, row, strict=True)) for row in rows.tolist()])
+    return np.array([list(metrics(run, limits).values()) for run in runs])
+
+
+def assert_close(got, expected, relative=RELATIVE, absolute=ABSOLUTE):
+    allowed = np.maximum(absolute, relative * np.abs(expected))
+    excess = np.abs(got - expected) / allowed
+    column = np.unravel_index(excess.argmax(), excess.shape)[-1]
+    assert excess.max() <= 1.0, (METRICS[column], excess.max())
+
+
+@pytest.fixture
+def closely_sampled(monkeypatch):
+    """Drake's runs every millisecond: joints that swing between samples of ten."""
+    monkeypatch.setattr(sampling, "_ROWS", 3000)
+    return {"workers": 1}  # in this process, where the patch is
+
+
+@pytest.fixture(scope="module")
+def vega():
+    return load_case("vega")
+
+
+@pytest.fixture(scope="module")
+def vega_batch(vega):
+    limits = deviation_limits(vega.limits)
+    return Batch(vega.separation, vega.box.names, deviation_limits=limits)
+
+
+# Against Drake.
+
+
+def test_vega_against_drake_over_the_whole_box(vega, vega_batch):
+    rows = random_rows(vega, 200)
+    result = vega_batch.run(rows)
+    assert not result.failures
+    limits = deviation_limits(vega.limits)
+    expected = drake_figures(vega.separation, vega.box.names, rows, limits)
+    assert_close(result.metrics.to_numpy(), expected)
+
+
+def test_three_bodies_against_drake(closely_sampled):
+    """Staged releases, joints that hold on, springs by displacement, gravity."""
+    case = load_case("dual_launch")
+    rows = random_rows(case, 4)
+    result = Batch(case.separation, case.box.names).run(rows)
+    expected = drake_figures(
+        case.separation, case.box.names, rows, NONE, **closely_sampled
+    )
+    assert_close(result.metrics.to_numpy(), expected)
+
+
+def staged() -> Separation:
+    """Two bodies that let go one attachment after the other, in orbit, under loads."""
+    pair = generic_pair(
+        release_times=(0.0, 0.03, 0.05, 0.02),
+        joint=Joint(type="revolute", K_F=3e6, D_F=8e3, K_T=2e5, D_T=5e2),
+        orbit=load_case("vega").separation.orbit,
+    )
+    springs = list(pair.springs)
+    springs[1] = DisplacementSpring(
+        name="spring_2",
+        force_max=1500.0,
+        stroke=0.08,
+        damping=300.0,
+        profile=((0.0, 0.8), (0.3, 1.0), (1.0, 0.4)),
+    )
+    attachments = tuple(
+        dataclasses.replace(a, spring=spring)
+        for a, spring in zip(pair.attachments, springs, strict=True)
+    )
+    loads = (
+        Load(
+            name="jet",
+            body="lower",
+            p_BoQ_B=(0.1, 0.2, 0.0),
+            times=(0.0, 0.2, 0.25, 0.6),
+            forces=((0, 0, 0), (50, 10, 0), (0, 30, 20), (0, 0, 0)),
+            start=0.05,
+        ),
+        Load(
+            name="retro",
+            body="lower",
+            axes="world",
+            times=(0.1, 0.4),
+            forces=((-80, 0, 5), (-80, 0, 5)),
+            torques=((0, 3, 0), (0, 0, 2)),
+            after="attachment_3",
+        ),
+    )
+    return dataclasses.replace(pair, attachments=attachments, loads=loads)
+
+
+def test_staged_release_under_loads_against_drake(closely_sampled):
+    """Release times, starts of loads and a spring's damping vary too."""
+    separation = staged()
+    names = (
+        "upper.mass",
+        "attachment_2.release_time",
+        "attachment_3.position_y",
+        "spring_2.damping",
+        "spring_2.stroke",
+        "jet.start",
+        "retro.factor",
+        "before_separation.rate_y",
+        "before_separation.attitude_yaw",
+    )
+    rows = around(separation, names, 0.1, 6)
+    result = Batch(separation, names, deviation_limits=LIMITS).run(rows)
+    expected = drake_figures(separation, names, rows, LIMITS, **closely_sampled)
+    assert_close(result.metrics.to_numpy(), expected)
+
+
+def hinged(angle: float = 0.3) -> Separation:
+    """Two bodies on one hinge, which lets go at an angle; a spring turns them."""
+    pair = generic_pair(release_times=(0.0, math.inf), duration=1.5)
+    hinge = Joint(type="revolute", K_F=2e5, D_F=2e3, K_T=2e5, D_T=2e3)
+    pushed, hung = pair.attachments
+    pushed = dataclasses.replace(
+        pushed,
+        p_AoPad_A=(0.0, 0.0, 0.6),
+        spring=DisplacementSpring(name="spring_1", force_max=9e3, stroke=0.15),
+    )
+    hung = dataclasses.replace(
+        hung,
+        joint=dataclasses.replace(
+            hinge, x_axis_A=(0.0, 1.0, 0.0), y_axis_A=(0.0, 0.0, 1.0)
+        ),
+        p_AoPad_A=(0.0, 0.0, -0.6),
+        release_angle=angle,
+        spring=None,
+    )
+    return dataclasses.replace(pair, attachments=(pushed, hung))
+
+
+def test_release_at_an_angle_against_drake(closely_sampled):
+    separation = hinged()
+    names = ("spring_1.force_max", "attachment_2.release_angle", "lower.mass")
+    rows = around(separation, names, 0.05, 4)
+    batch = Batch(separation, names)
+    result = batch.run(rows)
+    expected = drake_figures(
+        separation, names, rows, NONE, accuracy=1e-11, **closely_sampled
+    )
+    # Drake's release is exact to event isolation only, here 1e-13 s.
+    assert_close(result.metrics.to_numpy(), expected)
+
+
+def test_runs_are_like_drakes(vega, vega_batch):
+    rows = random_rows(vega, 3)
+    drake = Simulation(vega.separation, Integration(accuracy=1e-10))
+    for row, run in zip(rows, vega_batch.runs(rows), strict=True):
+        values = dict(zip(vega.box.names, row.tolist(), strict=True))
+        expected = drake.run(values)
+        assert run.separation == expected.separation
+        assert run.releases == expected.releases
+        assert run.stroke_ends == pytest.approx(expected.stroke_ends, abs=1e-15)
+        assert run.breaks == pytest.approx(expected.breaks, abs=1e-15)
+        for field in dataclasses.fields(run.motion):
+            got = getattr(run.motion, field.name)
+            reference = getattr(expected.motion, field.name)
+            # Within a step the continuous extension has order seven; momentum is
+            # hundreds of N s, acceleration a derivative of Drake's steps.
+            size = max(1.0, np.abs(reference).max())
+            scale = 1e-7 if field.name == "acceleration" else 1e-8
+            assert got == pytest.approx(reference, abs=scale * size), field.name
+
+
+def test_figures_are_those_of_the_sampled_runs(vega, vega_batch):
+    """Two ways to the figures: polynomials of the steps, splines of the samples."""
+    rows = random_rows(vega, 20, seed=5)
+    result = vega_batch.run(rows)
+    limits = deviation_limits(vega.limits)
+    sampled = [list(metrics(run, limits).values()) for run in vega_batch.runs(rows)]
+    # Splines through samples every 10 ms, and 64 in a push, are good to some 1e-9.
+    assert_close(result.metrics.to_numpy(), np.array(sampled), absolute=5e-9)
+
+
+def test_convergence_over_the_whole_box(vega, vega_batch):
+    """Ten thousand points against a hundredth of the tolerance."""
+    rows = random_rows(vega, 10_000, seed=2)
+    limits = deviation_limits(vega.limits)
+    fine = Batch(
+        vega.separation, vega.box.names, deviation_limits=limits, tolerance=1e-9
+    )
+    expected = fine.run(rows).metrics.to_numpy()
+    assert_close(vega_batch.run(rows).metrics.to_numpy(), expected)
+
+
+# Derivatives.
+
+
+def central_differences(batch: Batch, row: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Fourth-order differences of the figures, (n_m, n_p)."""
+    offsets = {-2: 1 / 12, -1: -8 / 12, 1: 8 / 12, 2: -1 / 12}
+    probes = [
+        row + k * step * unit
+        for step, unit in zip(steps, np.eye(len(row)), strict=True)
+        for k in offsets
+    ]
+    result = batch.run(np.array(probes))
+    assert not result.failures
+    figures = result.metrics.to_numpy().reshape(len(row), 4, len(METRICS))
+    slopes = np.tensordot(np.array(list(offsets.values())), figures, ((0,), (1,)))
+    return slopes.T / steps
+
+
+def assert_slopes(jacobian, differences, steps, noise=1e-11):
+    """To 1e-6 of a figure's largest change over the steps, and the differences' noise."""
+    got, expected = jacobian * steps, differences * steps
+    scale = np.abs(expected).max(axis=1, keepdims=True)
+    assert (np.abs(got - expected) <= 1e-6 * scale + noise).all()
+
+
+def test_jacobian_of_vega(vega):
+    limits = deviation_limits(vega.limits)
+    batch = Batch(
+        vega.separation, vega.box.names, deviation_limits=limits, tolerance=1e-9
+    )
+    rows = random_rows(vega, 4, seed=3)
+    centre = vega.box.nominal
+    rows = centre + 0.9 * (rows - centre)  # room for the differences
+    result = batch.jacobian(rows)
+    assert result.metrics.to_numpy() == pytest.approx(
+        batch.run(rows).metrics.to_numpy(), rel=1e-12
+    )
+    steps = 1e-3 * vega.box.tolerance  # too short to meet a kink of these rows
+    for row, jacobian in zip(rows, result.jacobian, strict=True):
+        assert_slopes(jacobian, central_differences(batch, row, steps), steps)
+
+
+def test_jacobian_against_drake(vega, vega_batch):
+    """Central differences of Drake runs, of the figures that have no kink nearby."""
+    row, jacobian = vega.box.nominal, None
+    jacobian = vega_batch.jacobian(row[None]).jacobian[0]
+    names = vega.box.names
+    chosen = ["payload.cg_y", "payload.inertia_xy", "spring_2.force_max"]
+    steps = {name: 0.05 * vega.box.tolerance[names.index(name)] for name in chosen}
+    offsets = {-2: 1 / 12, -1: -8 / 12, 1: 8 / 12, 2: -1 / 12}
+    nominal = dict(zip(names, row.tolist(), strict=True))
+    variations = np.array(
+        [
+            list((nominal | {name: nominal[name] + k * steps[name]}).values())
+            for name in chosen
+            for k in offsets
+        ]
+    )
+    limits = deviation_limits(vega.limits)
+    figures = drake_figures(vega.separation, names, variations, limits)
+    smooth = [i for i, name in enumerate(METRICS) if name.startswith("final_rate")]
+    for j, name in enumerate(chosen):
+        slope = np.array(list(offsets.values())) @ figures[4 * j : 4 * j + 4]
+        expected = slope[smooth] / steps[name]
+        got = jacobian[smooth, names.index(name)]
+        # Of the largest of the three rates; Drake's noise over the step is 1e-8.
+        assert got == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
+
+
+def test_jacobian_of_found_events_and_times():
+    """Strokes and angles that are found, and times of release, carry derivatives."""
+    separation = hinged()
+    names = ("spring_1.force_max", "spring_1.stroke", "attachment_2.release_angle")
+    batch = Batch(separation, names, tolerance=1e-9)
+    row = np.array([parameters(separation)[name] for name in names])
+    steps = 1e-3 * row
+    jacobian = batch.jacobian(row[None]).jacobian[0]
+    assert_slopes(jacobian, central_differences(batch, row, steps), steps)
+
+
+def test_jacobian_of_staged_release():
+    separation = staged()
+    names = ("attachment_3.release_time", "jet.start", "spring_2.damping", "upper.cg_x")
+    batch = Batch(separation, names, deviation_limits=LIMITS, tolerance=1e-9)
+    row = np.array([parameters(separation)[name] for name in names])
+    steps = 1e-3 * np.abs(row)
+    jacobian = batch.jacobian(row[None]).jacobian[0]
+    # Other times of events make other steps: the differences see their errors.
+    differences = central_differences(batch, row, steps)
+    assert_slopes(jacobian, differences, steps, noise=5e-10)
+
+
+def test_derivative_at_a_kink_is_that_of_one_side():
+    """A rate that stays zero: the integral of its magnitude grows to either side."""
+    case = load_case("vega")
+    bodies = tuple(
+        dataclasses.replace(
+            body,
+            p_BoBcm_B=(body.p_BoBcm_B[0], 0.0, 0.0),
+            I_BBcm_B=(*body.I_BBcm_B[:3], 0.0, 0.0, 0.0),
+        )
+        for body in case.separation.bodies
+    )
+    still = dataclasses.replace(case.separation, bodies=bodies, orbit=None)
+    still = dataclasses.replace(
+        still, initial=dataclasses.replace(still.initial, w_WA_A=(0.0, 0.0, 0.0))
+    )
+    batch = Batch(still, ["payload.cg_y"])
+    step = 1e-5
+    result = batch.run([[-step], [0.0], [step]])
+    g = result.metrics["G_L1"].to_numpy()
+    assert g[1] == pytest.approx(0.0, abs=1e-14)
+    assert g[0] == pytest.approx(g[2], rel=1e-9)  # symmetric
+    slope = batch.jacobian([[0.0]]).jacobian[0, METRICS.index("G_L1"), 0]
+    one_side = g[2] / step
+    # A generalised derivative: between that of one side and of the other.
+    assert abs(slope) <= one_side * (1.0 + 1e-6)
+
+
+# Rows do not know of each other.
+
+
+def test_workers_and_order_do_not_matter(vega):
+    rows = random_rows(vega, 150)
+    results = [
+        Batch(vega.separation, vega.box.names, workers=workers).run(rows)
+        for workers in (1, 2)
+    ]
+    first, second = (result.metrics.to_numpy() for result in results)
+    assert np.array_equal(first, second)
+    order = np.random.default_rng(1).permutation(len(rows))
+    batch = Batch(vega.separation, vega.box.names)
+    shuffled = batch.run(rows[order]).metrics.to_numpy()
+    # A row's neighbours decide which program flies it, not how: round-off.
+    assert shuffled == pytest.approx(first[order], rel=1e-11, abs=1e-14)
+
+
+def test_progress_and_chunks(vega):
+    rows = random_rows(vega, 40)
+    seen = []
+    batch = Batch(vega.separation, vega.box.names, chunk=16)
+    result = batch.run(rows, on_progress=lambda done, n: seen.append((done, n)))
+    assert seen == [(16, 40), (32, 40), (40, 40)]
+    assert len(result.metrics) == len(result.steps) == 40
+
+
+def test_no_rows(vega_batch):
+    result = vega_batch.jacobian(np.zeros((0, len(vega_batch.names))))
+    assert result.metrics.shape == (0, len(METRICS))
+    assert result.jacobian.shape == (0, len(METRICS), len(vega_batch.names))
+
+
+# Bad input.
+
+
+def test_rows_that_cannot_be_flown_say_why(vega, vega_batch):
+    rows = np.tile(vega.box.nominal, (6, 1))
+    names = vega.box.names
+    rows[1, names.index("payload.mass")] = -3.0
+    rows[2, names.index("spring_2.stroke")] = math.nan
+    rows[3, names.index("payload.inertia_xx")] = 1e5
+    rows[4, names.index("spring_1.force_max")] = 1e-3  # a stroke longer than the run
+    result = vega_batch.run(rows)
+    assert list(result.failures) == [1, 2, 3, 4]
+    assert "payload: mass must be > 0, got -3" in result.failures[1]
+    assert "spring_2.stroke must be finite" in result.failures[2]
+    assert "triangle inequality" in result.failures[3]
+    assert "spring_1 has not reached its stroke" in result.failures[4]
+    failed = list(result.failures)
+    assert result.metrics.iloc[failed].isna().all(axis=None)
+    good = result.metrics.drop(index=failed)
+    assert np.isfinite(good).all(axis=None)
+    assert np.array_equal(good.iloc[0], good.iloc[1])
+    runs = vega_batch.runs(rows)
+    assert [run.status is RunStatus.FAILED for run in runs] == [
+        i in failed for i in range(6)
+    ]
+    assert runs[4].message == result.failures[4]
+
+
+def test_a_hinge_that_does_not_turn_far_enough():
+    result = Batch(hinged(angle=3.0), ["lower.mass"]).run([[700.0]])
+    assert result.failures == {0: "attachment_2 has not let go"}
+
+
+def test_too_many_steps(vega):
+    batch = Batch(vega.separation, ["payload.mass"], max_steps=2)
+    result = batch.run([[1000.0]])
+    assert "more than 2 integration steps" in result.failures[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"names": ["payload.mas"]}, "unknown parameter 'payload.mas'"),
+        ({"names": ["payload.mass"] * 2}, "parameters must differ"),
+        ({"deviation_limits": (0.1,)}, "deviation limits must be three"),
+        ({"deviation_limits": (0.1, math.nan, 0.1)}, "deviation limits must be three"),
+        ({"tolerance": 0.0}, "tolerance must be > 0"),
+        ({"chunk": 0}, "chunk must be >= 1"),
+        ({"workers": 0}, "workers must be >= 1"),
+    ],
+)
+def test_bad_settings(vega, arguments, message):
+    with pytest.raises(InputError, match=message):
+        Batch(vega.separation, **{"names": ["payload.mass"], **arguments})
+
+
+def test_values_need_a_column_for_each_parameter(vega_batch):
+    with pytest.raises(InputError, match="a column for each of the 18 parameters"):
+        vega_batch.run(np.zeros((3, 17)))
+
+
+# JAX is the engine's own business.
+
+
+def test_jax_is_not_imported_until_used():
+    code = (
+        "import sys, drakesep, drakesep.analysis, drakesep.systems, drakesep.cli;"
+        "assert 'jax' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_the_users_precision_is_left_alone(vega, vega_batch):
+    vega_batch.run(vega.box.nominal[None])
+    assert not jax.config.jax_enable_x64
+    assert jax.numpy.ones(1).dtype == np.float32
