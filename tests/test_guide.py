@@ -62,3 +62,10 @@ def test_case_files_of_the_guide():
     data |= YAML(typ="safe").load(block)
     loads = Case.model_validate(data).separation.loads
     assert [load.name for load in loads] == ["retro_rocket", "gust"]
+
+
+def test_many_runs(capsys):
+    rates = run(containing("batch.jacobian"), capsys)[-3:]
+    # deg/s to the digits printed
+    expected = [math.radians(x) for x in (0.5752, 0.2440, 0.3325)]
+    assert rates == pytest.approx(expected, abs=1e-6)

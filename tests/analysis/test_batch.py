@@ -261,7 +261,7 @@ def central_differences(batch: Batch, row: np.ndarray, steps: np.ndarray) -> np.
 
 
 def assert_slopes(jacobian, differences, steps, noise=1e-11):
-    """To 1e-6 of a figure's largest change over the steps, and the differences' noise."""
+    """To 1e-6 of the largest change of a figure over the steps, beside their noise."""
     got, expected = jacobian * steps, differences * steps
     scale = np.abs(expected).max(axis=1, keepdims=True)
     assert (np.abs(got - expected) <= 1e-6 * scale + noise).all()

@@ -1,0 +1,270 @@
+"""Runs a second: Drake, the batch engine and MuJoCo, errors beside speeds.
+
+    pip install -e '.[bench]'
+    python benchmarks/throughput.py
+
+All on the VEGA case, in turns within one process, so that ratios hold on a machine
+whose speed drifts; speeds are medians. Errors are the largest of the payload's final
+rates and, where there is one, of the longitudinal speed, against Drake at an accuracy
+of 1e-10. Then what the Jacobian costs, how cost grows, and how soon the first result
+comes.
+"""
+
+import dataclasses
+import os
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from mujoco_rollout import MujocoRollout
+
+from drakesep.analysis.batch import Batch
+from drakesep.analysis.fleet import Fleet
+from drakesep.analysis.physical_set import PhysicalSet
+from drakesep.analysis.requirements import deviation_limits
+from drakesep.case_file import load_case
+from drakesep.systems.model import Separation
+from drakesep.systems.parameters import parameters
+from drakesep.systems.settings import Integration
+
+
+ROUNDS = 5
+REFERENCE_ROWS = 16
+FIRST = """
+import time
+began = time.perf_counter()
+from drakesep.analysis.batch import Batch
+from drakesep.case_file import load_case
+case = load_case("vega")
+batch = Batch(case.separation, case.box.names)
+batch.run(case.box.nominal[None])
+print(time.perf_counter() - began)
+"""
+MILLION = """
+import resource
+import numpy as np
+from drakesep.analysis.batch import Batch
+from drakesep.case_file import load_case
+case = load_case("vega")
+u = np.random.default_rng(0).uniform(-0.3, 0.3, size=(1_000_000, len(case.box)))
+batch = Batch(case.separation, case.box.names)
+batch.run(case.box.nominal + case.box.tolerance * u)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20)
+"""
+
+
+class Engine(NamedTuple):
+    """Something that flies rows, and how many of them a round."""
+
+    name: str
+    rows: int
+    fly: Callable[[np.ndarray], np.ndarray]
+    """Final rates (n, 3), and the largest longitudinal speed, if it has it."""
+
+
+def variations(names: tuple[str, ...], rows: np.ndarray) -> list[dict[str, float]]:
+    return [dict(zip(names, row, strict=True)) for row in rows.tolist()]
+
+
+def drake(fleet: Fleet, names: tuple[str, ...]) -> Callable:
+    def fly(rows: np.ndarray) -> np.ndarray:
+        motions = [run.completed_motion for run in fleet.fly(variations(names, rows))]
+        speeds = [motion.relative_velocity[:, 0].max() for motion in motions]
+        return np.column_stack([[motion.rate[-1] for motion in motions], speeds])
+
+    return fly
+
+
+def batched(batch: Batch) -> Callable:
+    def fly(rows: np.ndarray) -> np.ndarray:
+        metrics = batch.run(rows).metrics
+        rates = metrics[[f"final_rate_{axis}" for axis in "xyz"]]
+        return np.column_stack([rates, metrics["longitudinal_speed_max"]])
+
+    return fly
+
+
+def mujoco(case, rows: np.ndarray, timestep: float) -> Callable:
+    flown = variations(case.box.names, rows)
+    rollout = MujocoRollout(case.separation, flown, timestep=timestep, threads=2)
+    return lambda _: rollout.fly()
+
+
+def table(rows: np.ndarray, case, engines: list[Engine]) -> None:
+    names = case.box.names
+    with Fleet(case.separation, Integration(accuracy=1e-10)) as fleet:
+        reference = drake(fleet, names)(rows[:REFERENCE_ROWS])
+    seconds: dict[str, list[float]] = {engine.name: [] for engine in engines}
+    errors = {}
+    for number in range(ROUNDS + 1):
+        for engine in engines:
+            began = time.perf_counter()
+            results = engine.fly(rows[: engine.rows])
+            spent = (time.perf_counter() - began) / engine.rows
+            if number:  # the first compiles, and starts workers
+                seconds[engine.name].append(spent)
+            count = min(REFERENCE_ROWS, engine.rows)
+            off = results[:count] - reference[:count, : results.shape[1]]
+            errors[engine.name] = np.abs(off).max(axis=0)
+    base = seconds[engines[0].name]
+    print(f"{'VEGA':34} {'runs/s':>9} {'ratio':>7} {'rad/s':>8} {'m/s':>8}")
+    for engine in engines:
+        mine = seconds[engine.name]
+        ratio = statistics.median(a / b for a, b in zip(base, mine, strict=True))
+        error = errors[engine.name]
+        speed = f"{error[3]:8.0e}" if len(error) > 3 else f"{'-':>8}"
+        print(
+            f"{engine.name:34} {1.0 / statistics.median(mine):9.0f} {ratio:7.0f} "
+            f"{error[:3].max():8.0e} {speed}"
+        )
+
+
+def rate(batch: Batch, rows: np.ndarray) -> float:
+    """Return runs a second, the median."""
+    batch.run(rows[:1])
+    walls = []
+    for _ in range(ROUNDS):
+        began = time.perf_counter()
+        batch.run(rows)
+        walls.append(time.perf_counter() - began)
+    return len(rows) / statistics.median(walls)
+
+
+def print_jacobian(batch: Batch, rows: np.ndarray) -> None:
+    batch.jacobian(rows[:1])
+    ratios = []
+    for _ in range(ROUNDS):
+        began = time.perf_counter()
+        batch.run(rows[:8000])
+        middle = time.perf_counter()
+        batch.jacobian(rows[:1000])
+        spent = time.perf_counter() - middle
+        ratios.append(8.0 * spent / (middle - began))
+    count = len(batch.names)
+    print(f"\nJacobian, {count} parameters: {statistics.median(ratios):.0f} runs' cost")
+
+
+def with_springs(separation: Separation, count: int) -> Separation:
+    """Return VEGA with its four springs shared out among more pads."""
+    first = separation.attachments
+    attachments = []
+    for i in range(count):
+        a = first[i % len(first)]
+        angle = 2.0 * np.pi * i / count
+        spring = dataclasses.replace(
+            a.spring,
+            name=f"spring_{i + 1}",
+            force_max=4.0 * a.spring.force_max / count,
+            design_mass=4.0 * a.spring.design_mass / count,
+        )
+        place = (0.0, 0.4685 * np.cos(angle), 0.4685 * np.sin(angle))
+        attachments.append(
+            dataclasses.replace(
+                a, name=f"attachment_{i + 1}", p_AoPad_A=place, spring=spring
+            )
+        )
+    return dataclasses.replace(separation, attachments=tuple(attachments))
+
+
+def with_bodies(separation: Separation, count: int) -> Separation:
+    """Return VEGA with more launch vehicles, each pushed off by the payload."""
+    payload = separation.body(separation.B)
+    bodies, attachments = list(separation.bodies), list(separation.attachments)
+    for i in range(count - 2):
+        bodies.append(
+            dataclasses.replace(
+                payload, name=f"more_{i}", p_ABo=(5.0 * (i + 1), 0.0, 0.0)
+            )
+        )
+        a = separation.attachments[0]
+        attachments.append(
+            dataclasses.replace(
+                a,
+                name=f"more_attachment_{i}",
+                A=bodies[-2].name if i else separation.B,
+                B=bodies[-1].name,
+                p_AoPad_A=(5.0, 0.0, 0.0),
+                spring=dataclasses.replace(a.spring, name=f"more_spring_{i}"),
+            )
+        )
+    return dataclasses.replace(
+        separation, bodies=tuple(bodies), attachments=tuple(attachments)
+    )
+
+
+def print_growth(case, batch: Batch, rows: np.ndarray) -> None:
+    print("\nrows at once    runs/s")
+    for count in (1, 16, 128, 1024, 16_384):
+        print(f"{count:12} {rate(batch, rows[:count]):9.0f}")
+    for what, counts, make in (
+        ("springs", (4, 8, 16), with_springs),
+        ("bodies", (2, 3, 4), with_bodies),
+    ):
+        print(f"\n{what:12}    runs/s")
+        for count in counts:
+            separation = make(case.separation, count)
+            nominal = parameters(separation)["payload.mass"]
+            grown = Batch(separation, ["payload.mass"])
+            masses = np.linspace(0.99 * nominal, 1.01 * nominal, 4096)
+            print(f"{count:12} {rate(grown, masses[:, None]):9.0f}")
+
+
+def print_start() -> None:
+    with tempfile.TemporaryDirectory() as cache:
+        environment = os.environ | {"XDG_CACHE_HOME": cache}
+        for state in ("cold", "warm"):
+            seconds = _run(FIRST, environment)
+            print(f"first result, {state}: {seconds:.1f} s")
+        print(f"a million runs: {_run(MILLION, environment):.2f} GiB at most")
+
+
+def _run(code: str, environment: dict[str, str]) -> float:
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=environment,
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    return float(done.stdout)
+
+
+def main() -> None:
+    case = load_case("vega")
+    box, physical = case.box, PhysicalSet(case.separation, case.box)
+    u = np.random.default_rng(0).uniform(-1.0, 1.0, size=(16_384, len(box)))
+    rows = box.nominal + box.tolerance * np.array([physical.draw_back(x) for x in u])
+    limits = deviation_limits(case.limits)
+    batch = Batch(case.separation, box.names, deviation_limits=limits)
+    one = Batch(case.separation, box.names, deviation_limits=limits, workers=1)
+    with (
+        Fleet(case.separation, case.integration, workers=1) as single,
+        Fleet(case.separation, case.integration) as fleet,
+    ):
+        engines = [
+            Engine("Drake, one process", 40, drake(single, box.names)),
+            Engine("Drake, all cores", 80, drake(fleet, box.names)),
+            Engine("batch, one worker", 4096, batched(one)),
+            Engine("batch, all cores", 16_384, batched(batch)),
+        ]
+        for milliseconds in (20, 10, 2):
+            fly = mujoco(case, rows[:64], 1e-3 * milliseconds)
+            name = f"MuJoCo, two threads, steps of {milliseconds} ms"
+            engines.append(Engine(name, 64, fly))
+        table(rows, case, engines)
+    print_jacobian(batch, rows)
+    print_growth(case, batch, rows)
+    print()
+    print_start()
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    print(f"this benchmark: {peak:.2f} GiB at most")
+
+
+if __name__ == "__main__":
+    main()
