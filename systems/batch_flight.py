@@ -410,9 +410,10 @@ class BatchFlight:
         if not self._events:
             return nodes, whole, flight.beyond, none
         values = self._quantities(nodes, numbers)
-        crossing = ((values >= 0.0) != flight.beyond[:, None]) & self._watched(
-            flight.mode
-        )[:, None]
+        # At the first node stands what has just been crossed, on either side of zero.
+        watched = self._watched(flight.mode) & (moved > 0.0)
+        crossing = ((values >= 0.0) != flight.beyond[:, None]) & watched[:, None]
+        crossing = crossing.at[:, 0].set(False)
 
         def cut(_: None) -> tuple[Lanes, Lanes, Lanes]:
             at = _first_crossing(values, crossing)

@@ -25,7 +25,9 @@ THETA: Array = 0.5 * (1.0 + XI)
 """(8,) nodes as fractions of the interval."""
 WEIGHTS: Array = 1.0 / (COUNT * (COUNT - 1) * Legendre.basis(COUNT - 1)(XI) ** 2)
 """(8,) of the mean over the interval."""
-COEFFICIENTS: Array = np.linalg.inv(polynomial.polyvander(XI, COUNT - 1))
+COEFFICIENTS: Array = np.asarray(
+    np.linalg.inv(polynomial.polyvander(XI, COUNT - 1)), dtype=np.float64
+)
 """(8, 8): from values at the nodes to coefficients of the powers of xi."""
 SLOPES: Array = polynomial.polyvander(XI, COUNT - 2) @ (
     np.arange(1.0, COUNT)[:, None] * COEFFICIENTS[1:]
