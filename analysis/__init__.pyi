@@ -3,12 +3,14 @@ from .batch import BatchResult as BatchResult
 from .dispersions import Box as Box
 from .dispersions import Dispersion as Dispersion
 from .fleet import Fleet as Fleet
+from .metrics import METRICS as METRICS
 from .objectives import OBJECTIVES as OBJECTIVES
 from .objectives import Objective as Objective
 from .physical_set import PhysicalSet as PhysicalSet
 from .requirements import Finding as Finding
 from .requirements import Requirement as Requirement
 from .requirements import assess as assess
+from .requirements import deviation_limits as deviation_limits
 from .worst_case import Iteration as Iteration
 from .worst_case import SearchStatus as SearchStatus
 from .worst_case import WorstCase as WorstCase

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import jax
 import jax.numpy as jnp
@@ -38,6 +38,8 @@ Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 """Told how many rows are done, and of how many."""
 
+Values: TypeAlias = ArrayLike | pd.DataFrame
+
 TOLERANCE = 1e-7
 """Of a run's error estimate, in SI; figures are within 1e-8 of their values by it."""
 MAX_STEPS = 20_000
@@ -55,12 +57,14 @@ _TIMES = 256
 class BatchResult:
     """What came of a batch of n rows."""
 
+    names: tuple[str, ...]
+    """(n_p,) of the parameters."""
     metrics: pd.DataFrame
     """(n, n_m) figures of each row, in SI; NaN in rows that failed."""
     failures: Mapping[int, str]
-    """Why a row failed, by its number."""
+    """Why a row failed, by its number from 0."""
     steps: NDArray[np.int64]
-    """(n,) integration steps of each row."""
+    """(n,) integration steps tried for each row; 0 if it was not flown."""
     jacobian: Array | None = field(default=None, repr=False)
     """(n, n_m, n_p) derivatives of the figures with the parameters, if asked for."""
 
@@ -79,9 +83,10 @@ class Batch:
     """Flies a separation for whole arrays of parameter values.
 
     Programs are compiled at first use, for a separation and the names of the parameters
-    that vary, and kept on disk across processes. Rows are flown in chunks, on all
-    cores: memory does not grow with their number, and no result depends on the number
-    of workers.
+    that vary, and kept on disk across processes: in JAX's cache, which is put into the
+    user's cache folder unless JAX has been told of another. Rows are flown in chunks,
+    on all cores: memory does not grow with their number, and no result depends on the
+    number of workers.
     """
 
     def __init__(
@@ -100,7 +105,8 @@ class Batch:
         Args:
             separation: to be flown and varied.
             names: (n_p,) parameters that vary; see `drakesep.systems.parameters`.
-            deviation_limits: as in `drakesep.analysis.metrics.metrics`.
+            deviation_limits: (3,) limits of roll, pitch and yaw, rad, for the time
+                until which all stay within theirs; infinite where there is none.
             tolerance: of the error estimates of all steps of a run together, in SI.
             max_steps: after which a row has failed.
             chunk: rows that are flown together; what suits the machine if None.
@@ -110,16 +116,15 @@ class Batch:
             ValueError: a parameter is unknown or named twice, or a number is not
                 positive.
         """
-        nominal = parameters(separation)
-        for name in names:
-            if name not in nominal:
-                raise InputError(unknown("parameter", name, nominal))
-        if len(set(names)) < len(names):
-            raise InputError(f"parameters must differ, got {', '.join(names)}")
-        if len(deviation_limits) != 3 or not all(x > 0.0 for x in deviation_limits):
+        if not isinstance(separation, Separation):
             raise InputError(
-                f"deviation limits must be three above 0, got {deviation_limits}"
+                "separation must be a Separation (a case has one: case.separation), "
+                f"got a {type(separation).__name__}"
             )
+        nominal = parameters(separation)
+        _check_names(names, nominal)
+        _check_limits(deviation_limits)
+        _check_released(separation)
         check_positive("tolerance", tolerance)
         _keep_programs()
         platform = jax.default_backend()
@@ -131,8 +136,8 @@ class Batch:
             ("chunk", chunk),
             ("workers", workers),
         ):
-            if number < 1:
-                raise InputError(f"{what} must be >= 1, got {number}")
+            if not isinstance(number, int) or number < 1:
+                raise InputError(f"{what} must be a whole number >= 1, got {number}")
         self.separation = separation
         self.names = tuple(names)
         self._chunk, self._workers = chunk, workers
@@ -154,12 +159,13 @@ class Batch:
         self._motion = compiled(self._fly_motion)
 
     def run(
-        self, values: ArrayLike, *, on_progress: Progress | None = None
+        self, values: Values, *, on_progress: Progress | None = None
     ) -> BatchResult:
         """Fly each row of values.
 
         Args:
-            values: (n, n_p) of the parameters, in SI.
+            values: (n, n_p) of the parameters, in SI, in their order; or a frame with
+                their names.
             on_progress: called after each chunk.
 
         Raises:
@@ -168,7 +174,7 @@ class Batch:
         return self._run(self._figures, values, on_progress)
 
     def jacobian(
-        self, values: ArrayLike, *, on_progress: Progress | None = None
+        self, values: Values, *, on_progress: Progress | None = None
     ) -> BatchResult:
         """Fly each row of values, with the derivatives of all figures.
 
@@ -176,7 +182,8 @@ class Batch:
         figure they are those of one side; see `drakesep.analysis.batch_metrics`.
 
         Args:
-            values: (n, n_p) of the parameters, in SI.
+            values: (n, n_p) of the parameters, in SI, in their order; or a frame with
+                their names.
             on_progress: called after each chunk.
 
         Raises:
@@ -184,14 +191,15 @@ class Batch:
         """
         return self._run(self._figures_and_slopes, values, on_progress)
 
-    def runs(self, values: ArrayLike) -> list[Run]:
+    def runs(self, values: Values) -> list[Run]:
         """Fly each row of values, and return the runs with their sampled motion.
 
         They are like those of `Simulation.run`, for whatever takes one: an objective, a
-        table, a figure.
+        table, a figure. A row that is not physical is a failed run of the nominal.
 
         Args:
-            values: (n, n_p) of the parameters, in SI.
+            values: (n, n_p) of the parameters, in SI, in their order; or a frame with
+                their names.
 
         Raises:
             ValueError: the values are not n_p columns.
@@ -211,7 +219,16 @@ class Batch:
 
     # Chunks of rows.
 
-    def _check_values(self, values: ArrayLike) -> Array:
+    def _check_values(self, values: Values) -> Array:
+        if isinstance(values, pd.DataFrame):
+            if set(values.columns) != set(self.names):
+                raise InputError(
+                    f"columns must be the parameters {', '.join(self.names)}, "
+                    f"got {', '.join(map(str, values.columns))}"
+                )
+            values = values[list(self.names)]
+        elif np.iscomplexobj(values):
+            raise InputError("values must be real numbers, got complex ones")
         rows = np.asarray(values, dtype=float)
         if rows.ndim != 2 or rows.shape[1] != len(self.names):
             raise InputError(
@@ -223,19 +240,21 @@ class Batch:
     def _run(
         self,
         program: Callable[[Array], _Flown],
-        values: ArrayLike,
+        values: Values,
         on_progress: Progress | None,
     ) -> BatchResult:
         rows = self._check_values(values)
         failures = check_rows(self.separation, self.names, rows)
-        flyable = rows.copy()
-        flyable[list(failures)] = self._defaults
+        flyable, unflown = rows.copy(), list(failures)
+        flyable[unflown] = self._defaults
         metrics = np.empty((len(rows), len(METRICS)))
         steps = np.zeros(len(rows), dtype=np.int64)
         jacobian = None
         if program is self._figures_and_slopes:
             jacobian = np.empty((*metrics.shape, len(self.names)))
-        for part, flown in self._fly_chunks(program, flyable):
+        # Slopes multiply what a chunk takes of the cache.
+        size = self._chunk if jacobian is None else -(-self._chunk // 4)
+        for part, flown in self._fly_chunks(program, flyable, size):
             metrics[part] = flown.metrics.T
             steps[part] = flown.landing.steps
             if jacobian is not None:
@@ -244,27 +263,30 @@ class Batch:
                 failures.setdefault(part.start + i, why)
             if on_progress is not None:
                 on_progress(part.stop, len(rows))
+        steps[unflown] = 0
         metrics[list(failures)] = np.nan
         if jacobian is not None:
             jacobian[list(failures)] = np.nan
+        index = values.index if isinstance(values, pd.DataFrame) else None
         return BatchResult(
-            metrics=pd.DataFrame(metrics, columns=list(METRICS)),
+            names=self.names,
+            metrics=pd.DataFrame(metrics, index=index, columns=list(METRICS)),
             failures=dict(sorted(failures.items())),
             steps=steps,
             jacobian=jacobian,
         )
 
     def _fly_chunks(
-        self, program: Callable[[Array], _Flown], rows: Array
+        self, program: Callable[[Array], _Flown], rows: Array, size: int
     ) -> Iterator[tuple[slice, _Flown]]:
         """Yield the chunks of rows in order, with what came of them."""
         parts = [
-            slice(start, min(start + self._chunk, len(rows)))
-            for start in range(0, len(rows), self._chunk)
+            slice(start, min(start + size, len(rows)))
+            for start in range(0, len(rows), size)
         ]
 
         def fly(part: slice) -> _Flown:
-            return _trimmed(_call(program, self._filled(rows[part], self._chunk)), part)
+            return _trimmed(_call(program, self._filled(rows[part], size)), part)
 
         with ThreadPoolExecutor(self._workers) as pool:
             try:
@@ -283,6 +305,8 @@ class Batch:
         """Return why rows of a chunk failed."""
         landing = flown.landing
         finite = np.isfinite(flown.metrics).all(axis=0)
+        if flown.slopes is not None:
+            finite &= np.isfinite(flown.slopes).all(axis=(0, 1))
         failed = (landing.status != batch_flight.COMPLETED) | ~finite
         return {
             i: self._reason(_of_row(landing, i))
@@ -294,7 +318,8 @@ class Batch:
         status = int(landing.status)
         if status == batch_flight.STILL_HELD:
             i = int(np.flatnonzero(np.isinf(landing.released))[0])
-            return f"{self.separation.attachments[i].name} has not let go"
+            held = self.separation.attachments[i].name
+            return f"{held} has not let go: its joint has not turned far enough"
         if status == batch_flight.STROKE_LEFT:
             k = int(np.flatnonzero(np.isinf(landing.stroke_ends))[0])
             return f"{self.separation.springs[k].name} has not reached its stroke"
@@ -305,7 +330,7 @@ class Batch:
                 f"more than {self._max_steps} integration steps "
                 f"(at t = {landing.time:g} s)"
             )
-        return "a figure is not finite"
+        return "a figure, or a derivative of one, is not finite"
 
     # The programs.
 
@@ -336,8 +361,8 @@ class Batch:
         return _Flown(metrics, landing, slopes)
 
     def _fly_motion(self, values: Lanes, times: Lanes) -> Lanes:
-        fold = MotionFold(self._equations, times)
-        return self._flight.fly(self._numbers(values), fold).folded.signals
+        fold, numbers = MotionFold(self._equations, times), self._numbers(values)
+        return fold.finish(self._flight.fly(numbers, fold).folded, numbers)
 
     # Sampled motion.
 
@@ -357,8 +382,11 @@ class Batch:
         runs = {plan.row: plan.run(signals) for plan in plans}
         for i in range(len(rows)):
             if i not in runs:
+                as_flown = i not in failures
                 runs[i] = Run(
-                    separation=self.separation,
+                    separation=with_values(self.separation, self._values(rows[i]))
+                    if as_flown
+                    else self.separation,
                     status=RunStatus.FAILED,
                     message=reasons[i],
                 )
@@ -430,6 +458,32 @@ class _Plan:
             steps=self.steps,
             evaluations=self.steps * runge_kutta.STAGES,
         )
+
+
+def _check_names(names: Sequence[str], known: Mapping[str, float]) -> None:
+    if isinstance(names, str) or not len(names):
+        raise InputError(f"names must be a list of parameters, got {names!r}")
+    for name in names:
+        if name not in known:
+            raise InputError(unknown("parameter", name, known))
+    if len(set(names)) < len(names):
+        raise InputError(f"parameters must differ, got {', '.join(names)}")
+
+
+def _check_limits(limits: Sequence[float]) -> None:
+    if not np.shape(limits) == (3,) or not all(limit > 0.0 for limit in limits):
+        raise InputError(
+            f"deviation limits must be three above 0, in rad, got {limits}"
+        )
+
+
+def _check_released(separation: Separation) -> None:
+    for a in separation.attachments:
+        if math.isinf(a.release_time) and math.isinf(a.release_angle):
+            raise InputError(
+                f"{a.name} must let go at a time or at an angle: it waits for a "
+                "command, which a batch does not have"
+            )
 
 
 def _call(program: Callable[..., Any], *lanes: Array) -> Any:

@@ -4,10 +4,10 @@ The figures are those of `drakesep.analysis.metrics`, over continuous time: on e
 a signal is the polynomial through its values at the nodes of `lobatto`, split where it
 turns: peaks, crossings and integrals of magnitudes are those of the polynomial.
 
-Every figure has its derivative. Where a magnitude or a peak has a kink (a rate that is
-zero, two peaks as high) it is that of one side; the place of a peak or of a zero needs
-none, since the figure does not change with it to first order; the time of a crossing
-carries its own.
+Every figure has its derivative. At a kink (a rate that is zero, two peaks as high, two
+ends of strokes at once) it is a generalised one, between those of both sides. The place
+of a peak or of a zero needs none, since the figure does not change with it to first
+order; the time of a crossing carries its own.
 """
 
 import math
@@ -22,7 +22,13 @@ from drakesep.analysis.metrics import ANGLES, AXES, METRICS
 from drakesep.systems import lobatto, motion_laws
 from drakesep.systems.batch_equations import BatchEquations, Lanes, Numbers, pick
 from drakesep.systems.batch_flight import Step
-from drakesep.systems.batch_polynomials import crossing, derivative, polynomial, root
+from drakesep.systems.batch_polynomials import (
+    Pieces,
+    first_place,
+    pieces,
+    polynomial,
+    root,
+)
 
 
 _ANGLES = 7
@@ -91,7 +97,7 @@ class MetricsFold:
         motion = motion_laws.relative_motion(
             pick(bodies, a), pick(bodies, b), *self._equations.mated_place(numbers), jnp
         )
-        angles = [motion.angle[i] for i, _ in self._limited]
+        angles = [_unwrapped(motion.angle[i]) for i, _ in self._limited]
         signals = _Signals(
             [*motion.relative_rate, *motion.rate, motion.relative_velocity[0], *angles]
         )
@@ -133,7 +139,7 @@ class MetricsFold:
         """Return (19, n) metrics, in the order of `METRICS`."""
         values = {
             "G_L1": figures.magnitude,  # Eq. 11
-            "G_L2": jnp.sqrt(figures.square),  # Eq. 12
+            "G_L2": _root_of_square(figures.square),  # Eq. 12
             "G_Linf": figures.relative_peak.sum(axis=0),  # Eq. 13
             "G_PM": -figures.released_speed,  # Eq. 14
             "deviation_within_limits_until": jnp.minimum(
@@ -152,46 +158,25 @@ class MetricsFold:
 
 
 class _Signals:
-    """Polynomials on one step, (8, s, n), and where they turn.
-
-    The points are the nodes and, between two nodes, where the slope changes its sign:
-    from one point to the next a signal only rises or only falls.
-    """
+    """Signals on one step, as polynomials, (8, s, n)."""
 
     def __init__(self, signals: Sequence[Lanes]):
-        values = jnp.stack(signals, axis=1)
-        self._values = values
-        self._c = jnp.tensordot(lobatto.COEFFICIENTS, values, 1)
-        slopes = lax.stop_gradient(jnp.tensordot(lobatto.SLOPES, values, 1))
-        turns = slopes[:-1] * slopes[1:] < 0.0
-
-        def with_turns(_: None) -> tuple[Lanes, Lanes]:
-            low, high = lobatto.XI[:-1, None, None], lobatto.XI[1:, None, None]
-            slope = derivative(self._c)[:, None]
-            xi = jnp.where(turns, root(slope, low, high), low)
-            return xi, polynomial(self._c[:, None], xi)
-
-        def without(_: None) -> tuple[Lanes, Lanes]:
-            low = jnp.broadcast_to(lobatto.XI[:-1, None, None], values[:-1].shape)
-            return low, values[:-1]
-
-        xi, turning = lax.cond(turns.any(), with_turns, without, None)
-        self.xi = _interleave(lobatto.XI[:, None, None], xi)
-        self.values = _interleave(values, turning)
+        self._at_nodes = jnp.stack(signals, axis=1)
+        self._pieces = pieces(self._at_nodes)
 
     def extremes(self) -> tuple[Lanes, Lanes]:
         """Return (s, n) the smallest and the largest values."""
-        return self.values.min(axis=0), self.values.max(axis=0)
+        values = self._pieces.values
+        return values.min(axis=0), values.max(axis=0)
 
     def mean_square(self, count: int) -> Lanes:
         """Return the mean square of the first signals."""
-        return jnp.tensordot(lobatto.WEIGHTS, self._values[:, :count] ** 2, 1)
+        return jnp.tensordot(lobatto.WEIGHTS, self._at_nodes[:, :count] ** 2, 1)
 
     def mean_magnitude(self, count: int) -> Lanes:
         """Return the mean magnitude of the first signals."""
-        values, xi = self.values[:, :count], self.xi[:, :count]
+        c, xi, values = (x[:, :count] for x in self._pieces)
         crosses = values[:-1] * values[1:] < 0.0
-        c = self._c[:, :count]
 
         def split(_: None) -> Lanes:
             zero = root(c[:, None], xi[:-1], xi[1:])
@@ -204,7 +189,8 @@ class _Signals:
             ).sum(axis=0)
 
         def whole(_: None) -> Lanes:
-            return jnp.abs(jnp.tensordot(lobatto.WEIGHTS, self._values[:, :count], 1))
+            mean = jnp.tensordot(lobatto.WEIGHTS, self._at_nodes[:, :count], 1)
+            return jnp.abs(mean)
 
         return lax.cond(crosses.any(), split, whole, None)
 
@@ -218,26 +204,29 @@ class _Signals:
         Returns:
             Whether they do, and the fractions of the step.
         """
-        values, xi, c = (x[:, first:] for x in (self.values, self.xi, self._c))
-        limit = limits[:, None]
-        beyond = jnp.abs(values) > limit
+        some = Pieces(*(x[:, first:] for x in self._pieces))
+        beyond = jnp.abs(some.values) > limits[:, None]
 
         def find(_: None) -> Lanes:
             after = jnp.argmax(beyond, axis=0)[None]
-            before = jnp.maximum(after - 1, 0)
-            low, high = (jnp.take_along_axis(xi, at, 0)[0] for at in (before, after))
-            side = jnp.sign(jnp.take_along_axis(values, after, 0)[0])
-            at = crossing(c.at[0].add(-limit * side), low, high)
-            return 0.5 * (1.0 + jnp.where(after[0] > 0, at, -1.0))
+            side = jnp.sign(jnp.take_along_axis(some.values, after, 0)[0])
+            return first_place(some, beyond, limits[:, None] * side)
 
-        theta = lax.cond(
-            beyond.any(), find, lambda _: jnp.zeros(values.shape[1:]), None
-        )
+        def nowhere(_: None) -> Lanes:
+            return jnp.zeros(beyond.shape[1:])
+
+        theta = lax.cond(beyond.any(), find, nowhere, None)
         return beyond.any(axis=0), theta
 
 
-def _interleave(nodes: Lanes, between: Lanes) -> Lanes:
-    """Return (15, s, n) from 8 at the nodes and 7 between them."""
-    nodes = jnp.broadcast_to(nodes, (len(nodes), *between.shape[1:]))
-    pairs = jnp.stack([nodes[:-1], between], axis=1)
-    return jnp.concatenate([pairs.reshape(-1, *between.shape[1:]), nodes[-1:]])
+def _unwrapped(angle: Lanes) -> Lanes:
+    """Return an angle (8, n) at the nodes without its jumps by a whole turn."""
+    changes = jnp.diff(angle, axis=0)
+    turns = 2.0 * jnp.pi * jnp.cumsum(jnp.round(changes / (2.0 * jnp.pi)), axis=0)
+    return jnp.concatenate([angle[:1], angle[1:] - turns])
+
+
+def _root_of_square(square: Lanes) -> Lanes:
+    """Return the square root; its derivative at zero, a kink, is taken as zero."""
+    some = square > 0.0
+    return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)

@@ -173,7 +173,7 @@ def with_springs(separation: Separation, count: int) -> Separation:
 
 
 def with_bodies(separation: Separation, count: int) -> Separation:
-    """Return VEGA with more launch vehicles, each pushed off by the payload."""
+    """Return VEGA with more payloads, in a row, each pushed off by the one before."""
     payload = separation.body(separation.B)
     bodies, attachments = list(separation.bodies), list(separation.attachments)
     for i in range(count - 2):

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from drakesep.systems.inertia import physical_margin
 from drakesep.systems.model import Separation
 from drakesep.systems.parameters import parameters, with_values
+from drakesep.systems.pushers import Spring
 
 
 Array = NDArray[np.float64]
@@ -17,7 +18,7 @@ _ENTRIES = ("xx", "yy", "zz", "xy", "xz", "yz")
 _POSITIVE = ("mass", "force_max", "stroke", "design_mass", "release_angle")
 _NOT_NEGATIVE = ("damping", "release_time", "start")
 _MARGIN = 1e-9
-"""Of tr(Sigma): an inertia that is nearer to the edge is looked at closely."""
+"""Relative: what is nearer to its edge is looked at closely."""
 
 
 def check_rows(
@@ -45,6 +46,7 @@ def check_rows(
         if quantity == "release_angle":
             doubtful |= column >= math.pi
     doubtful |= _edge_of_inertia(separation, names, values)
+    doubtful |= _late_stroke(separation, names, values)
     failures = {}
     for row in np.flatnonzero(doubtful).tolist():
         try:
@@ -56,6 +58,27 @@ def check_rows(
 
 def _latest_start(separation: Separation) -> float:
     return max((load.times[0] for load in separation.loads), default=0.0)
+
+
+def _late_stroke(
+    separation: Separation, names: Sequence[str], values: Array
+) -> NDArray[np.bool_]:
+    """Return (n,) whether a spring driven by time may push beyond the run."""
+    doubtful = np.full(len(values), False)
+    columns = dict(zip(names, values.T, strict=True))
+    of = {**parameters(separation), **columns}
+    for a in separation.attachments:
+        if isinstance(a.spring, Spring) and math.isfinite(a.release_time):
+            name = a.spring.name
+            force = np.asarray(of[f"{name}.force_max"])
+            inertia = of[f"{name}.design_mass"] * np.asarray(of[f"{name}.stroke"])
+            ratio = np.divide(
+                inertia, force, out=np.zeros(len(values)), where=force > 0
+            )
+            push = 0.5 * math.pi * np.sqrt(np.maximum(ratio, 0.0))  # Eq. 5
+            end = of[f"{a.name}.release_time"] + push
+            doubtful |= end >= (1.0 - _MARGIN) * separation.duration
+    return doubtful
 
 
 def _edge_of_inertia(

@@ -34,6 +34,8 @@ _SHORTEST = 1e-12
 _SAFETY, _SHRINK, _GROW = 0.9, 0.2, 6.0
 _PHASE = 0.8
 """First guess of a step, rad of the fastest motion, at a tolerance of 1e-8."""
+_TURN = 0.4
+"""Largest rotation in a step, rad: its nodes resolve rates and angles to 1e-9."""
 _WEIGHTS = np.concatenate(
     [
         np.zeros((1, runge_kutta.STAGES)),
@@ -140,8 +142,8 @@ class BatchFlight:
             equations: of the separation.
             tolerance: of the error estimates of all steps of a run together, in SI.
             max_steps: at which a sample is given up.
-            one_by_one: whether what happens at the same time happens in steps of its
-                own, of no length: their derivatives are not those of one event.
+            one_by_one: whether known events at the same time happen in steps of their
+                own, of no length: each has a derivative of its own.
         """
         self._equations = equations
         self._separation = equations.separation
@@ -198,6 +200,7 @@ class BatchFlight:
         wanted = jnp.where(
             jnp.isnan(flight.step), self._first_guess(flight, numbers), flight.step
         )
+        wanted = jnp.minimum(wanted, _TURN / (_fastest(flight.x) + TINY))
         end = self._next_known_event(numbers, mode)
         left = jnp.where(flying, end - t, 0.0)
         pieces = jnp.maximum(jnp.ceil(_still(left / wanted) - 1e-9), 1.0)
@@ -319,8 +322,7 @@ class BatchFlight:
     def _first_guess(self, flight: _Flight, numbers: Numbers) -> Lanes:
         """Return (n,) a step that suits what acts now, s."""
         mode = flight.mode
-        w = flight.x[7:10]
-        frequency = jnp.sqrt((w * w).sum(axis=0)).max(axis=0)
+        frequency = _fastest(flight.x)
         lightness = 1.0 / numbers.mass
         slenderness = 1.0 / jnp.stack(tuple(numbers.I_BBcm_B)[:3]).min(axis=0)
         pushing = self._equations.pushing(mode)
@@ -410,15 +412,22 @@ class BatchFlight:
         if not self._events:
             return nodes, whole, flight.beyond, none
         values = self._quantities(nodes, numbers)
-        # At the first node stands what has just been crossed, on either side of zero.
         watched = self._watched(flight.mode) & (moved > 0.0)
-        crossing = ((values >= 0.0) != flight.beyond[:, None]) & watched[:, None]
-        crossing = crossing.at[:, 0].set(False)
+        quantities = polynomials.pieces(jnp.moveaxis(values, 1, 0))
+        beyond = ((quantities.values >= 0.0) != flight.beyond) & watched
+        # At the start stands what has just been crossed, on either side of zero.
+        beyond = beyond & (quantities.xi > -1.0)
 
         def cut(_: None) -> tuple[Lanes, Lanes, Lanes]:
-            at = _first_crossing(values, crossing)
-            fraction = jnp.minimum(at.min(axis=0), 1.0)
-            happened = at <= jnp.minimum(_still(fraction) + 1e-12, 1.0)
+            zero = jnp.zeros_like(values[:, 0])
+            at = polynomials.first_place(quantities, beyond, zero)
+            at = jnp.where(beyond.any(axis=0), at, 2.0)
+            # One at a time: what happens at once has derivatives of its own, and
+            # follows in a step of no length.
+            first = jnp.argmin(at, axis=0)[None]
+            fraction = jnp.minimum(jnp.take_along_axis(at, first, 0)[0], 1.0)
+            index = jnp.arange(len(at))[:, None]
+            happened = (index == first) & (at < 1.0)
             powers = jnp.tensordot(runge_kutta.POWERS, K, 1)
             theta = lobatto.THETA[:, None] * fraction
             total = jnp.zeros_like(change)
@@ -428,7 +437,7 @@ class BatchFlight:
             return jnp.moveaxis(cut_nodes, 0, 1), fraction, happened
 
         nodes, fraction, happened = lax.cond(
-            crossing.any(), cut, lambda _: (nodes, whole, none), None
+            beyond.any(), cut, lambda _: (nodes, whole, none), None
         )
         return nodes, fraction, flight.beyond ^ happened, happened
 
@@ -483,23 +492,15 @@ def _still(x: Lanes) -> Lanes:
     return lax.stop_gradient(x)
 
 
+def _fastest(x: Lanes) -> Lanes:
+    """Return (n,) the largest angular velocity of the bodies, rad/s."""
+    w = _still(x[7:10])
+    return jnp.sqrt((w * w).sum(axis=0)).max(axis=0)
+
+
 def _arm(numbers: Numbers, body: int, pads: Any, i: int) -> tuple[Lanes, ...]:
     cg = pick(numbers.p_BoBcm_B, body)
     return tuple(pad - c for pad, c in zip(pick(pads, i), cg, strict=True))
-
-
-def _first_crossing(values: Lanes, crossing: Lanes) -> Lanes:
-    """Return (e, n) the fraction of a step at which a quantity crosses zero; 2 if none.
-
-    Args:
-        values: (e, 8, n) the quantity at the nodes.
-        crossing: (e, 8, n) where it is beyond.
-    """
-    c = jnp.tensordot(lobatto.COEFFICIENTS, values, ((1,), (1,)))
-    first = jnp.maximum(jnp.argmax(crossing, axis=1), 1)
-    xi = jnp.array(lobatto.XI)
-    at = polynomials.crossing(c, xi[first - 1], xi[first])
-    return jnp.where(crossing.any(axis=1), 0.5 * (1.0 + at), 2.0)
 
 
 def _events(equations: BatchEquations) -> list[_Event]:
@@ -517,7 +518,9 @@ def _events(equations: BatchEquations) -> list[_Event]:
             events.append(_Event(_lifted(equations, k), i, k, False))
     for i, attachment in enumerate(separation.attachments):
         if np.isfinite(attachment.release_angle):
-            events.append(_Event(_turned(equations, i), i, None, True))
+            events += [
+                _Event(_turned(equations, i, way), i, None, True) for way in (1.0, -1.0)
+            ]
     return events
 
 
@@ -536,7 +539,7 @@ def _lifted(equations: BatchEquations, k: int) -> Callable[..., Lanes]:
     return quantity
 
 
-def _turned(equations: BatchEquations, i: int) -> Callable[..., Lanes]:
+def _turned(equations: BatchEquations, i: int, way: float) -> Callable[..., Lanes]:
     a, b = equations.ends[i]
     separation = equations.separation
     q_AB = mated_orientation(separation.bodies[a], separation.bodies[b])
@@ -545,6 +548,6 @@ def _turned(equations: BatchEquations, i: int) -> Callable[..., Lanes]:
     def quantity(bodies: BodyState, numbers: Numbers) -> Lanes:
         A, B = pick(bodies, a), pick(bodies, b)
         angle = joint_laws.twist_angle(A.q_WB, B.q_WB, q_AB, axis_A, jnp)
-        return angle - numbers.release_angle[i]
+        return way * angle - numbers.release_angle[i]
 
     return quantity

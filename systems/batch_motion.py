@@ -9,7 +9,13 @@ from jax import lax
 from numpy.typing import NDArray
 
 from drakesep.systems import lobatto, motion_laws
-from drakesep.systems.batch_equations import BatchEquations, Lanes, Numbers, pick
+from drakesep.systems.batch_equations import (
+    STATES,
+    BatchEquations,
+    Lanes,
+    Numbers,
+    pick,
+)
 from drakesep.systems.batch_flight import Step
 from drakesep.systems.batch_polynomials import polynomial
 from drakesep.systems.motion_laws import RelativeMotion
@@ -24,11 +30,15 @@ COLUMNS = (
 """Of `drakesep.systems.run.Motion`, three signals each."""
 
 
+_STATES = 2 * STATES
+"""Of A and B, which are sampled: angles jump, and have to be made of samples."""
+
+
 class Samples(NamedTuple):
     """What has been sampled so far."""
 
     signals: Lanes
-    """(T, 24, n)."""
+    """(T, 35, n): states of A and B, acceleration of B's CG, momentum given to B."""
     momentum: Lanes
     """(6, n) given to B by the springs by the end of the last step, N s and N m s."""
 
@@ -49,15 +59,16 @@ class MotionFold:
     def start(self, numbers: Numbers) -> Samples:
         """Return what there is before the first step."""
         count, n = self._times.shape
-        signals = jnp.full((count, 3 * len(COLUMNS), n), jnp.nan)
-        return Samples(signals, jnp.zeros((6, n)))
+        return Samples(jnp.full((count, _STATES + 9, n), jnp.nan), jnp.zeros((6, n)))
 
     def add(self, samples: Samples, numbers: Numbers, step: Step) -> Samples:
         """Return the samples after a step: those at a kink are those after it."""
-        motion, momentum_rate = self._at_nodes(numbers, step)
+        acceleration, momentum_rate = self._at_nodes(numbers, step)
         gained = 0.5 * step.length * jnp.tensordot(lobatto.INTEGRALS, momentum_rate, 1)
         momentum = samples.momentum + gained
-        values = jnp.concatenate([motion, momentum], axis=1)
+        states = [step.x[:, :, body] for body in self._equations.pair]
+        states = jnp.moveaxis(jnp.concatenate(states), 0, 1)
+        values = jnp.concatenate([states, acceleration, momentum], axis=1)
         length = jnp.where(step.length > 0.0, step.length, 1.0)
         xi = 2.0 * (self._times - step.start) / length - 1.0
         # Round-off of the step's end is within it.
@@ -68,13 +79,12 @@ class MotionFold:
         return Samples(signals, momentum[-1])
 
     def _at_nodes(self, numbers: Numbers, step: Step) -> tuple[Lanes, Lanes]:
-        """Return (8, 18, n) motion and (8, 6, n) rates of momentum at the nodes."""
+        """Return (8, 3, n) acceleration and (8, 6, n) rates of momentum, at nodes."""
         equations = self._equations
-        a, b = equations.pair
+        _, b = equations.pair
         bodies = step.bodies
-        A, B = pick(bodies, a), pick(bodies, b)
-        p_BoBcm_B, mated = equations.mated_place(numbers)
-        motion = motion_laws.relative_motion(A, B, p_BoBcm_B, mated, jnp)
+        B = pick(bodies, b)
+        p_BoBcm_B, _ = equations.mated_place(numbers)
         times = step.start + lobatto.THETA[:, None] * step.length
         timed = equations.at_times(times, numbers, step.mode)
         everything = 2
@@ -88,9 +98,16 @@ class MotionFold:
         acceleration = motion_laws.cg_acceleration(B, p_BoBcm_B, alpha, a_Bo)
         wrench = equations.spring_wrench_on(b, timed, bodies, numbers, step.mode)
         rates = motion_laws.momentum_rate(B, p_BoBcm_B, wrench)
-        return (
-            _stack([*motion, acceleration]),
-            _stack(rates),
+        return _stack([acceleration]), _stack(rates)
+
+    def finish(self, samples: Samples, numbers: Numbers) -> Lanes:
+        """Return (T, 24, n) the signals of `COLUMNS`."""
+        states = jnp.moveaxis(samples.signals, 1, 0)
+        A, B = (motion_laws.body_state(states, q, q + 7) for q in (0, STATES))
+        place = self._equations.mated_place(numbers)
+        motion = motion_laws.relative_motion(A, B, *place, jnp)
+        return jnp.concatenate(
+            [_stack([*motion]), samples.signals[:, _STATES:]], axis=1
         )
 
 

@@ -1,9 +1,12 @@
-"""Roots of the polynomials by which a step of a batch is described, on lanes."""
+"""The polynomials by which a step of a batch is described, on lanes."""
+
+from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
+from drakesep.systems import lobatto
 from drakesep.systems.batch_equations import Lanes
 
 
@@ -68,3 +71,63 @@ def crossing(c: Lanes, low: Lanes, high: Lanes) -> Lanes:
 def _slope(c: Lanes, xi: Lanes) -> Lanes:
     slope = polynomial(derivative(c), xi)
     return jnp.where(slope == 0.0, 1.0, slope)
+
+
+class Pieces(NamedTuple):
+    """Polynomials on a step, cut where they turn: between points they rise or fall."""
+
+    c: Lanes
+    """(8, s, n) coefficients of the powers of xi."""
+    xi: Lanes
+    """(15, s, n) points: the nodes, and where one turns between two of them."""
+    values: Lanes
+    """(15, s, n) at the points."""
+
+
+def pieces(values: Lanes) -> Pieces:
+    """Return the polynomials through values (8, s, n) at the nodes of `lobatto`.
+
+    The places where they turn have no derivative: a value there does not change with
+    its place to first order.
+    """
+    c = jnp.tensordot(lobatto.COEFFICIENTS, values, 1)
+    slopes = lax.stop_gradient(jnp.tensordot(lobatto.SLOPES, values, 1))
+    turns = slopes[:-1] * slopes[1:] < 0.0
+    low, high = lobatto.XI[:-1, None, None], lobatto.XI[1:, None, None]
+
+    def with_turns(_: None) -> tuple[Lanes, Lanes]:
+        xi = jnp.where(turns, root(derivative(c)[:, None], low, high), low)
+        return xi, polynomial(c[:, None], xi)
+
+    def without(_: None) -> tuple[Lanes, Lanes]:
+        return jnp.broadcast_to(low, values[:-1].shape), values[:-1]
+
+    xi, turning = lax.cond(turns.any(), with_turns, without, None)
+    return Pieces(
+        c, _interleave(lobatto.XI[:, None, None], xi), _interleave(values, turning)
+    )
+
+
+def first_place(some: Pieces, beyond: Lanes, levels: Lanes) -> Lanes:
+    """Return (s, n) where polynomials first reach levels, with their derivative.
+
+    Args:
+        some: the polynomials.
+        beyond: (15, s, n) at which points they are past their level.
+        levels: (s, n) the levels.
+
+    Returns:
+        Fractions of the step, 0 where the first point is past it.
+    """
+    after = jnp.argmax(beyond, axis=0)[None]
+    before = jnp.maximum(after - 1, 0)
+    low, high = (jnp.take_along_axis(some.xi, at, 0)[0] for at in (before, after))
+    at = crossing(some.c.at[0].add(-levels), low, high)
+    return 0.5 * (1.0 + jnp.where(after[0] > 0, at, -1.0))
+
+
+def _interleave(nodes: Lanes, between: Lanes) -> Lanes:
+    """Return (15, s, n) from 8 at the nodes and 7 between them."""
+    nodes = jnp.broadcast_to(nodes, (len(nodes), *between.shape[1:]))
+    pairs = jnp.stack([nodes[:-1], between], axis=1)
+    return jnp.concatenate([pairs.reshape(-1, *between.shape[1:]), nodes[-1:]])

@@ -136,7 +136,7 @@ def _curvature(angle2: Scalar, ops: Ops) -> Scalar:
 def twist_angle(
     q_WA: Quaternion, q_WB: Quaternion, q_AB: Quaternion, axis_A: Vector, ops: Ops
 ) -> Scalar:
-    """Return by how much B has turned in A about an axis, from 0 to pi, rad.
+    """Return by how much B has turned in A about an axis, from -pi to pi, rad.
 
     Args:
         q_WA: orientation of A.
@@ -146,7 +146,8 @@ def twist_angle(
         ops: module of the elementary functions.
     """
     w, x, y, z = rotation_from_mated(q_WA, q_WB, q_AB)
-    return 2.0 * ops.atan2(abs(dot(axis_A, (x, y, z))), abs(w))
+    sine = ops.copysign(1.0, w) * dot(axis_A, (x, y, z))
+    return 2.0 * ops.atan2(sine, abs(w))
 
 
 def turning_torque(turn: Turn, moment: Vector) -> Vector:

@@ -101,7 +101,7 @@ class Release(LatchingSystem):
         return up
 
     def _has_turned(self, context: Context, i: int) -> bool:
-        return self._angle(context, i) >= self._get(context, self._angles)[i]
+        return abs(self._angle(context, i)) >= self._get(context, self._angles)[i]
 
     def _angle(self, context: Context, i: int) -> float:
         """Return by how much an attachment's joint has turned about its x axis, rad."""

@@ -154,8 +154,16 @@ def _find_stroke_ends(
     recorder: Recorder,
     releases: Mapping[str, float],
 ) -> dict[str, float]:
-    """Return when each spring reached its stroke, s, by its name."""
+    """Return when each spring reached its stroke, s, by its name.
+
+    Raises:
+        RuntimeError: one did not within the run.
+    """
     ends = separation.timed_stroke_ends(releases)
+    for name, end in ends.items():
+        # The model knows when scheduled releases are; not those at an angle.
+        if end >= separation.duration:
+            raise RuntimeError(f"{name} has not reached its stroke")
     for attachment in separation.attachments:
         if isinstance(attachment.spring, DisplacementSpring):
             release = releases[attachment.name]
