@@ -66,8 +66,8 @@ class MotionFold:
         acceleration, momentum_rate = self._at_nodes(numbers, step)
         gained = 0.5 * step.length * jnp.tensordot(lobatto.INTEGRALS, momentum_rate, 1)
         momentum = samples.momentum + gained
-        states = [step.x[:, :, body] for body in self._equations.pair]
-        states = jnp.moveaxis(jnp.concatenate(states), 0, 1)
+        pair = [step.x[:, :, body] for body in self._equations.pair]
+        states = jnp.moveaxis(jnp.concatenate(pair), 0, 1)
         values = jnp.concatenate([states, acceleration, momentum], axis=1)
         length = jnp.where(step.length > 0.0, step.length, 1.0)
         xi = 2.0 * (self._times - step.start) / length - 1.0
@@ -102,7 +102,7 @@ class MotionFold:
 
     def finish(self, samples: Samples, numbers: Numbers) -> Lanes:
         """Return (T, 24, n) the signals of `COLUMNS`."""
-        states = jnp.moveaxis(samples.signals, 1, 0)
+        states: Lanes = jnp.moveaxis(samples.signals, 1, 0)
         A, B = (motion_laws.body_state(states, q, q + 7) for q in (0, STATES))
         place = self._equations.mated_place(numbers)
         motion = motion_laws.relative_motion(A, B, *place, jnp)
