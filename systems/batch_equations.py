@@ -41,6 +41,8 @@ from drakesep.systems.vectors import Rotation, Symmetric, Vector
 Lanes: TypeAlias = Any
 """A jax array whose last axis are the samples."""
 
+FREE, SPRINGS, EVERYTHING = range(3)
+"""What acts on some sample of a batch: no spring or joint, springs, joints too."""
 STATES = 13
 """Of a body: quaternion, position, angular and linear velocity, as in Drake's plant."""
 _VELOCITIES = 7
@@ -307,9 +309,9 @@ class BatchEquations:
     # The equations.
 
     def phase(self, mode: Mode) -> Lanes:
-        """Return what acts on some sample: 0 no spring or joint, 1 springs, 2 all."""
-        springs = self.pushing(mode).any()
-        return jnp.where(jnp.isinf(mode.released).any(), 2, jnp.where(springs, 1, 0))
+        """Return what acts on some sample: FREE, SPRINGS or EVERYTHING."""
+        springs = jnp.where(self.pushing(mode).any(), SPRINGS, FREE)
+        return jnp.where(jnp.isinf(mode.released).any(), EVERYTHING, springs)
 
     def derivative(
         self, phase: int, timed: Timed, x: Lanes, numbers: Numbers, mode: Mode
@@ -351,10 +353,10 @@ class BatchEquations:
                 orbit.mu,
                 jnp,
             )
-        if phase > 0 and self.spring_attachments:
+        if phase >= SPRINGS and self.spring_attachments:
             springs = self._spring_wrenches(timed, bodies, numbers, mode)
             total = _add(total, springs)
-        if phase > 1:
+        if phase >= EVERYTHING:
             total = _add(total, self._joint_wrenches(bodies, numbers, mode))
         if self.separation.loads:
             total = _add(total, self._load_wrenches(timed, bodies, numbers))

@@ -20,7 +20,16 @@ from jax import lax
 
 from drakesep.systems import batch_polynomials as polynomials
 from drakesep.systems import joint_laws, lobatto, motion_laws, runge_kutta
-from drakesep.systems.batch_equations import BatchEquations, Lanes, Mode, Numbers, pick
+from drakesep.systems.batch_equations import (
+    EVERYTHING,
+    FREE,
+    SPRINGS,
+    BatchEquations,
+    Lanes,
+    Mode,
+    Numbers,
+    pick,
+)
 from drakesep.systems.geometry import mated_orientation
 from drakesep.systems.motion_laws import BodyState
 from drakesep.systems.pushers import DisplacementSpring
@@ -375,9 +384,8 @@ class BatchFlight:
             K = jnp.zeros((runge_kutta.STAGES, *x.shape))
             return lambda _: lax.fori_loop(0, runge_kutta.STAGES, stage, K)
 
-        return lax.switch(
-            self._equations.phase(mode), [stages(phase) for phase in range(3)], None
-        )
+        phases = [stages(phase) for phase in (FREE, SPRINGS, EVERYTHING)]
+        return lax.switch(self._equations.phase(mode), phases, None)
 
     def _error(self, K: Lanes) -> Lanes:
         """Return (n,) the error estimate of a step over its share of the tolerance."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from drakesep.systems import lobatto, motion_laws
 from drakesep.systems.batch_equations import (
+    EVERYTHING,
     STATES,
     BatchEquations,
     Lanes,
@@ -87,10 +88,9 @@ class MotionFold:
         p_BoBcm_B, _ = equations.mated_place(numbers)
         times = step.start + lobatto.THETA[:, None] * step.length
         timed = equations.at_times(times, numbers, step.mode)
-        everything = 2
         slopes = lax.map(
             lambda node: equations.derivative(
-                everything, node[0], node[1], numbers, step.mode
+                EVERYTHING, node[0], node[1], numbers, step.mode
             ),
             (timed, jnp.moveaxis(step.x, 1, 0)),
         )[:, :, b]

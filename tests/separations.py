@@ -86,9 +86,9 @@ def generic_pair(
     )
 
 
-def coaxial(separation: Separation) -> Separation:
-    """CGs on the axis, principal axes along it, equal springs: no rotation."""
-    bodies = tuple(
+def on_axis(separation: Separation) -> tuple[Body, ...]:
+    """The bodies with CGs on the axis, and principal axes along it."""
+    return tuple(
         dataclasses.replace(
             body,
             p_BoBcm_B=(body.p_BoBcm_B[0], 0.0, 0.0),
@@ -96,9 +96,15 @@ def coaxial(separation: Separation) -> Separation:
         )
         for body in separation.bodies
     )
+
+
+def coaxial(separation: Separation) -> Separation:
+    """CGs on the axis, principal axes along it, equal springs: no rotation."""
     values = {f"{spring.name}.force_max": 1200.0 for spring in separation.springs}
     values |= {f"{spring.name}.stroke": 0.1 for spring in separation.springs}
     separation = dataclasses.replace(
-        separation, bodies=bodies, initial=InitialMotion(rpy_WA=GENERIC.rpy_WA)
+        separation,
+        bodies=on_axis(separation),
+        initial=InitialMotion(rpy_WA=GENERIC.rpy_WA),
     )
     return with_values(separation, values)

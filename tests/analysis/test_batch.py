@@ -9,7 +9,7 @@ import jax
 import numpy as np
 import pandas as pd
 import pytest
-from separations import generic_pair
+from separations import generic_pair, on_axis
 
 from drakesep.analysis.batch import Batch
 from drakesep.analysis.fleet import Fleet
@@ -372,16 +372,10 @@ def test_jacobian_of_staged_release():
 def coaxial_vega() -> Separation:
     """VEGA that does not rotate at all."""
     separation = load_case("vega").separation
-    bodies = tuple(
-        dataclasses.replace(
-            body,
-            p_BoBcm_B=(body.p_BoBcm_B[0], 0.0, 0.0),
-            I_BBcm_B=(*body.I_BBcm_B[:3], 0.0, 0.0, 0.0),
-        )
-        for body in separation.bodies
-    )
     initial = dataclasses.replace(separation.initial, w_WA_A=(0.0, 0.0, 0.0))
-    return dataclasses.replace(separation, bodies=bodies, orbit=None, initial=initial)
+    return dataclasses.replace(
+        separation, bodies=on_axis(separation), orbit=None, initial=initial
+    )
 
 
 def test_derivative_at_a_kink_is_between_those_of_both_sides():
@@ -419,16 +413,11 @@ def test_jacobian_of_springs_that_end_together():
         )
         for a, angle in zip(pair.attachments, angles, strict=True)
     )
-    bodies = tuple(
-        dataclasses.replace(
-            body,
-            p_BoBcm_B=(body.p_BoBcm_B[0], 0.0, 0.0),
-            I_BBcm_B=(*body.I_BBcm_B[:3], 0.0, 0.0, 0.0),
-        )
-        for body in pair.bodies
-    )
     together = dataclasses.replace(
-        pair, attachments=attachments, bodies=bodies, initial=InitialMotion()
+        pair,
+        attachments=attachments,
+        bodies=on_axis(pair),
+        initial=InitialMotion(),
     )
     batch = Batch(together, ["spring_1.stroke"], tolerance=1e-10)
     row, steps = np.array([0.08]), np.array([8e-6])
