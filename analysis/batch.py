@@ -179,7 +179,7 @@ class Batch:
         """Fly each row of values, with the derivatives of all figures.
 
         They are exact: those of the integration itself, in forward mode. At a kink of a
-        figure they are those of one side; see `drakesep.analysis.batch_metrics`.
+        figure they lie between both sides'; see `drakesep.analysis.batch_metrics`.
 
         Args:
             values: (n, n_p) of the parameters, in SI, in their order; or a frame with
@@ -378,8 +378,10 @@ class Batch:
             for i, row in enumerate(rows)
             if i not in reasons
         ]
-        signals = self._sample_motion(lanes, plans)
-        runs = {plan.row: plan.run(signals) for plan in plans}
+        runs = {}
+        if plans:
+            signals = self._sample_motion(lanes, plans)
+            runs = {plan.row: plan.run(signals) for plan in plans}
         for i in range(len(rows)):
             if i not in runs:
                 as_flown = i not in failures
@@ -396,7 +398,7 @@ class Batch:
         return dict(zip(self.names, row.tolist(), strict=True))
 
     def _sample_motion(self, lanes: Array, plans: Sequence["_Plan"]) -> Array:
-        longest = max((len(plan.times) for plan in plans), default=0)
+        longest = max(len(plan.times) for plan in plans)
         times = np.full((-(-longest // _TIMES) * _TIMES, _RUNS), np.inf)
         for plan in plans:
             times[: len(plan.times), plan.row] = plan.times

@@ -136,7 +136,7 @@ class MetricsFold:
         return jnp.where(found, figures.within_until, times.min(axis=0))
 
     def finish(self, figures: Figures) -> Lanes:
-        """Return (19, n) metrics, in the order of `METRICS`."""
+        """Return (n_m, n) figures, in the order of `METRICS`."""
         values = {
             "G_L1": figures.magnitude,  # Eq. 11
             "G_L2": _root_of_square(figures.square),  # Eq. 12

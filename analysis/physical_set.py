@@ -10,13 +10,11 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from drakesep.analysis.dispersions import Box
-from drakesep.systems.inertia import second_moment
+from drakesep.systems.inertia import ENTRIES, second_moment
 from drakesep.systems.model import Body, Separation
 
 
 Array = NDArray[np.float64]
-
-_ENTRIES = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 # How far inside the set to stay, as a part of the nominal tr(Sigma): above the
 # round-off of Drake's own check, far below any tolerance.
@@ -27,7 +25,7 @@ class _DispersedInertia:
     """Second moment of one body over the box: Sigma(u) = nominal + u . slopes."""
 
     def __init__(self, body: Body, box: Box):
-        names = [f"{body.name}.inertia_{entry}" for entry in _ENTRIES]
+        names = [f"{body.name}.inertia_{entry}" for entry in ENTRIES]
         columns = [
             (box.names.index(name), k)
             for k, name in enumerate(names)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from drakesep.systems.inertia import physical_margin
+from drakesep.systems.inertia import ENTRIES, physical_margin
 from drakesep.systems.model import Separation
 from drakesep.systems.parameters import parameters, with_values
 from drakesep.systems.pushers import Spring
@@ -14,7 +14,6 @@ from drakesep.systems.pushers import Spring
 
 Array = NDArray[np.float64]
 
-_ENTRIES = ("xx", "yy", "zz", "xy", "xz", "yz")
 _POSITIVE = ("mass", "force_max", "stroke", "design_mass", "release_angle")
 _NOT_NEGATIVE = ("damping", "release_time", "start")
 _MARGIN = 1e-9
@@ -88,7 +87,7 @@ def _edge_of_inertia(
     doubtful = np.full(len(values), False)
     nominal = parameters(separation)
     for body in separation.bodies:
-        keys = [f"{body.name}.inertia_{entry}" for entry in _ENTRIES]
+        keys = [f"{body.name}.inertia_{entry}" for entry in ENTRIES]
         if not any(key in names for key in keys):
             continue
         inertia = np.stack(

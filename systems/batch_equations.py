@@ -29,7 +29,8 @@ from drakesep.systems.geometry import (
     pad_on_B,
     place_in_stack,
 )
-from drakesep.systems.joint_laws import HeldJoint, Turn
+from drakesep.systems.inertia import ENTRIES
+from drakesep.systems.joint_laws import NO_TURN, HeldJoint
 from drakesep.systems.joints import JointType, holds_all_rotations
 from drakesep.systems.load_tables import Load
 from drakesep.systems.model import STACK, Separation
@@ -47,9 +48,6 @@ STATES = 13
 """Of a body: quaternion, position, angular and linear velocity, as in Drake's plant."""
 _VELOCITIES = 7
 _XYZ = ("x", "y", "z")
-_ENTRIES = ("xx", "yy", "zz", "xy", "xz", "yz")
-_A_AXES = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-_NO_TURN = Turn((0.0, 0.0, 0.0), 0.0, (0.0, 0.0, 0.0))
 
 
 class Numbers(NamedTuple):
@@ -180,7 +178,7 @@ class BatchEquations:
             x, y, z = (of(elements, f"{stem}_{axis}") for axis in _XYZ)
             return x, y, z
 
-        inertia = [of(bodies, f"inertia_{entry}") for entry in _ENTRIES]
+        inertia = [of(bodies, f"inertia_{entry}") for entry in ENTRIES]
         pads_A = vector(separation.attachments, "position")
         pads_B = [
             pad_on_B(separation, attachment, tuple(x[i] for x in pads_A))
@@ -217,7 +215,7 @@ class BatchEquations:
         """Return the state (13, m, n) of the mated stack, and that nothing happened."""
         separation = self.separation
         _, n = numbers.mass.shape
-        A = [body.name for body in separation.bodies].index(separation.A)
+        A, _ = self.pair
         motions = mated_motion(
             separation,
             numbers.rpy_WA,
@@ -432,7 +430,7 @@ class BatchEquations:
         for (a, b), groups in self._joints.items():
             A, B = pick(bodies, a), pick(bodies, b)
             motion = motion_laws.pair_state(A, B)
-            turn = _NO_TURN
+            turn = NO_TURN
             if any(holds_all_rotations(group.type) for group in groups):
                 q_AB = mated_orientation(
                     self.separation.bodies[a], self.separation.bodies[b]
@@ -482,13 +480,13 @@ def _group_joints(separation: Separation) -> dict[tuple[int, int], list[_Joints]
     alike: dict[Any, list[int]] = {}
     for i, attachment in enumerate(separation.attachments):
         joint = attachment.joint
-        key = separation.ends(attachment), joint.type, joint.R_AJ
+        key = separation.ends(attachment), joint.type, joint.R_AJ_if_turned
         alike.setdefault(key, []).append(i)
     pairs: dict[tuple[int, int], list[_Joints]] = {}
     for (ends, joint_type, R_AJ), indices in alike.items():
         attachments = [separation.attachments[i] for i in indices]
         gains = np.array([a.joint.held_gains() for a in attachments])
-        axes = np.array([_axis_on_B(separation, i) for i in indices])
+        axes = np.array([axis_on_B(separation, a) for a in attachments])
         K_F, D_F, K_T, D_T = (
             tuple(gains[:, c : c + 3].T[..., None]) for c in range(0, 12, 3)
         )
@@ -496,7 +494,7 @@ def _group_joints(separation: Separation) -> dict[tuple[int, int], list[_Joints]
             _Joints(
                 indices,
                 joint_type,
-                None if R_AJ == _A_AXES else R_AJ,
+                R_AJ,
                 K_F,
                 D_F,
                 K_T,
@@ -505,13 +503,6 @@ def _group_joints(separation: Separation) -> dict[tuple[int, int], list[_Joints]
             )
         )
     return pairs
-
-
-def _axis_on_B(separation: Separation, i: int) -> Vector:
-    attachment = separation.attachments[i]
-    joint = attachment.joint
-    axis_A = joint.y_axis_A if joint.type == "universal" else joint.x_axis_A
-    return axis_on_B(separation, attachment, axis_A)
 
 
 def _sum_held(values: Lanes, held: Lanes) -> Lanes:

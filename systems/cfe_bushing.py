@@ -9,7 +9,7 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem, ValuePro
 
 from drakesep.systems import joint_laws, motion_laws
 from drakesep.systems.geometry import axis_on_B, mated_orientation, pad_on_B
-from drakesep.systems.joint_laws import HeldJoint, Pull, Turn
+from drakesep.systems.joint_laws import NO_TURN, HeldJoint, Pull, Turn
 from drakesep.systems.joints import JointType, holds_all_rotations
 from drakesep.systems.model import Separation
 from drakesep.systems.motion_laws import BodyState, PairState
@@ -21,8 +21,6 @@ from drakesep.systems.wrenches import WrenchSum
 _FIELDS = 21
 """Of a joint's parameters: see `CfeBushing`."""
 _ZERO = (0.0, 0.0, 0.0)
-_NO_TURN = Turn(_ZERO, 0.0, _ZERO)
-_A_AXES = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 class _Joint(NamedTuple):
@@ -110,11 +108,10 @@ class CfeBushing(LeafSystem):
         rows: list[float] = []
         for attachment in separation.attachments:
             joint = attachment.joint
-            axis_A = joint.y_axis_A if joint.type == "universal" else joint.x_axis_A
             rows += joint.held_gains()
             pad_A = attachment.p_AoPad_A
             rows += [*pad_A, *pad_on_B(separation, attachment, pad_A)]
-            rows += axis_on_B(separation, attachment, axis_A)
+            rows += axis_on_B(separation, attachment)
         context.get_mutable_numeric_parameter(self._joints).SetFromVector(rows)
         bodies = separation.bodies
         orientations: list[float] = []
@@ -150,7 +147,7 @@ class CfeBushing(LeafSystem):
         for a, b, q_AB, turns, joints in pairs:
             A, B = bodies[a], bodies[b]
             motion = motion_laws.pair_state(A, B)
-            turn = _NO_TURN
+            turn = NO_TURN
             if turns:
                 turn = joint_laws.rotation_deviation(A, B, q_AB, motion.w_AB, math)
             held = [
@@ -196,7 +193,6 @@ def _pairs(separation: Separation) -> dict[tuple[int, int], list[_Joint]]:
     pairs: dict[tuple[int, int], list[_Joint]] = {}
     for i, attachment in enumerate(separation.attachments):
         joint = attachment.joint
-        R_AJ = None if joint.R_AJ == _A_AXES else joint.R_AJ
         ends = separation.ends(attachment)
-        pairs.setdefault(ends, []).append(_Joint(i, joint.type, R_AJ))
+        pairs.setdefault(ends, []).append(_Joint(i, joint.type, joint.R_AJ_if_turned))
     return pairs

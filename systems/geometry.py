@@ -37,10 +37,10 @@ def pad_on_B(
     return unrotate(R_SB, subtract(p_SPad, B.p_ABo))
 
 
-def axis_on_B(
-    separation: Separation, attachment: Attachment, axis_A: Vector3
-) -> Vector3:
-    """Return, in the attachment's body B, an axis given in A, while mated."""
+def axis_on_B(separation: Separation, attachment: Attachment) -> Vector3:
+    """Return the x axis of an attachment's joint, or y of a universal one, in its B."""
+    joint = attachment.joint
+    axis_A = joint.y_axis_A if joint.type == "universal" else joint.x_axis_A
     A, B = separation.body(attachment.A), separation.body(attachment.B)
     return unrotate(rotation_matrix(mated_orientation(A, B)), axis_A)
 

@@ -18,6 +18,9 @@ from drakesep.systems.checks import InputError
 Inertia: TypeAlias = tuple[float, float, float, float, float, float]
 """Matrix entries xx, yy, zz, xy, xz, yz (I_xy = -integral of x y dm), kg m^2."""
 
+ENTRIES = ("xx", "yy", "zz", "xy", "xz", "yz")
+"""Names of the entries, in order."""
+
 # A flat body has Sigma's smallest eigenvalue at zero, up to round-off.
 _ROUND_OFF = 16 * np.finfo(float).eps
 
@@ -63,10 +66,7 @@ def check_inertia(name: str, I_BBcm_B: tuple[float, ...]) -> None:
     """Raise ValueError unless some rigid body has this inertia about its CG."""
     moments = np.linalg.eigvalsh(inertia_matrix(I_BBcm_B))
     entries = ", ".join(
-        f"{axes} {value:g}"
-        for axes, value in zip(
-            ("xx", "yy", "zz", "xy", "xz", "yz"), I_BBcm_B, strict=True
-        )
+        f"{axes} {value:g}" for axes, value in zip(ENTRIES, I_BBcm_B, strict=True)
     )
     if moments[0] <= 0:
         raise InputError(

@@ -95,6 +95,10 @@ class Turn(NamedTuple):
     rate: Vector
 
 
+NO_TURN = Turn(_ZERO, 0.0, _ZERO)
+"""Where no joint asks for it."""
+
+
 def rotation_from_mated(
     q_WA: Quaternion, q_WB: Quaternion, q_AB: Quaternion
 ) -> Quaternion:

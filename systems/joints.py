@@ -44,6 +44,7 @@ class Constraints(NamedTuple):
     """One equation each (Eq. 2)."""
 
 
+_A_AXES = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 _ALL, _NONE = (True, True, True), (False, False, False)
 _NOT_X = (False, True, True)
 CONSTRAINTS: dict[JointType, Constraints] = {
@@ -128,6 +129,11 @@ class Joint:
         x, y = self.x_axis_A, self.y_axis_A
         z = cross(x, y)
         return x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]
+
+    @property
+    def R_AJ_if_turned(self) -> Rotation | None:
+        """The same; None where the frame is that of A: nothing to rotate."""
+        return None if self.R_AJ == _A_AXES else self.R_AJ
 
     def held_gains(self) -> tuple[float, ...]:
         """Return K_F, D_F, K_T, D_T, (12,), with zero along free directions."""

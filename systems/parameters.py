@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from drakesep.systems.checks import InputError, check_finite, unknown
+from drakesep.systems.inertia import ENTRIES
 from drakesep.systems.model import STACK, Separation
 from drakesep.systems.pushers import Spring
 
@@ -28,7 +29,7 @@ _RPY = ("roll", "pitch", "yaw")
 _BODY: dict[str, _Field] = {
     "mass": ("mass", None),
     **_vector("cg", "p_BoBcm_B", _XYZ),
-    **_vector("inertia", "I_BBcm_B", ("xx", "yy", "zz", "xy", "xz", "yz")),
+    **_vector("inertia", "I_BBcm_B", ENTRIES),
 }
 _ATTACHMENT: dict[str, _Field] = {
     **_vector("position", "p_AoPad_A", _XYZ),
