@@ -87,6 +87,11 @@ class Batch:
     user's cache folder unless JAX has been told of another. Rows are flown in chunks,
     on all cores: memory does not grow with their number, and no result depends on the
     number of workers.
+
+    Attributes:
+        separation: that is flown.
+        names: (n_p,) of the parameters that vary.
+        nominal: (n_p,) their values in the separation.
     """
 
     def __init__(
@@ -143,8 +148,8 @@ class Batch:
         self._chunk, self._workers = chunk, workers
         self._max_steps = max_steps
         self._nominal = nominal
-        self._defaults = np.array([nominal[name] for name in names])
-        self._equations = BatchEquations(separation)
+        self.nominal = np.array([nominal[name] for name in names])
+        self._equations = BatchEquations(separation, names)
         flight = functools.partial(
             BatchFlight, self._equations, tolerance=tolerance, max_steps=max_steps
         )
@@ -246,7 +251,7 @@ class Batch:
         rows = self._check_values(values)
         failures = check_rows(self.separation, self.names, rows)
         flyable, unflown = rows.copy(), list(failures)
-        flyable[unflown] = self._defaults
+        flyable[unflown] = self.nominal
         metrics = np.empty((len(rows), len(METRICS)))
         steps = np.zeros(len(rows), dtype=np.int64)
         jacobian = None
@@ -297,7 +302,7 @@ class Batch:
 
     def _filled(self, rows: Array, count: int) -> Array:
         """Return (n_p, count) lanes of fewer rows: every chunk has the same size."""
-        lanes = np.tile(self._defaults[:, None], count)
+        lanes = np.tile(self.nominal[:, None], count)
         lanes[:, : len(rows)] = rows.T
         return lanes
 
@@ -369,7 +374,7 @@ class Batch:
     def _sample(self, rows: Array, failures: Mapping[int, str]) -> list[Run]:
         """Return the runs of at most `_RUNS` rows."""
         flyable = rows.copy()
-        flyable[list(failures)] = self._defaults
+        flyable[list(failures)] = self.nominal
         lanes = self._filled(flyable, _RUNS)
         flown = _call(self._figures, lanes)
         reasons = {**self._why_not(flown), **failures}

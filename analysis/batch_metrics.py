@@ -47,8 +47,12 @@ class Figures(NamedTuple):
     released_speed: Lanes
     """Largest longitudinal speed since release, m/s."""
     final_rate: Lanes
-    rate_after: Lanes
-    deviation: Lanes
+    rate_min: Lanes
+    """(3, n) smallest rates after separation, rad/s."""
+    rate_max: Lanes
+    """(3, n) largest rates after separation, rad/s."""
+    angle: Lanes
+    """(3, n) angles at separation, rad."""
     within_until: Lanes
     speed_max: Lanes
     speed_after: Lanes
@@ -82,8 +86,9 @@ class MetricsFold:
             relative_peak=none,
             released_speed=least,
             final_rate=jnp.zeros((3, n)),
-            rate_after=none,
-            deviation=jnp.zeros((3, n)),
+            rate_min=-none,
+            rate_max=none,
+            angle=jnp.zeros((3, n)),
             within_until=most,
             speed_max=least,
             speed_after=most,
@@ -102,7 +107,7 @@ class MetricsFold:
             [*motion.relative_rate, *motion.rate, motion.relative_velocity[0], *angles]
         )
         lowest, highest = signals.extremes()
-        peaks = jnp.maximum(-lowest[:6], highest[:6])
+        peaks = jnp.maximum(-lowest[:3], highest[:3])
         released, separated = step.separating, step.separated
 
         def larger(before: Lanes, value: Lanes, when: Lanes) -> Lanes:
@@ -111,15 +116,16 @@ class MetricsFold:
         magnitude = step.length * signals.mean_magnitude(3).sum(axis=0)
         square = step.length * signals.mean_square(3).sum(axis=0)
         ends_here = separated & jnp.isinf(figures.separation_end)
-        deviation = jnp.abs(jnp.stack([angle[0] for angle in motion.angle]))
+        angle = jnp.stack([angle[0] for angle in motion.angle])
         return Figures(
             magnitude=figures.magnitude + jnp.where(released, magnitude, 0.0),
             square=figures.square + jnp.where(released, square, 0.0),
-            relative_peak=larger(figures.relative_peak, peaks[:3], released),
+            relative_peak=larger(figures.relative_peak, peaks, released),
             released_speed=larger(figures.released_speed, highest[6], released),
             final_rate=jnp.stack([rate[-1] for rate in motion.rate]),
-            rate_after=larger(figures.rate_after, peaks[3:6], separated),
-            deviation=jnp.where(ends_here, deviation, figures.deviation),
+            rate_min=-larger(-figures.rate_min, -lowest[3:6], separated),
+            rate_max=larger(figures.rate_max, highest[3:6], separated),
+            angle=jnp.where(ends_here, angle, figures.angle),
             within_until=self._within_until(figures, signals, step),
             speed_max=jnp.maximum(figures.speed_max, highest[6]),
             speed_after=-larger(-figures.speed_after, -lowest[6], separated),
@@ -149,11 +155,15 @@ class MetricsFold:
             "longitudinal_speed_after_separation": figures.speed_after,
             "separation_end": figures.separation_end,
         }
+        peaks = jnp.maximum(-figures.rate_min, figures.rate_max)
         for i, axis in enumerate(AXES):
             values[f"final_rate_{axis}"] = figures.final_rate[i]
-            values[f"rate_after_separation_{axis}"] = figures.rate_after[i]
+            values[f"rate_after_separation_{axis}"] = peaks[i]
+            values[f"rate_min_after_separation_{axis}"] = figures.rate_min[i]
+            values[f"rate_max_after_separation_{axis}"] = figures.rate_max[i]
         for i, angle in enumerate(ANGLES):
-            values[f"deviation_at_separation_{angle}"] = figures.deviation[i]
+            values[f"deviation_at_separation_{angle}"] = jnp.abs(figures.angle[i])
+            values[f"angle_at_separation_{angle}"] = figures.angle[i]
         return jnp.stack([values[name] for name in METRICS])
 
 

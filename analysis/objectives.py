@@ -1,59 +1,340 @@
-"""What makes a separation bad: scalar objectives of a run, to be maximised.
+"""What makes a separation bad: objectives, to be maximised.
 
-An objective is any function of a `Run` that returns a float. The four of the paper
-look at the motion of B relative to A from release to the end of the run.
+An objective is a figure of a run, in either direction, or any function of a `Run`; or a
+sum, a multiple or the largest of such. The four of the paper look at the motion of B
+relative to A from release to the end of the run.
 """
 
+import copy
 import math
-from collections.abc import Callable, Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Literal, TypeAlias
+from typing import Literal, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PPoly
 
-from drakesep.analysis import signals
+from drakesep.analysis.metrics import ANGLES, AXES, METRICS, WINDOWED, metrics
+from drakesep.analysis.requirements import Requirement
+from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.run import Run
 
 
-Objective: TypeAlias = Callable[[Run], float]
+Array = NDArray[np.float64]
 ObjectiveName: TypeAlias = Literal["L1", "L2", "Linf", "PM"]
+"""Of the paper."""
+Limits: TypeAlias = Sequence[float]
+"""(3,) of roll, pitch and yaw, rad; see `metrics`."""
+Window: TypeAlias = tuple[float, float]
+"""From when to when, s."""
 
 
-def _since_release(run: Run, samples: NDArray[np.float64]) -> list[PPoly]:
-    interpolants = signals.interpolate(run.completed_motion.time, samples, run.breaks)
-    start, end = run.separation_start, run.separation.duration
-    return [signals.between(signal, start, end) for signal in interpolants]
+class Objective(ABC):
+    """A number for each run, to be maximised.
+
+    Objectives add up, take factors, and negate: ``highest("G_L1") + 2.0 * mine``.
+
+    Attributes:
+        name: in tables.
+        of_figures_alone: whether the figures of a run tell the objective, so that no
+            motion is needed, and its derivatives are exact.
+        figure: that it is, or less it; None if it is something else.
+        sign: 1, or -1 if it is less its figure.
+    """
+
+    name: str
+    of_figures_alone: bool
+    figure: str | None = None
+    sign: float = 1.0
+
+    def __call__(self, run: Run) -> float:
+        """Return the objective of a completed run, with no limits of deviations."""
+        return self.of_run(run, (math.inf,) * 3)
+
+    @abstractmethod
+    def of_run(self, run: Run, limits: Limits) -> float:
+        """Return the objective of a completed run.
+
+        Args:
+            run: a completed run.
+            limits: (3,) of the deviations, as `metrics` takes them.
+        """
+
+    def of_figures(self, figures: Array) -> Array:
+        """Return the objective (...,) of figures (..., n_m), in the order of METRICS.
+
+        Raises:
+            TypeError: it needs the whole run.
+        """
+        raise TypeError(f"{self.name} is a function of a whole run")
+
+    def weights(self, figures: Array) -> Array:
+        """Return the derivatives (..., n_m) of the objective with the figures.
+
+        Raises:
+            TypeError: it needs the whole run.
+        """
+        raise TypeError(f"{self.name} is a function of a whole run")
+
+    def named(self, name: str) -> Self:
+        """Return the same objective under another name."""
+        new = copy.copy(self)
+        new.name = name
+        return new
+
+    def __add__(self, other: "Objective") -> "Objective":
+        return _Sum([self, other], [1.0, 1.0])
+
+    def __mul__(self, factor: float) -> "Objective":
+        return _Sum([self], [float(factor)])
+
+    __rmul__ = __mul__
+
+    def __neg__(self) -> "Objective":
+        return _Sum([self], [-1.0])
+
+    def __sub__(self, other: "Objective") -> "Objective":
+        return _Sum([self, other], [1.0, -1.0])
 
 
-def _relative_rates(run: Run) -> list[PPoly]:
-    return _since_release(run, run.completed_motion.relative_rate)
+class _Figure(Objective):
+    """A figure of a run, or less it."""
+
+    def __init__(self, figure: str, sign: float, name: str, window: Window | None):
+        if figure not in METRICS:
+            raise InputError(unknown("figure", figure, METRICS))
+        if window is not None and figure not in WINDOWED:
+            raise InputError(
+                f"window: must be of one of {', '.join(WINDOWED)}, got {figure}"
+            )
+        self.name = name
+        self.of_figures_alone = window is None
+        self.figure, self.sign, self._window = figure, sign, window
+        self._column = METRICS.index(figure)
+
+    def of_run(self, run: Run, limits: Limits) -> float:
+        return self.sign * metrics(run, limits, self._window)[str(self.figure)]
+
+    def of_figures(self, figures: Array) -> Array:
+        return self.sign * figures[..., self._column]
+
+    def weights(self, figures: Array) -> Array:
+        weights = np.zeros_like(figures)
+        weights[..., self._column] = self.sign
+        return weights
 
 
-def l1(run: Run) -> float:
-    """Return G_L1, the integral of the relative rates' magnitudes, rad."""
-    return sum(map(signals.integral_of_magnitude, _relative_rates(run)))  # Eq. 11
+class _OfRun(Objective):
+    """Any function of a run."""
+
+    of_figures_alone = False
+
+    def __init__(self, function: Callable[[Run], float], name: str):
+        self.name = name
+        self._function = function
+
+    def of_run(self, run: Run, limits: Limits) -> float:
+        return float(self._function(run))
 
 
-def l2(run: Run) -> float:
-    """Return G_L2, the energy norm of the relative rates, rad/sqrt(s)."""
-    squares = map(signals.integral_of_square, _relative_rates(run))
-    return math.sqrt(sum(squares))  # Eq. 12
+class _Together(Objective):
+    """Something made of several objectives."""
+
+    def __init__(self, terms: Sequence[Objective], name: str):
+        self.name = name
+        self._terms = tuple(terms)
+        self.of_figures_alone = all(term.of_figures_alone for term in terms)
+
+    def _each_of_figures(self, figures: Array) -> Array:
+        return np.stack([term.of_figures(figures) for term in self._terms], axis=-1)
+
+    def _each_of_run(self, run: Run, limits: Limits) -> list[float]:
+        return [term.of_run(run, limits) for term in self._terms]
+
+    def _each_weights(self, figures: Array) -> Array:
+        return np.stack([term.weights(figures) for term in self._terms], axis=-2)
 
 
-def linf(run: Run) -> float:
-    """Return G_Linf, the sum of the relative rates' peaks, rad/s."""
-    return sum(map(signals.peak, _relative_rates(run)))  # Eq. 13
+class _Sum(_Together):
+    """A weighted sum of objectives."""
+
+    def __init__(
+        self, terms: Sequence[Objective], factors: Sequence[float], name: str = ""
+    ):
+        factors = [float(factor) for factor in factors]
+        if not np.isfinite(factors).all():
+            raise InputError(f"factors of a sum must be finite, got {factors}")
+        super().__init__(terms, name or _written(terms, factors))
+        self._factors = np.array(factors)
+
+    def of_run(self, run: Run, limits: Limits) -> float:
+        return float(self._factors @ self._each_of_run(run, limits))
+
+    def of_figures(self, figures: Array) -> Array:
+        return np.asarray(self._each_of_figures(figures) @ self._factors)
+
+    def weights(self, figures: Array) -> Array:
+        each = self._each_weights(figures)
+        return np.asarray(np.einsum("...tm,t->...m", each, self._factors))
 
 
-def pm(run: Run) -> float:
-    """Return G_PM, less the largest longitudinal speed relative to A, m/s."""
-    [speed] = _since_release(run, run.completed_motion.relative_velocity[:, :1])
-    return -signals.extremes(speed)[1]  # Eq. 14
+class _Largest(_Together):
+    """The largest of objectives; where two are as large, the slope of the first."""
+
+    def of_run(self, run: Run, limits: Limits) -> float:
+        return max(self._each_of_run(run, limits))
+
+    def of_figures(self, figures: Array) -> Array:
+        return np.asarray(self._each_of_figures(figures).max(axis=-1))
+
+    def weights(self, figures: Array) -> Array:
+        which = self._each_of_figures(figures).argmax(axis=-1)
+        each = self._each_weights(figures)
+        picked = np.take_along_axis(each, which[..., None, None], axis=-2)
+        return np.asarray(picked[..., 0, :])
+
+
+def _written(terms: Iterable[Objective], factors: Iterable[float]) -> str:
+    text = ""
+    for term, factor in zip(terms, factors, strict=True):
+        sign = "-" if factor < 0.0 else "+" if text else ""
+        size = "" if abs(factor) == 1.0 else f"{abs(factor):g}*"
+        text += f"{sign}{size}{term.name}"
+    return text
+
+
+def highest(figure: str, *, window: Window | None = None) -> Objective:
+    """Return the objective that makes a figure large.
+
+    Args:
+        figure: one of `METRICS`.
+        window: from when to when the figure looks, s; all of its time if None.
+
+    Raises:
+        ValueError: the figure is unknown, or takes no window.
+    """
+    return _Figure(figure, 1.0, f"highest_{figure}{_suffix(window)}", window)
+
+
+def lowest(figure: str, *, window: Window | None = None) -> Objective:
+    """Return the objective that makes a figure small: less its value.
+
+    Args:
+        figure: one of `METRICS`.
+        window: from when to when the figure looks, s; all of its time if None.
+
+    Raises:
+        ValueError: the figure is unknown, or takes no window.
+    """
+    return _Figure(figure, -1.0, f"lowest_{figure}{_suffix(window)}", window)
+
+
+def of_run(function: Callable[[Run], float], name: str = "") -> Objective:
+    """Return the objective that is any function of a run.
+
+    Args:
+        function: of a completed `Run`; it must give a finite number.
+        name: in tables; that of the function if empty.
+
+    Raises:
+        ValueError: it is no function.
+    """
+    if not callable(function):
+        raise InputError(f"objective: must be a function of a run, got {function!r}")
+    return _OfRun(function, name or getattr(function, "__name__", "objective"))
+
+
+def largest(*objectives: Objective, name: str = "") -> Objective:
+    """Return the largest of objectives, in SI.
+
+    Args:
+        objectives: one or more.
+        name: in tables; made of theirs if empty.
+
+    Raises:
+        ValueError: there is none.
+    """
+    if not objectives:
+        raise InputError("largest: must have an objective or more, got none")
+    listed = ", ".join(objective.name for objective in objectives)
+    return _Largest(objectives, name or f"largest({listed})")
+
+
+def _suffix(window: Window | None) -> str:
+    if window is None:
+        return ""
+    start, end = window
+    if not (math.isfinite(start) and start < end):
+        raise InputError(f"window: must be from one time to a later, got {window} s")
+    return f"_{start:g}_to_{end:g}_s"
 
 
 OBJECTIVES: Mapping[str, Objective] = MappingProxyType(
-    {"L1": l1, "L2": l2, "Linf": linf, "PM": pm}
+    {
+        name.removeprefix("G_"): _Figure(name, 1.0, name.removeprefix("G_"), None)
+        for name in METRICS
+        if name.startswith("G_")
+    }
 )
-"""The paper's objectives by name."""
+"""The paper's objectives by name: L1, L2, Linf, PM."""
+
+TWO_SIDED = {
+    **{
+        f"rate_after_separation_{axis}": (
+            f"rate_max_after_separation_{axis}",
+            f"rate_min_after_separation_{axis}",
+        )
+        for axis in AXES
+    },
+    **{
+        f"deviation_at_separation_{angle}": (f"angle_at_separation_{angle}",) * 2
+        for angle in ANGLES
+    },
+}
+"""Figures that are magnitudes, with the figures of their two directions."""
+
+
+def towards(requirement: Requirement) -> tuple[Objective, ...]:
+    """Return the objectives that lead out of a requirement.
+
+    A limit on a magnitude has two, one for each direction; each is smooth where the
+    magnitude has a kink, and finds the other side from the wrong one.
+    """
+    metric = requirement.metric
+    if requirement.sense == ">=":
+        return (lowest(metric),)
+    if metric not in TWO_SIDED:
+        return (highest(metric),)
+    up, down = TWO_SIDED[metric]
+    return (
+        highest(up).named(f"{metric}_up"),
+        lowest(down).named(f"{metric}_down"),
+    )
+
+
+def as_objective(
+    objective: "Objective | str | Callable[[Run], float]", also: Iterable[str] = ()
+) -> Objective:
+    """Return an objective from its name, or from a function of a run.
+
+    Args:
+        objective: an objective; a name of the paper's; ``highest_`` or ``lowest_`` and
+            a figure of `METRICS`; or a function of a run.
+        also: other names that are known, to be suggested.
+
+    Raises:
+        ValueError: no such objective.
+    """
+    if isinstance(objective, Objective):
+        return objective
+    if not isinstance(objective, str):
+        return of_run(objective)
+    if objective in OBJECTIVES:
+        return OBJECTIVES[objective]
+    for prefix, make in (("highest_", highest), ("lowest_", lowest)):
+        if objective.startswith(prefix):
+            return make(objective.removeprefix(prefix))
+    figures = [f"{p}_{name}" for name in METRICS for p in ("highest", "lowest")]
+    known = list(dict.fromkeys([*OBJECTIVES, *also, *figures]))
+    raise InputError(unknown("objective", objective, known))

@@ -2,10 +2,11 @@ from .case import Case as Case
 from .case import CaseError as CaseError
 from .case_file import builtin_cases as builtin_cases
 from .case_file import load_case as load_case
-from .studies import Progress as Progress
 from .studies import Simulated as Simulated
-from .studies import Verification as Verification
-from .studies import WorstCases as WorstCases
 from .studies import simulate as simulate
 from .studies import verify as verify
 from .studies import worst_case as worst_case
+from .verification import Verification as Verification
+from .worst_cases import Progress as Progress
+from .worst_cases import WorstCases as WorstCases
+from .worst_cases import case_objectives as case_objectives

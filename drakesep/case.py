@@ -3,17 +3,21 @@
 Keys carry their units; a `Case` hands everything on in SI and radians.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Self
 
 from pydantic import Field, model_validator
 
 from drakesep.analysis.dispersions import Box
-from drakesep.analysis.requirements import Requirement
+from drakesep.analysis.objectives import Objective, lowest, towards
+from drakesep.analysis.requirements import Requirement, deviation_limits
+from drakesep.analysis.tolerance_set import ToleranceSet
 from drakesep.attachment_sections import AttachmentSection, LoadSection
 from drakesep.body_sections import BodySection
 from drakesep.case_sections import (
     BeforeSeparationSection,
+    EllipsoidSection,
     OrbitSection,
     PairSection,
     PublishedSection,
@@ -46,6 +50,8 @@ class Case(Section):
     before_separation: BeforeSeparationSection = BeforeSeparationSection()
     dispersions: dict[str, Positive] = Field(default_factory=dict)
     """Tolerances to either side of the values above."""
+    ellipsoids: list[EllipsoidSection] = Field(default_factory=list)
+    """Dispersed parameters that go together."""
     requirements: list[RequirementSection] = Field(default_factory=list)
     run: RunSection
     published: list[PublishedSection] = Field(default_factory=list)
@@ -54,6 +60,7 @@ class Case(Section):
     def _check_meaning(self) -> Self:
         _ = self.separation, self.integration
         self._check_dispersions()
+        self._check_ellipsoids()
         self._check_requirements()
         self._check_published()
         return self
@@ -67,6 +74,12 @@ class Case(Section):
                 raise CaseError(
                     f"dispersions: {bound}{error.__cause__ or error}"
                 ) from error
+
+    def _check_ellipsoids(self) -> None:
+        try:
+            _ = self.tolerance_set
+        except InputError as error:
+            raise CaseError(f"ellipsoids: {error}") from error
 
     def _check_requirements(self) -> None:
         quantities = [section.quantity for section in self.requirements]
@@ -86,7 +99,7 @@ class Case(Section):
             label = published.label
             if labels.count(label) > 1:
                 raise CaseError(f"published: label {label!r} must stand once")
-            if label == "nominal" or label.startswith("worst_"):
+            if label == "nominal" or label.startswith(("worst_", "sqp_")):
                 raise CaseError(f"published: label {label!r} is taken by our own runs")
             try:
                 with_values(self.separation, self.published_values(published))
@@ -116,6 +129,25 @@ class Case(Section):
     def box(self) -> Box:
         """The tolerances, in SI."""
         return Box.around(self.separation, self.values_in_si(self.dispersions))
+
+    @property
+    def tolerance_set(self) -> ToleranceSet:
+        """What the tolerances admit, and can exist."""
+        ellipsoids = [
+            section.in_si(
+                tuple(self.values_in_si(dict.fromkeys(section.parameters, 0.0)))
+            )
+            for section in self.ellipsoids
+        ]
+        return ToleranceSet(self.separation, self.box, ellipsoids)
+
+    @property
+    def requirement_objectives(self) -> tuple[Objective, ...]:
+        """What leads out of each requirement, and the time to a deviation's limit."""
+        objectives = [o for limit in self.limits for o in towards(limit)]
+        if any(math.isfinite(limit) for limit in deviation_limits(self.limits)):
+            objectives.append(lowest("deviation_within_limits_until"))
+        return tuple(objectives)
 
     @property
     def limits(self) -> tuple[Requirement, ...]:

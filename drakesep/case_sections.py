@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Strict, model_validator
 
+from drakesep.analysis.ellipsoid import Ellipsoid
 from drakesep.analysis.metrics import ANGLES, AXES
 from drakesep.analysis.objectives import ObjectiveName
 from drakesep.analysis.requirements import Requirement
@@ -57,6 +58,23 @@ class BeforeSeparationSection(Section):
         return InitialMotion(
             rpy_WA=to_si("attitude", self.attitude_deg),
             w_WA_A=to_si("rate", self.rate_deg_s),
+        )
+
+
+class EllipsoidSection(Section):
+    """Dispersed parameters that do not all reach their tolerances together."""
+
+    parameters: list[str]
+    """Keys of `dispersions`."""
+    correlation: list[list[float]] | None = None
+    """Matrix with 1 on its diagonal; uncorrelated if left out."""
+
+    def in_si(self, names: tuple[str, ...]) -> Ellipsoid:
+        """Return the ellipsoid of parameters whose names without units are given."""
+        rows = self.correlation
+        return Ellipsoid(
+            names=names,
+            correlation=None if rows is None else tuple(map(tuple, rows)),
         )
 
 

@@ -1,42 +1,33 @@
 """The studies that users ask for: simulate, worst case, verify."""
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Unpack
 
 import pandas as pd
 
 from drakesep import figures, tables
-from drakesep.analysis.fleet import Fleet
-from drakesep.analysis.metrics import metrics
-from drakesep.analysis.objectives import OBJECTIVES
-from drakesep.analysis.physical_set import PhysicalSet
-from drakesep.analysis.requirements import Finding, assess, deviation_limits
-from drakesep.analysis.worst_case import Iteration, find_worst_case
+from drakesep.analysis.search import Effort, Problem, SearchSettings
 from drakesep.case import Case
 from drakesep.case_file import load_case
-from drakesep.systems.checks import InputError, unknown
-from drakesep.systems.run import Run
+from drakesep.folder import writable_folder
+from drakesep.systems.checks import InputError
 from drakesep.systems.simulation import Simulation
 from drakesep.tables import Flight
-
-
-NOMINAL = "nominal"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Progress:
-    """Where a study stands."""
-
-    searches: int
-    """Searches to be done."""
-    done: int
-    """Searches ended."""
-    objective: str
-    """Of the search under way."""
-    iteration: Iteration
-    """Its latest iterate."""
+from drakesep.verification import Verification
+from drakesep.worst_cases import (
+    DEFAULT_SEARCHES,
+    DRAKE,
+    NOMINAL,
+    AnyObjective,
+    OnProgress,
+    WorstCases,
+    as_flight,
+    choose_objectives,
+    search,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,124 +65,25 @@ class Simulated:
             figures.save_figures([self.flight], self.case.limits, folder)
 
 
-@dataclass(kw_only=True)
-class WorstCases:
-    """The nominal run, the published worst cases, and the worst found."""
-
-    case: Case
-    flights: list[Flight] = field(default_factory=list)
-    iterations: dict[str, list[Iteration]] = field(default_factory=dict)
-    """Of each search, by objective."""
-
-    @property
-    def table(self) -> pd.DataFrame:
-        """A row for each run: parameters, figures, and how it was found."""
-        return tables.flights_table(self.flights, self.case.box.names)
-
-    @property
-    def history(self) -> pd.DataFrame:
-        """A row for each iterate of each search."""
-        return tables.history_table(self.iterations, self.case.box)
-
-    @property
-    def comparison(self) -> pd.DataFrame:
-        """For each objective: nominal, published and worst value."""
-        return tables.comparison_table(self.flights)
-
-    @property
-    def table_4(self) -> pd.DataFrame:
-        """The worst cases in the form of the paper's Table 4."""
-        return tables.table_4(self.flights, self.case.box)
-
-    @property
-    def motions(self) -> dict[str, pd.DataFrame]:
-        """The motion of each run that did not fail, by its label."""
-        return {
-            flight.label: tables.motion_table(flight.run.motion)
-            for flight in self.flights
-            if flight.run.motion is not None
-        }
-
-    @property
-    def completed(self) -> bool:
-        """Whether no run and no search failed."""
-        return not any(flight.status.startswith("failed") for flight in self.flights)
-
-    def save_tables(self, directory: str | Path) -> None:
-        """Write the tables into a folder."""
-        folder = writable_folder(directory)
-        tables.write_csv(self.table, folder / "worst_cases.csv")
-        tables.write_csv(self.history, folder / "history.csv")
-        if self.iterations:
-            tables.write_csv(self.comparison, folder / "comparison.csv")
-
-    def save(self, directory: str | Path) -> None:
-        """Write the tables and figures into a folder."""
-        self.save_tables(directory)
-        shown = [flight for flight in self.flights if flight.run.motion is not None]
-        figures.save_figures(shown, self.case.limits, Path(directory))
-
-
-@dataclass(kw_only=True)
-class Verification(WorstCases):
-    """The worst cases held against the requirements."""
-
-    @functools.cached_property
-    def findings(self) -> list[Finding]:
-        """How each requirement fares over all runs."""
-        runs = {f.label: f.figures for f in self.flights if f.figures}
-        return assess(self.case.limits, runs, NOMINAL)
-
-    @property
-    def requirements(self) -> pd.DataFrame:
-        """A row for each requirement and axis, with its margin and verdict."""
-        return tables.requirements_table(self.findings)
-
-    @property
-    def passed(self) -> bool:
-        """Whether every requirement is met, with no run and no search failed."""
-        return self.completed and all(finding.met for finding in self.findings)
-
-    def save(self, directory: str | Path) -> None:
-        """Write the tables, figures and motions into a folder."""
-        super().save(directory)
-        folder = Path(directory)
-        tables.write_csv(self.requirements, folder / "requirements.csv")
-        tables.write_csv(self.table_4, folder / "table_4.csv")
-        for label, motion in self.motions.items():
-            tables.write_csv(motion, folder / f"motion_{label}.csv")
-
-
-def writable_folder(directory: str | Path) -> Path:
-    """Return a folder, made if need be.
-
-    Raises:
-        ValueError: it cannot be made or written.
-    """
-    folder = Path(directory)
-    probe = folder / ".drakesep"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        probe.touch()
-        probe.unlink()
-    except OSError as error:
-        raise InputError(
-            f"output: must be a folder that can be written, got {folder} "
-            f"({error.strerror})"
-        ) from error
-    return folder
-
-
 _RESULTS = (
-    *("worst_cases.csv", "history.csv", "comparison.csv"),
-    *("requirements.csv", "table_4.csv", "translation.png", "rotation.png"),
+    *("worst_cases.csv", "history.csv", "comparison.csv", "requirements.csv"),
+    *("table_4.csv", "evidence.csv", "searches.csv", "candidates.csv"),
+    *("worst_points.csv", "sensitivities.csv", "tolerances.csv"),
+    *("translation.png", "rotation.png", "tornado.png"),
 )
 
 
-def _clear(folder: Path) -> None:
-    # An interrupted study must not stand beside the verdict of an earlier one.
+def _cleared(directory: str | Path | None) -> Path | None:
+    """Return the folder, without the results of an earlier study.
+
+    An interrupted study must not stand beside the verdict of an earlier one.
+    """
+    if directory is None:
+        return None
+    folder = writable_folder(directory)
     for name in _RESULTS:
         (folder / name).unlink(missing_ok=True)
+    return folder
 
 
 def simulate(
@@ -211,163 +103,114 @@ def simulate(
         case.values_in_si(values or {})
     )
     label = "run" if values else NOMINAL
-    return Simulated(case=case, flight=_flight(label, run, case), values=values or {})
+    return Simulated(case=case, flight=as_flight(label, run, case), values=values or {})
 
 
 def worst_case(
     case: Case | str | Path,
-    objectives: Sequence[str] | None = None,
+    objectives: Sequence[AnyObjective] | AnyObjective | None = None,
     *,
+    searches: Sequence[str] = DEFAULT_SEARCHES,
     output: str | Path | None = None,
     workers: int | None = None,
-    on_progress: Callable[[Progress], None] | None = None,
+    on_progress: OnProgress | None = None,
+    **effort: Unpack[Effort],
 ) -> WorstCases:
     """Find the worst cases of a case over its tolerances.
 
     Args:
         case: a case, a case file, or the name of a built-in case.
-        objectives: names out of `OBJECTIVES`; all if None.
+        objectives: names (see `case_objectives`), objectives, or functions of a run;
+            the paper's and those of the requirements if None.
+        searches: names out of `SEARCHES`, in the order in which they go; or
+            ``["drake"]``, which flies Drake alone.
         output: folder that receives the tables as the study goes on.
-        workers: number of processes; one per core if None.
-        on_progress: called with every iterate of every search.
+        workers: number of processes that fly Drake; one per core if None.
+        on_progress: called as the searches go on.
+        effort: `starts`, `samples`, `vertices`, `generations` and `seed` of
+            `SearchSettings`; the length of a run decides what is left out.
 
     Raises:
-        ValueError: the case or an objective is wrong, or the folder cannot be
-            written.
+        ValueError: the case, an objective or a search is wrong, or the folder cannot
+            be written.
         RuntimeError: the nominal run fails.
     """
     study = WorstCases(case=_as_case(case))
     if not study.case.dispersions:
         raise InputError("dispersions: a worst case needs some, got none")
-    _search(study, objectives, output, workers, on_progress)
-    if output is not None:
-        study.save(output)
+    folder = _cleared(output)
+    search(
+        study,
+        choose_objectives(study.case, objectives),
+        searches=searches,
+        effort=effort,
+        output=folder,
+        workers=workers,
+        on_progress=on_progress,
+    )
+    if folder is not None:
+        study.save(folder)
     return study
 
 
 def verify(
     case: Case | str | Path,
     *,
+    searches: Sequence[str] = DEFAULT_SEARCHES,
+    growth: bool | None = None,
     output: str | Path | None = None,
     workers: int | None = None,
-    on_progress: Callable[[Progress], None] | None = None,
+    on_progress: OnProgress | None = None,
+    **effort: Unpack[Effort],
 ) -> Verification:
     """Find every worst case of a case and hold them against its requirements.
 
     Args:
         case: a case, a case file, or the name of a built-in case.
+        searches: as `worst_case` takes them.
+        growth: whether to find how far tolerances may grow; None: unless Drake flies
+            alone or its nominal run takes more than 2000 steps.
         output: folder that receives tables and figures, tables as the study goes on.
-        workers: number of processes; one per core if None.
-        on_progress: called with every iterate of every search.
+        workers: number of processes that fly Drake; one per core if None.
+        on_progress: called as the searches go on.
+        effort: `starts`, `samples`, `vertices`, `generations`, `corners` and `seed` of
+            `SearchSettings`; the length of a run decides what is left out.
 
     Raises:
-        ValueError: the case is wrong or has no requirement, or the folder cannot be
-            written.
+        ValueError: the case is wrong or has no requirement, a search is wrong, or the
+            folder cannot be written.
         RuntimeError: the nominal run fails.
     """
     study = Verification(case=_as_case(case))
     if not study.case.limits:
         raise InputError("requirements: a case to verify must have some, got none")
+    folder = _cleared(output)
     # Without dispersions, the nominal and the published runs are all there is.
-    objectives: Sequence[str] | None = None if study.case.dispersions else []
-    _search(study, objectives, output, workers, on_progress)
-    if output is not None:
-        study.save(output)
+    objectives = choose_objectives(study.case, None) if study.case.dispersions else ()
+
+    def grow(problem: Problem, settings: SearchSettings) -> None:
+        light = DRAKE not in searches and study.flights[0].run.steps <= _GROWABLE
+        if growth or (growth is None and light):
+            study.find_growths(problem, settings)
+
+    search(
+        study,
+        objectives,
+        searches=searches,
+        effort=effort,
+        output=folder,
+        workers=workers,
+        on_progress=on_progress,
+        afterwards=grow,
+    )
+    if folder is not None:
+        study.save(folder)
     return study
+
+
+_GROWABLE = 2000
+"""Steps of the nominal run in Drake up to which growth is looked for unasked."""
 
 
 def _as_case(case: Case | str | Path) -> Case:
     return case if isinstance(case, Case) else load_case(case)
-
-
-def _flight(label: str, run: Run, case: Case, **found: object) -> Flight:
-    completed = run.motion is not None
-    figures = metrics(run, deviation_limits(case.limits)) if completed else {}
-    if not completed:
-        found["status"] = f"failed: {run.message}"
-    return Flight(label=label, run=run, figures=figures, **found)  # type: ignore[arg-type]
-
-
-def _search(
-    study: WorstCases,
-    objectives: Sequence[str] | None,
-    output: str | Path | None,
-    workers: int | None,
-    on_progress: Callable[[Progress], None] | None,
-) -> None:
-    if isinstance(objectives, str):
-        objectives = [objectives]
-    names = list(OBJECTIVES if objectives is None else dict.fromkeys(objectives))
-    for name in names:
-        if name not in OBJECTIVES:
-            raise InputError(unknown("objective", name, OBJECTIVES))
-    if output is not None:
-        _clear(writable_folder(output))
-
-    with Fleet(study.case.separation, study.case.integration, workers=workers) as fleet:
-        _fly_references(study, fleet)
-        if output is not None:
-            study.save_tables(output)
-        for done, name in enumerate(names):
-            _find(study, name, fleet, done, len(names), output, on_progress)
-
-
-def _fly_references(study: WorstCases, fleet: Fleet) -> None:
-    case = study.case
-    [nominal] = fleet.fly([{}])
-    study.flights.append(_flight(NOMINAL, nominal, case))
-    if nominal.motion is None:
-        raise RuntimeError(f"the nominal run failed: {nominal.message}")
-    variations = [case.published_values(published) for published in case.published]
-    for published, run in zip(case.published, fleet.fly(variations), strict=True):
-        flight = _flight(published.label, run, case, published=published)
-        study.flights.append(flight)
-
-
-def _find(
-    study: WorstCases,
-    name: str,
-    fleet: Fleet,
-    done: int,
-    searches: int,
-    output: str | Path | None,
-    on_progress: Callable[[Progress], None] | None,
-) -> None:
-    history: list[Iteration] = []
-    study.iterations[name] = history
-
-    def note(iteration: Iteration) -> None:
-        history.append(iteration)
-        if output is not None:
-            tables.write_csv(study.history, Path(output) / "history.csv")
-        if on_progress is not None:
-            on_progress(
-                Progress(
-                    searches=searches, done=done, objective=name, iteration=iteration
-                )
-            )
-
-    case = study.case
-    worst = find_worst_case(
-        OBJECTIVES[name],
-        case.box,
-        PhysicalSet(case.separation, case.box),
-        fleet.fly,
-        on_iteration=note,
-    )
-    status = worst.status.value
-    if status == "failed":
-        status = f"failed: {worst.message}"
-    study.flights.append(
-        _flight(
-            f"worst_{name}",
-            worst.run,
-            case,
-            objective=name,
-            iterations=worst.iterations,
-            evaluations=worst.evaluations,
-            status=status,
-        )
-    )
-    if output is not None:
-        study.save_tables(output)

@@ -9,14 +9,16 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from drakesep.analysis.ascent import Iteration
 from drakesep.analysis.dispersions import Box
+from drakesep.analysis.growth import Growth
 from drakesep.analysis.metrics import ANGLES, AXES
-from drakesep.analysis.requirements import Finding
-from drakesep.analysis.worst_case import Iteration
+from drakesep.analysis.objectives import OBJECTIVES, Objective
+from drakesep.analysis.requirements import Finding, Requirement
 from drakesep.case_sections import PublishedSection
 from drakesep.systems.parameters import parameters
 from drakesep.systems.run import Motion, Run
-from drakesep.units import split_axis, unit_of, with_unit
+from drakesep.units import SI, Unit, split_axis, unit_of, with_unit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,6 +38,18 @@ class Flight:
     status: str = "completed"
     published: PublishedSection | None = field(default=None, repr=False)
     """The publication that it comes from."""
+    objective_in_drake: float | None = None
+    """Of the objective whose worst case it is, in SI; None if the run failed."""
+
+
+def unit_of_objective(objective: Objective) -> Unit:
+    """Return the unit of an objective: of its figure, or SI."""
+    return SI if objective.figure is None else unit_of(objective.figure)
+
+
+def shown(objective: Objective, value: float) -> float:
+    """Return the value of an objective as tables show it: its figure, in its unit."""
+    return objective.sign * unit_of_objective(objective).from_si(value)
 
 
 def write_csv(frame: pd.DataFrame, path: Path) -> None:
@@ -79,8 +93,8 @@ def flights_table(flights: Iterable[Flight], names: Sequence[str]) -> pd.DataFra
         rows.append(
             {
                 "label": flight.label,
-                **_in_units({name: values[name] for name in names}),
-                **_in_units(flight.figures),
+                **in_units({name: values[name] for name in names}),
+                **in_units(flight.figures),
                 "iterations": flight.iterations,
                 "evaluations": flight.evaluations,
                 "status": flight.status,
@@ -105,35 +119,35 @@ def figures_table(flight: Flight) -> pd.DataFrame:
 
 
 def history_table(
-    iterations: Mapping[str, Sequence[Iteration]], box: Box
+    iterations: Mapping[Objective, Sequence[Iteration]], box: Box
 ) -> pd.DataFrame:
     """Return a row for each iterate of each search, by objective."""
     rows = []
     for objective, history in iterations.items():
-        unit = unit_of(f"G_{objective}")
         for iteration in history:
             rows.append(
                 {
-                    "objective": objective,
+                    "objective": objective.name,
                     "iteration": iteration.number,
-                    "value": unit.from_si(iteration.value),
-                    "unit": unit.symbol,
+                    "value": shown(objective, iteration.value),
+                    "unit": unit_of_objective(objective).symbol,
                     "evaluations": iteration.evaluations,
-                    **_in_units(box.values(iteration.u)),
+                    **in_units(box.values(iteration.u)),
                 }
             )
     return pd.DataFrame(rows)
 
 
 def comparison_table(flights: Sequence[Flight]) -> pd.DataFrame:
-    """Return, for each objective, the nominal, published and worst values.
+    """Return, for each objective of the paper, its values: nominal, published, worst.
 
-    The worst is that of all runs, whichever search found it. Increases are
-    percentages of the nominal and of the published magnitude.
+    SQP is the paper's method; the worst is that of all runs. Increases are percentages
+    of the nominal and of the published magnitude.
     """
     flown = [flight for flight in flights if flight.figures]
+    searched = {flight.objective for flight in flown}
     rows = []
-    for objective in [f.objective for f in flown if f.objective is not None]:
+    for objective in [name for name in OBJECTIVES if name in searched]:
         name = f"G_{objective}"
         unit = unit_of(name)
         values = {flight.label: flight.figures[name] for flight in flown}
@@ -151,6 +165,7 @@ def comparison_table(flights: Sequence[Flight]) -> pd.DataFrame:
                 "unit": unit.symbol,
                 "nominal": unit.from_si(nominal),
                 "published": unit.from_si(reference),
+                "sqp": unit.from_si(values.get(f"sqp_{objective}", math.nan)),
                 "worst": unit.from_si(worst),
                 "which_run": label,
                 "above_nominal_percent": _increase(nominal, worst),
@@ -170,8 +185,21 @@ def _increase(reference: float, value: float) -> float:
     return 100.0 * (value - reference) / abs(reference)
 
 
-def requirements_table(findings: Sequence[Finding]) -> pd.DataFrame:
-    """Return a row for each requirement and axis, with its margin and verdict."""
+def requirements_table(
+    findings: Sequence[Finding],
+    growths: Sequence[tuple[Requirement, Growth]] = (),
+    single_growths: Sequence[tuple[Requirement, Growth]] = (),
+    box: Box | None = None,
+) -> pd.DataFrame:
+    """Return a row for each requirement and axis, with its margins and verdict.
+
+    Args:
+        findings: of each requirement.
+        growths: of all tolerances together.
+        single_growths: of single tolerances.
+        box: the tolerances, if they grow.
+    """
+    factors = {requirement: growth.factor for requirement, growth in growths}
     rows = []
     for finding in findings:
         requirement = finding.requirement
@@ -188,10 +216,30 @@ def requirements_table(findings: Sequence[Finding]) -> pd.DataFrame:
                 "worst": unit.from_si(finding.worst),
                 "which_run": finding.run,
                 "margin": unit.from_si(finding.margin),
+                "growth_factor": factors.get(requirement, math.nan),
+                **_first_tolerance(requirement, single_growths, box),
                 "verdict": "met" if finding.met else "not met",
             }
         )
     return pd.DataFrame(rows)
+
+
+def _first_tolerance(
+    requirement: Requirement,
+    growths: Sequence[tuple[Requirement, Growth]],
+    box: Box | None,
+) -> dict[str, str | float]:
+    """Return the tolerance that violates a requirement with the least growth."""
+    mine = [
+        growth
+        for r, growth in growths
+        if r == requirement and math.isfinite(growth.factor)
+    ]
+    first = min(mine, key=lambda growth: growth.factor, default=None)
+    if first is None or box is None or first.limit.parameter is None:
+        return {"first_tolerance": "", "its_growth_factor": math.inf}
+    name = box.names[first.limit.parameter]
+    return {"first_tolerance": with_unit(name), "its_growth_factor": first.factor}
 
 
 _MARK = 5e-3
@@ -290,7 +338,8 @@ def _marks(values: Mapping[str, float], box: Box) -> str:
     return " ".join(marks)
 
 
-def _in_units(values: Mapping[str, float]) -> dict[str, float]:
+def in_units(values: Mapping[str, float]) -> dict[str, float]:
+    """Return values by the names that carry their units, in those units."""
     return {
         with_unit(name): unit_of(name).from_si(value) for name, value in values.items()
     }

@@ -27,6 +27,9 @@ class Unit(NamedTuple):
         return value * self.per_si
 
 
+SI = Unit("", "SI")
+"""Of what has no unit of its own in tables."""
+
 _DEG = math.degrees(1.0)
 _UNITS = {
     unit.suffix: unit
@@ -80,7 +83,10 @@ _OF_QUANTITY = {
     "G_PM": "m_s",
     "final_rate": "deg_s",
     "rate_after_separation": "deg_s",
+    "rate_min_after_separation": "deg_s",
+    "rate_max_after_separation": "deg_s",
     "deviation_at_separation": "deg",
+    "angle_at_separation": "deg",
     "deviation_within_limits_until": "s",
     "longitudinal_speed_max": "m_s",
     "longitudinal_speed_after_separation": "m_s",

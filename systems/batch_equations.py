@@ -42,7 +42,7 @@ from drakesep.systems.vectors import Rotation, Symmetric, Vector
 Lanes: TypeAlias = Any
 """A jax array whose last axis are the samples."""
 
-FREE, SPRINGS, EVERYTHING = range(3)
+FREE, SPRINGS, EVERYTHING = PHASES = range(3)
 """What acts on some sample of a batch: no spring or joint, springs, joints too."""
 STATES = 13
 """Of a body: quaternion, position, angular and linear velocity, as in Drake's plant."""
@@ -139,8 +139,21 @@ def pick(lanes: Any, index: Any) -> Any:
 class BatchEquations:
     """The equations of motion of a separation, on lanes."""
 
-    def __init__(self, separation: Separation):
+    def __init__(self, separation: Separation, varied: Sequence[str] = ()):
+        """Prepare.
+
+        Args:
+            separation: whose equations they are.
+            varied: names of the parameters that vary.
+        """
         self.separation = separation
+        # Joints that hold at no time need not be compiled: they are half of a program.
+        held = any(
+            a.release_time > 0.0 or f"{a.name}.release_time" in varied
+            for a in separation.attachments
+        )
+        self.phases = PHASES if held else PHASES[:EVERYTHING]
+        """That occur."""
         self.ends = [separation.ends(a) for a in separation.attachments]
         pushing = [i for i, a in enumerate(separation.attachments) if a.spring]
         self.spring_attachments = pushing
@@ -309,6 +322,8 @@ class BatchEquations:
     def phase(self, mode: Mode) -> Lanes:
         """Return what acts on some sample: FREE, SPRINGS or EVERYTHING."""
         springs = jnp.where(self.pushing(mode).any(), SPRINGS, FREE)
+        if EVERYTHING not in self.phases:
+            return springs
         return jnp.where(jnp.isinf(mode.released).any(), EVERYTHING, springs)
 
     def derivative(

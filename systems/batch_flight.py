@@ -21,9 +21,6 @@ from jax import lax
 from drakesep.systems import batch_polynomials as polynomials
 from drakesep.systems import joint_laws, lobatto, motion_laws, runge_kutta
 from drakesep.systems.batch_equations import (
-    EVERYTHING,
-    FREE,
-    SPRINGS,
     BatchEquations,
     Lanes,
     Mode,
@@ -384,7 +381,7 @@ class BatchFlight:
             K = jnp.zeros((runge_kutta.STAGES, *x.shape))
             return lambda _: lax.fori_loop(0, runge_kutta.STAGES, stage, K)
 
-        phases = [stages(phase) for phase in (FREE, SPRINGS, EVERYTHING)]
+        phases = [stages(phase) for phase in self._equations.phases]
         return lax.switch(self._equations.phase(mode), phases, None)
 
     def _error(self, K: Lanes) -> Lanes:

@@ -3,7 +3,12 @@
 import hypothesis
 import pytest
 
-from drakesep.studies import Verification, verify
+from drakesep.analysis.batch import Batch
+from drakesep.analysis.requirements import deviation_limits
+from drakesep.case import Case
+from drakesep.case_file import load_case
+from drakesep.studies import verify
+from drakesep.verification import Verification
 
 
 # A busy machine is not a failure.
@@ -18,3 +23,16 @@ def vega_verification(tmp_path_factory: pytest.TempPathFactory) -> Verification:
     study = verify("vega", output=folder)
     study.folder = folder
     return study
+
+
+@pytest.fixture(scope="session")
+def vega() -> Case:
+    """The built-in case."""
+    return load_case("vega")
+
+
+@pytest.fixture(scope="session")
+def vega_batch(vega: Case) -> Batch:
+    """Shared for its programs, which take their time to compile."""
+    limits = deviation_limits(vega.limits)
+    return Batch(vega.separation, vega.box.names, deviation_limits=limits)

@@ -5,6 +5,9 @@ import dataclasses
 import numpy as np
 from separations import generic_pair
 
+from drakesep.analysis.evaluators import RunEvaluator
+from drakesep.analysis.objectives import of_run
+from drakesep.analysis.tolerance_set import ToleranceSet
 from drakesep.systems.model import Separation
 from drakesep.systems.parameters import parameters, with_values
 from drakesep.systems.run import Motion, Run, RunStatus
@@ -45,6 +48,22 @@ def fly_nothing(separation: Separation):
     return fly
 
 
-def of_parameters(function):
-    """An objective that is a function of the parameters of a run."""
-    return lambda run: function(parameters(run.separation))
+def evaluator_of(*functions, tolerances: ToleranceSet) -> RunEvaluator:
+    """Tells functions of the scaled point, without simulating anything."""
+    fly, box = fly_nothing(tolerances.separation), tolerances.box
+    objectives = [
+        of_run(
+            lambda run, f=f: f(
+                box.scaled(
+                    {name: parameters(run.separation)[name] for name in box.names}
+                )
+            ),
+            name=f"objective_{k}",
+        )
+        for k, f in enumerate(functions)
+    ]
+    return RunEvaluator(
+        lambda rows: fly([dict(zip(box.names, row, strict=True)) for row in rows]),
+        box.names,
+        objectives,
+    )

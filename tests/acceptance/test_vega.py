@@ -5,11 +5,14 @@ The numbers stand here as they are printed there.
 """
 
 import csv
+import math
 
 import numpy as np
 import pytest
 
+from drakesep.analysis.metrics import metrics
 from drakesep.systems.parameters import parameters
+from drakesep.systems.simulation import Simulation
 
 
 PRINTED = {
@@ -70,9 +73,9 @@ def test_published_vectors_are_those_of_table_4(table):
 @pytest.mark.parametrize(
     ("objective", "published", "at_least"),
     [
-        ("G_L1_deg", "paper_L1_Linf", 1.15),
-        ("G_Linf_deg_s", "paper_L1_Linf", 1.10),
-        ("G_L2_deg_per_sqrt_s", "paper_L2", 1.05),
+        ("G_L1_deg", "paper_L1_Linf", 1.17),
+        ("G_Linf_deg_s", "paper_L1_Linf", 1.20),
+        ("G_L2_deg_per_sqrt_s", "paper_L2", 1.08),
     ],
 )
 def test_worst_cases_are_worse_than_the_published(
@@ -81,15 +84,16 @@ def test_worst_cases_are_worse_than_the_published(
     name = objective.split("_")[1]
     ours = table.loc[f"worst_{name}", objective]
     assert ours > at_least * table.loc[published, objective]
-    assert table.loc[f"worst_{name}", "status"] == "converged"
+    assert table.loc[f"worst_{name}", "status"] == "confirmed"
+    assert table.loc[f"sqp_{name}", "status"] == "converged"
 
 
 def test_slowest_separation_is_the_published_one(table):
-    """G_PM is nearly linear: heavy payload and weak springs, in two iterations."""
+    """G_PM is nearly linear: heavy payload and weak springs, the rest to 2e-5 m/s."""
     ours, published = table.loc[["worst_PM", "paper_PM"], "G_PM_m_s"]
     assert ours >= published
-    assert ours == pytest.approx(published, abs=1e-6)
-    assert table.loc["worst_PM", "iterations"] == 2
+    assert ours == pytest.approx(published, abs=2e-5)
+    assert table.loc["sqp_PM", "iterations"] <= 5
 
 
 def test_worst_cases_lie_within_the_tolerances(vega_verification):
@@ -125,6 +129,7 @@ def test_table_4_in_its_own_form(vega_verification):
     )
     assert table.loc["spring 1 ... spring 4 stroke (mm)", "worst_PM"] == "m m m m"
     assert table.loc["solver iterations", "paper_L1_Linf"] == "(8)"
+    assert len(table.columns) == 1 + 3 + 4 + 4  # nominal, published, SQP, worst
     assert (
         "Nom" not in table.loc["payload inertia products xy xz yz (kg m²)", "worst_L1"]
     )
@@ -152,3 +157,57 @@ def test_tables_on_disk_read_back_exactly(vega_verification):
         for column in frame.select_dtypes("float"):
             i = header.index(column)
             assert [float(row[i]) for row in rows] == frame[column].tolist(), column
+
+
+def test_nothing_found_beats_the_worst(vega_verification):
+    """No vertex, no random sample, no start; and Drake has the same values.
+
+    Drake at its default accuracy, 1e-6, is within 1e-7 deg/s of itself at a hundredth,
+    and within 3e-5 of the relative rates' sums.
+    """
+    evidence = vega_verification.evidence.set_index("objective")
+    for name, row in evidence.iterrows():
+        side = -1.0 if str(name).endswith("_down") or "lowest" in str(name) else 1.0
+        for search in ("sqp", "multistart", "vertices", "samples"):
+            slack = 1e-12 * abs(row["worst"])
+            assert side * row[search] <= side * row["worst"] + slack, (name, search)
+        assert abs(row["difference"]) < 1e-6 * max(abs(row["worst"]), 0.1)
+    assert (evidence["fraction_beyond_at_95_percent"] < 3e-5).all()
+
+
+def test_worst_cases_are_maxima_of_first_order(vega_verification):
+    """All in corners, but where the end of separation has a kink: equal push times."""
+    evidence = vega_verification.evidence.set_index("objective")
+    kinked = evidence["at_bounds"] < 18
+    smooth = evidence[~kinked]
+    assert (smooth["optimality_residual"] < 1e-9).all()
+    assert set(evidence.index[kinked]) <= {"deviation_at_separation_roll_down"}
+
+
+def test_each_requirement_has_its_worst_case(vega_verification):
+    """The run with the worst value of a requirement is that of its own search."""
+    requirements = vega_verification.requirements.set_index(["requirement", "axis"])
+    for axis in "xyz":
+        row = requirements.loc[("rate after separation", axis)]
+        assert row["which_run"] == f"worst_rate_after_separation_{axis}_up"
+    # by hand, before there was a search of it: 0.597, 0.447 and 0.541 deg/s
+    worst = requirements.loc["rate after separation", "worst"]
+    assert worst.tolist() == pytest.approx([0.6919, 0.4602, 0.5591], abs=1e-4)
+
+
+def test_tolerances_may_grow(vega_verification):
+    """Rates are violated first; a factor is a violation that Drake confirms."""
+    requirements = vega_verification.requirements
+    rates = requirements["growth_factor"].iloc[:3]
+    assert rates.tolist() == pytest.approx([2.31, 2.95, 2.85], abs=0.02)
+    assert (requirements["growth_factor"] > 1.0).all()
+    simulation = Simulation(vega_verification.case.separation)
+    for requirement, growth in vega_verification.growths[:3]:
+        run = simulation.run(growth.values)
+        value = metrics(run, (math.inf,) * 3)[requirement.metric]
+        assert value == pytest.approx(requirement.limit, rel=1e-4)
+
+
+def test_share_of_the_tolerances_that_is_unphysical(vega_verification):
+    """Of 100 000 samples; four standard deviations."""
+    assert vega_verification.share_unphysical == pytest.approx(0.023, abs=0.002)

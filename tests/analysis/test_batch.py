@@ -73,17 +73,6 @@ def closely_sampled(monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def vega():
-    return load_case("vega")
-
-
-@pytest.fixture(scope="module")
-def vega_batch(vega):
-    limits = deviation_limits(vega.limits)
-    return Batch(vega.separation, vega.box.names, deviation_limits=limits)
-
-
-@pytest.fixture(scope="module")
 def fine_batch(vega):
     """A hundredth of the tolerance."""
     limits = deviation_limits(vega.limits)

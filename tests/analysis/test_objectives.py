@@ -8,8 +8,17 @@ import pytest
 from runs import made_up_run
 from separations import generic_pair
 
-from drakesep.analysis.metrics import metrics
-from drakesep.analysis.objectives import OBJECTIVES
+from drakesep.analysis.metrics import METRICS, metrics
+from drakesep.analysis.objectives import (
+    OBJECTIVES,
+    as_objective,
+    highest,
+    largest,
+    lowest,
+    of_run,
+    towards,
+)
+from drakesep.analysis.requirements import Requirement
 from drakesep.systems.run import Run, RunStatus
 
 
@@ -67,3 +76,104 @@ def test_failed_run_has_no_value():
     for objective in OBJECTIVES.values():
         with pytest.raises(RuntimeError, match="the run failed: x"):
             objective(failed)
+
+
+LIMITS = (1.0, 0.3, math.inf)
+FIGURES = metrics(RUN, LIMITS)
+
+
+def test_both_directions_of_a_magnitude():
+    """The z rate falls through zero after the separation: from 0.3 to -0.3."""
+    end = RUN.separation_end
+    assert FIGURES["rate_max_after_separation_z"] == pytest.approx(0.3 - 0.2 * end)
+    assert FIGURES["rate_min_after_separation_z"] == pytest.approx(-0.3)
+    assert FIGURES["angle_at_separation_pitch"] == pytest.approx(-0.2 * end)
+
+
+def test_sums_multiples_and_the_largest():
+    values = np.array([[FIGURES[name] for name in METRICS]])
+    first, second = highest("G_L1"), lowest("longitudinal_speed_max")
+    for objective, expected in (
+        (first + second, FIGURES["G_L1"] - FIGURES["longitudinal_speed_max"]),
+        (2.0 * first - second, 2 * FIGURES["G_L1"] + FIGURES["longitudinal_speed_max"]),
+        (-first, -FIGURES["G_L1"]),
+        (largest(-first, second), -FIGURES["longitudinal_speed_max"]),
+        (first + of_run(lambda run: 5.0), FIGURES["G_L1"] + 5.0),
+    ):
+        assert objective.of_run(RUN, LIMITS) == pytest.approx(expected)
+        if objective.of_figures_alone:
+            assert objective.of_figures(values) == pytest.approx([expected])
+            h = 1e-6
+            steps = values + h * np.eye(len(METRICS))
+            slopes = (objective.of_figures(steps) - expected) / h
+            # eps / h, of values up to 20
+            assert objective.weights(values)[0] == pytest.approx(slopes, abs=1e-8)
+        else:
+            with pytest.raises(TypeError, match="is a function of a whole run"):
+                objective.of_figures(values)
+    assert (2.0 * first - second).name == (
+        "2*highest_G_L1-lowest_longitudinal_speed_max"
+    )
+    assert (first + second).named("mine").name == "mine"
+
+
+def test_a_window_looks_at_a_part_of_the_run():
+    """Linear signals, from 1 s to 2 s."""
+    window = (1.0, 2.0)
+    assert highest("rate_max_after_separation_x", window=window)(RUN) == pytest.approx(
+        0.2
+    )
+    assert lowest("rate_min_after_separation_y", window=window)(RUN) == pytest.approx(
+        0.4
+    )
+    # |sin(pi t)| over one period's half, 2 t, 3
+    expected = 2.0 / math.pi + 3.0 + 3.0
+    assert highest("G_L1", window=window)(RUN) == pytest.approx(expected, abs=CLOSE)
+    assert highest("G_L1", window=window).name == "highest_G_L1_1_to_2_s"
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: highest("G_L3"), "unknown figure 'G_L3'; did you mean 'G_L"),
+        (lambda: highest("final_rate_x", window=(0.0, 1.0)), "window: must be of one"),
+        (lambda: highest("G_L1", window=(1.0, 1.0)), "must be from one time to a late"),
+        (
+            lambda: highest("G_L1", window=(math.nan, 1.0)),
+            "must be from one time to a later",
+        ),
+        (lambda: highest("G_L1", window=(4.0, 5.0))(RUN), "window: must end after 0"),
+        (lambda: largest(), "largest: must have an objective or more"),
+        (lambda: of_run(3), "must be a function of a run, got 3"),
+        (lambda: math.nan * highest("G_L1"), "factors of a sum must be finite"),
+        (lambda: as_objective("L3"), "unknown objective 'L3'; did you mean 'L"),
+        (lambda: as_objective("highest_speed"), "unknown figure 'speed'"),
+    ],
+)
+def test_bad_objectives(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def test_objectives_by_name():
+    assert as_objective("L1") is OBJECTIVES["L1"]
+    assert as_objective("lowest_G_L1")(RUN) == -OBJECTIVES["L1"](RUN)
+    assert as_objective(lambda run: 7.0)(RUN) == 7.0
+
+
+@pytest.mark.parametrize(
+    ("metric", "sense", "names"),
+    [
+        ("rate_after_separation_x", "<=", ["up", "down"]),
+        ("deviation_at_separation_yaw", "<=", ["up", "down"]),
+        ("longitudinal_speed_after_separation", ">=", None),
+    ],
+)
+def test_ways_out_of_a_requirement(metric, sense, names):
+    """The larger of both directions is the magnitude."""
+    objectives = towards(Requirement(metric=metric, sense=sense, limit=1.0))
+    worst = max(objective(RUN) for objective in objectives)
+    figures = metrics(RUN, (math.inf,) * 3)
+    assert worst == (figures[metric] if sense == "<=" else -figures[metric])
+    if names:
+        assert [o.name for o in objectives] == [f"{metric}_{name}" for name in names]

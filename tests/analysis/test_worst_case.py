@@ -1,145 +1,166 @@
-"""The search, on functions of the parameters whose constrained maxima are known."""
+"""The worst cases of a problem, with their evidence."""
 
 import math
 
 import numpy as np
 import pytest
-from runs import fly_nothing, of_parameters
-from separations import generic_pair, vega
+from runs import evaluator_of
+from separations import generic_pair
 
 from drakesep.analysis.dispersions import Box
-from drakesep.analysis.physical_set import PhysicalSet
-from drakesep.analysis.worst_case import SearchStatus, find_worst_case
-from drakesep.systems.parameters import parameters
+from drakesep.analysis.evaluators import BatchEvaluator, RunEvaluator
+from drakesep.analysis.objectives import OBJECTIVES, highest, largest, of_run
+from drakesep.analysis.requirements import deviation_limits
+from drakesep.analysis.search import Problem, SearchSettings
+from drakesep.analysis.tolerance_set import ToleranceSet
+from drakesep.analysis.worst_case import find_worst_cases
 from drakesep.systems.run import Run, RunStatus
 
 
 PAIR = generic_pair()
-NAMES = ("upper.cg_x", "upper.cg_y", "upper.cg_z", "spring_1.stroke")
-TOLERANCES = dict(zip(NAMES, (0.02, 0.01, 0.005, 0.001), strict=True))
-BOX = Box.around(PAIR, TOLERANCES)
+NAMES = ("upper.cg_x", "upper.cg_y", "upper.mass")
+BOX = Box.around(PAIR, dict(zip(NAMES, (0.02, 0.01, 1.0), strict=True)))
+SET = ToleranceSet(PAIR, BOX)
+QUICK = SearchSettings(starts=6, samples=200)
+SEARCHES = ("samples", "vertices", "sqp", "multistart")
 
 
-def search(function, separation=PAIR, box=BOX, **options):
-    return find_worst_case(
-        of_parameters(function),
-        box,
-        PhysicalSet(separation, box),
-        fly_nothing(separation),
-        **options,
+def test_worst_of_all_searches_with_its_evidence():
+    """Two hills, the higher in a corner that SQP does not see from the nominal."""
+
+    def hills(u):
+        return max(u[0] + 0.5 * u[1], -2.0 * u[0] - 1.5 - 0.1 * u[1])
+
+    problem = Problem(tolerances=SET, evaluator=evaluator_of(hills, tolerances=SET))
+    told = []
+    [worst] = find_worst_cases(problem, SEARCHES, QUICK, on_search=told.append)
+    assert [searched.search for searched in told] == list(SEARCHES)
+    assert worst.value == pytest.approx(1.5, abs=1e-9)
+    evidence = worst.evidence
+    assert worst.search == "vertices"  # the first that found as much
+    assert evidence.by_search["sqp"] == pytest.approx(1.5, abs=1e-9)
+    assert evidence.by_search["samples"] < 1.5
+    assert evidence.samples == 200
+    assert evidence.fraction == pytest.approx(1.0 - 0.05 ** (1 / 200))
+    assert evidence.starts == 6
+    assert evidence.ended_there == evidence.local_maxima[0][1]
+    assert sum(count for _, count in evidence.local_maxima) == 6
+    assert evidence.optimality.residual < 1e-6
+    assert worst.values["upper.cg_x"] == BOX.values(worst.u)["upper.cg_x"]
+
+
+def test_failed_runs_are_counted_and_the_others_searched():
+    inner = evaluator_of(lambda u: u[0] - u[1], tolerances=SET)
+
+    def fly(rows):
+        return [
+            Run(separation=run.separation, status=RunStatus.FAILED, message="boom")
+            if row[2] > BOX.nominal[2] + 0.9
+            else run
+            for row, run in zip(rows, inner._fly(rows), strict=True)
+        ]
+
+    evaluator = RunEvaluator(fly, BOX.names, inner.objectives)
+    problem = Problem(tolerances=SET, evaluator=evaluator)
+    told = []
+    [worst] = find_worst_cases(problem, ["vertices"], QUICK, on_search=told.append)
+    assert worst.value == pytest.approx(2.0)
+    assert told[0].failures == {"boom": 4}
+    evaluator = RunEvaluator(
+        lambda rows: [
+            Run(separation=PAIR, status=RunStatus.FAILED, message="boom") for _ in rows
+        ],
+        BOX.names,
+        inner.objectives,
+    )
+    problem = Problem(tolerances=SET, evaluator=evaluator)
+    with pytest.raises(
+        RuntimeError, match=r"objective_0: no run of any search .* boom"
+    ):
+        find_worst_cases(problem, SEARCHES, QUICK)
+
+
+@pytest.fixture(scope="module")
+def vega_problem(vega, vega_batch):
+    def fastest(run):
+        return float(np.abs(run.completed_motion.rate[-1]).max())
+
+    objectives = [
+        OBJECTIVES["L2"],
+        largest(highest("final_rate_x"), -2.0 * highest("final_rate_y")),
+        of_run(fastest),
+    ]
+    limits = deviation_limits(vega.limits)
+    return Problem(
+        tolerances=vega.tolerance_set,
+        evaluator=BatchEvaluator(vega_batch, objectives, limits),
     )
 
 
-def scaled(values):
-    return BOX.scaled({name: values[name] for name in NAMES})
-
-
-def test_linear_function_ends_in_its_corner():
-    slopes = np.array([3.0, -1.0, 0.2, -0.5])
-    worst = search(lambda p: 7.0 + slopes @ scaled(p))
-    assert worst.u == pytest.approx(np.sign(slopes), abs=1e-12)
-    assert worst.value == pytest.approx(7.0 + 4.7, rel=1e-12)
-    assert worst.status is SearchStatus.CONVERGED
-    assert worst.iterations <= 6
-
-
-def test_maximum_inside_the_box():
-    inside = np.array([0.3, -0.6, 0.0, 0.5])
-    worst = search(lambda p: 2.0 - ((scaled(p) - inside) ** 2).sum())
-    # one-sided differences shift the maximum by half a step, 1e-3 / 2
-    assert worst.u == pytest.approx(inside, abs=1e-3)
-
-
-def test_maximum_on_the_boundary_of_the_physical_inertias():
-    """Drives the largest moment up: the triangle inequality stops it, not the box."""
-    names = ("payload.inertia_xx", "payload.inertia_yy", "payload.inertia_zz")
-    box = Box.around(vega(), dict(zip(names, (70.0, 320.0, 330.0), strict=True)))
-    flown = []
-
-    def function(p):
-        flown.append(p)
-        return p[names[2]] - p[names[1]]
-
-    worst = search(function, vega(), box)
-    # zz - yy <= xx <= 739, by the triangle inequality
-    assert worst.value == pytest.approx(739.0, rel=1e-4)
-    assert worst.values[names[0]] == pytest.approx(739.0, rel=1e-4)
-
-
-def test_every_run_is_counted_and_every_iterate_logged():
-    calls = []
-    seen = []
-
-    def function(p):
-        calls.append(p)
-        return scaled(p).sum() - (scaled(p) ** 2).sum()
-
-    worst = search(function, on_iteration=seen.append)
-    assert worst.evaluations == len(calls)
-    assert list(worst.history) == seen
-    assert [i.number for i in seen] == list(range(len(seen)))
-    assert seen[0].u == (0.0,) * 4
-    assert worst.iterations == seen[-1].number
-    assert worst.value >= seen[-1].value
-    assert worst.value == function(parameters(worst.run.separation))
-
-
-def test_points_stay_in_the_box():
-    def function(p):
-        assert (np.abs(scaled(p)) <= 1.0 + 1e-11).all()
-        return (scaled(p) ** 2).sum() + scaled(p)[0]
-
-    assert search(function, start=np.full(4, 0.9)).value == pytest.approx(5.0)
-
-
-def test_iteration_limit_is_told():
-    worst = search(
-        lambda p: -((scaled(p) - 0.31) ** 4).sum() + scaled(p)[0] * scaled(p)[1],
-        max_iterations=2,
+def test_objectives_on_the_batch_are_those_of_its_runs(vega_problem, vega_batch):
+    """Of figures, and through the sampled motion: splines every 10 ms."""
+    evaluator = vega_problem.evaluator
+    rows = vega_problem.tolerances.rows(
+        vega_problem.tolerances.draw(5, np.random.default_rng(0))
     )
-    assert worst.status is SearchStatus.ITERATION_LIMIT
+    every = evaluator.all(rows).values
+    which = [0, 1, 2, 1, 0]
+    assert evaluator.one(rows, which).values.tolist() == [
+        every[i, k] for i, k in enumerate(which)
+    ]
+    runs = vega_batch.runs(rows)
+    for k, objective in enumerate(evaluator.objectives):
+        expected = [objective(run) for run in runs]
+        assert every[:, k] == pytest.approx(expected, abs=1e-8)
+    told, slopes = evaluator.slopes(rows[:2], [0, 1])
+    # another program, with a round-off of its own
+    assert told.values == pytest.approx([every[0, 0], every[1, 1]], rel=1e-10)
+    h = 1e-4 * vega_problem.tolerances.box.tolerance
+    for i, k in enumerate([0, 1]):
+        steps = np.diag(h)
+        up = evaluator.one(rows[i] + steps, [k] * len(h)).values
+        down = evaluator.one(rows[i] - steps, [k] * len(h)).values
+        # second-order differences at a relative step of 1e-4 of the tolerance
+        assert slopes[i] * h == pytest.approx((up - down) / 2.0, rel=1e-4, abs=1e-13)
+    assert [evaluator.exact(k) for k in range(3)] == [True, True, False]
 
 
-def fly_until(limit, separation=PAIR):
-    """Runs fail from the limit-th on."""
-    count = 0
+def test_a_users_objective_is_searched_like_any_other(vega, vega_batch):
+    """The final rate about y, as a function of the run and as a figure."""
 
-    def fly(variations):
-        nonlocal count
-        runs = fly_nothing(separation)(variations)
-        for i, run in enumerate(runs):
-            count += 1
-            if count >= limit:
-                runs[i] = Run(
-                    separation=run.separation, status=RunStatus.FAILED, message="boom"
-                )
-        return runs
+    def rate(run):
+        return float(run.completed_motion.rate[-1, 1])
 
-    return fly
+    names = ("payload.cg_z", "spring_1.force_max")
+    box = Box.around(vega.separation, dict(zip(names, (0.013, 15.0), strict=True)))
+    tolerances = ToleranceSet(vega.separation, box)
+    columns = [vega.box.names.index(name) for name in names]
 
+    def widened(rows):
+        full = np.tile(vega.box.nominal, (len(rows), 1))
+        full[:, columns] = rows
+        return full
 
-def test_failed_run_ends_the_search_with_what_was_found():
-    objective = of_parameters(lambda p: 1.0 + scaled(p).sum())
-    worst = find_worst_case(
-        objective, BOX, PhysicalSet(PAIR, BOX), fly_until(6), start=np.zeros(4)
+    objectives = [of_run(rate), highest("final_rate_y")]
+    evaluator = RunEvaluator(
+        lambda rows: vega_batch.runs(widened(rows)), names, objectives
     )
-    assert worst.status is SearchStatus.FAILED
-    assert "boom" in worst.message
-    assert worst.value == 1.0
+    problem = Problem(tolerances=tolerances, evaluator=evaluator)
+    mine, figure = find_worst_cases(
+        problem, ["vertices", "sqp"], SearchSettings(starts=2)
+    )
+    assert mine.name == "rate"
+    assert mine.value == pytest.approx(figure.value, rel=1e-12)
+    assert mine.u == figure.u
+    assert mine.evidence.optimality.residual < 1e-6
 
 
-def test_failed_start_is_an_error():
-    objective = of_parameters(lambda p: 1.0)
-    with pytest.raises(RuntimeError, match="start of the search: a run failed: boom"):
-        find_worst_case(objective, BOX, PhysicalSet(PAIR, BOX), fly_until(1))
-
-
-def test_objective_without_a_number_is_told():
-    with pytest.raises(RuntimeError, match="objective must be finite, got nan"):
-        search(lambda p: math.nan)
-
-
-@pytest.mark.parametrize("start", [np.full(4, 1.5), np.full(4, math.nan)])
-def test_start_outside_the_box(start):
-    with pytest.raises(ValueError, match="start must be in the box"):
-        search(lambda p: 1.0, start=start)
+def test_an_objective_that_is_no_number_is_refused(vega, vega_batch):
+    evaluator = BatchEvaluator(
+        vega_batch, [of_run(lambda run: math.nan, "mine")], (math.inf,) * 3
+    )
+    problem = Problem(tolerances=vega.tolerance_set, evaluator=evaluator)
+    with pytest.raises(
+        ValueError, match=r"objective mine must be finite .* payload.mass = 1860, .*low"
+    ):
+        find_worst_cases(problem, ["sqp"])

@@ -55,10 +55,12 @@ def test_simulate(drakesep, tmp_path):
 
 def test_worst_case(drakesep, tmp_path):
     code, out, _ = drakesep(
-        "worst-case", "vega", "--objective", "PM", "-o", tmp_path, "--workers", 1
+        *("worst-case", "vega", "--objective", "PM", "--search", "drake"),
+        *("-o", tmp_path, "--workers", 1),
     )
     assert code == 0
     assert "worst_PM" in out
+    assert "SQP from the nominal" in out
     worst = pd.read_csv(tmp_path / "worst_cases.csv").set_index("label")
     assert worst.loc["worst_PM", "payload.mass_kg"] == pytest.approx(1880.0)
     assert set(pd.read_csv(tmp_path / "history.csv")["objective"]) == {"PM"}
@@ -74,7 +76,10 @@ def test_verify_fails_where_a_requirement_is_not_met(drakesep, tmp_path):
     text = text[:start] + "dispersions: {payload.mass_kg: 20}\n" + text[end:]
     text = text[: text.index("published:")]
     (tmp_path / "case.yaml").write_text(text)
-    code, out, _ = drakesep("verify", tmp_path / "case.yaml", "-o", tmp_path / "out")
+    code, out, _ = drakesep(
+        *("verify", tmp_path / "case.yaml", "-o", tmp_path / "out"),
+        *("--search", "drake", "--workers", 1),
+    )
     assert code == 1
     assert "Not every requirement is met" in out
     requirements = pd.read_csv(tmp_path / "out" / "requirements.csv")
@@ -113,6 +118,14 @@ def test_verify_fails_where_a_requirement_is_not_met(drakesep, tmp_path):
         (
             ("worst-case", "vega", "--objective", "L3"),
             "unknown objective 'L3'; did you mean",
+        ),
+        (
+            ("worst-case", "vega", "--search", "vertex"),
+            "unknown search 'vertex'; did you mean 'vertices'?",
+        ),
+        (
+            ("verify", "vega", "--starts", "0"),
+            "starts: must be a whole number >= 1, got 0",
         ),
     ],
 )
@@ -170,7 +183,7 @@ def test_narrow_terminal_loses_nothing(drakesep, monkeypatch):
 
 
 def test_interrupt_ends_in_one_line(tmp_path):
-    """Ctrl-C while workers fly: no traceback of theirs or of a library's."""
+    """Ctrl-C in the midst of a search: no traceback, of ours or of a library's."""
     script = (
         # a test run in the background inherits that interrupts are ignored
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
@@ -184,14 +197,14 @@ def test_interrupt_ends_in_one_line(tmp_path):
         text=True,
         start_new_session=True,
     )
-    history = tmp_path / "history.csv"
-    while verify.poll() is None and not history.exists():
+    searches = tmp_path / "searches.csv"
+    while verify.poll() is None and not searches.exists():
         time.sleep(0.05)
-    time.sleep(0.3)  # in the midst of the first gradient
+    time.sleep(0.3)  # in the midst of the second search
     os.killpg(verify.pid, signal.SIGINT)  # the terminal sends it to workers too
     _, err = verify.communicate(timeout=60)
     assert verify.returncode == 130
-    lines = [line for line in err.splitlines() if not line.startswith("G_")]
+    lines = [line for line in err.splitlines() if not line.endswith(" begins")]
     assert lines == [f"drakesep: interrupted; what was done is in {tmp_path}"]
     labels = pd.read_csv(tmp_path / "worst_cases.csv")["label"]
     assert labels.tolist()[:2] == ["nominal", "paper_L1_Linf"]

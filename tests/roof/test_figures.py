@@ -4,12 +4,18 @@ import numpy as np
 import pytest
 
 from drakesep import figures
+from drakesep.analysis.objectives import OBJECTIVES
 from drakesep.units import unit_of
 
 
 @pytest.fixture(scope="module")
 def shown(vega_verification):
-    return [f for f in vega_verification.flights if f.published is None]
+    return [
+        flight
+        for flight in vega_verification.flights
+        if flight.objective in (None, *OBJECTIVES) and flight.published is None
+        if not flight.label.startswith("sqp_")
+    ]
 
 
 def test_curves_are_the_runs(shown, vega_verification):
@@ -46,3 +52,17 @@ def test_legend_names_every_run(shown, vega_verification):
     [legend] = figure.legends
     names = [text.get_text() for text in legend.get_texts()]
     assert names == [*(flight.label for flight in shown), "end of separation", "limit"]
+
+
+def test_tornado_has_a_panel_for_each_objective(vega_verification):
+    """Bars are the table's, the largest on top."""
+    frame = vega_verification.sensitivities
+    figure = figures.tornado_figure(frame)
+    panels = {axes.get_title(): axes for axes in figure.axes if axes.get_visible()}
+    assert len(panels) == frame["objective"].nunique()
+    rows = frame[frame["objective"] == "L1"]
+    bars = panels["L1"].containers[0].patches
+    assert [bar.get_width() for bar in bars] == pytest.approx(
+        rows["per_tolerance_at_worst"].head(len(bars)).tolist()
+    )
+    assert (vega_verification.folder / "tornado.png").stat().st_size > 20_000

@@ -1,43 +1,139 @@
 """Studies from Python: progress, interruption, results on disk."""
 
+import math
+
 import pandas as pd
 import pytest
 
 import drakesep
+from drakesep.analysis.objectives import OBJECTIVES, highest
 from drakesep.systems.joints import Joint
 from drakesep.systems.run import RunStatus
+from drakesep.systems.simulation import Simulation
+
+
+IN_DRAKE = {"searches": ["drake"], "workers": 1}
 
 
 def test_progress_tells_every_iterate(tmp_path):
     seen = []
     study = drakesep.worst_case(
-        "vega", ["PM"], workers=1, output=tmp_path, on_progress=seen.append
+        "vega", ["PM"], output=tmp_path, on_progress=seen.append, **IN_DRAKE
     )
-    assert [p.iteration for p in seen] == study.iterations["PM"]
-    assert {p.objective for p in seen} == {"PM"}
-    assert (seen[0].searches, seen[0].done) == (1, 0)
+    [history] = study.iterations.values()
+    assert [p.search.iteration for p in seen] == [(0, i) for i in history]
+    assert [o.name for o in seen[0].objectives] == ["PM"]
+    assert {p.search.search for p in seen} == {"sqp"}
 
 
 def test_interrupted_study_leaves_what_was_done(tmp_path):
-    """Ctrl-C in the second search: the first is whole, the second's iterates too."""
+    """Ctrl-C in the second search: the references and the first search are there."""
 
     def interrupt(progress):
-        if progress.done == 1 and progress.iteration.number == 1:
+        if progress.search.search == "vertices":
             raise KeyboardInterrupt
 
+    case = drakesep.load_case("vega")
+    few = dict(list(case.dispersions.items())[:2])
+    case = case.model_copy(update={"dispersions": few, "published": []})
     with pytest.raises(KeyboardInterrupt):
         drakesep.worst_case(
-            "vega", ["PM", "L2"], output=tmp_path, on_progress=interrupt
+            case, ["PM", "L2"], samples=100, output=tmp_path, on_progress=interrupt
         )
     worst = pd.read_csv(tmp_path / "worst_cases.csv")
-    assert worst["label"].iloc[-1] == "worst_PM"
-    history = pd.read_csv(tmp_path / "history.csv")
-    assert (history["objective"] == "L2").sum() == 2
+    assert worst["label"].tolist() == ["nominal"]
+    candidates = pd.read_csv(tmp_path / "candidates.csv")
+    assert candidates["search"].tolist() == ["samples", "samples"]
+    assert not (tmp_path / "evidence.csv").exists()
 
 
 def test_same_answer_whatever_the_number_of_workers():
-    tables = [drakesep.worst_case("vega", ["PM"], workers=n).table for n in (1, 2)]
+    tables = [
+        drakesep.worst_case("vega", ["PM"], searches=["drake"], workers=n).table
+        for n in (1, 2)
+    ]
     pd.testing.assert_frame_equal(*tables, check_exact=True)
+
+
+def test_drake_alone_finds_what_the_batch_engine_finds(vega_verification):
+    """The baseline: SQP from the nominal, with differences over Drake's runs."""
+    study = drakesep.worst_case("vega", ["PM"], **IN_DRAKE)
+    [searched] = study.searched
+    assert searched.note == "SQP from the nominal, slopes by differences"
+    evidence = study.evidence.set_index("objective").loc["PM"]
+    exact = vega_verification.evidence.set_index("objective").loc["PM"]
+    assert evidence["sqp"] == pytest.approx(exact["worst"], abs=2e-5)
+    assert evidence["difference"] == 0.0
+    assert evidence["fraction_beyond_at_95_percent"] == 1.0
+
+
+def test_users_objectives():
+    """A function of the run, a window, and a sum, of two parameters, in Drake."""
+    case = drakesep.load_case("vega")
+    few = {
+        name: case.dispersions[name] for name in ("payload.cg_y_mm", "payload.mass_kg")
+    }
+    case = case.model_copy(update={"dispersions": few, "published": []})
+
+    def last_rate_z(run):
+        return float(run.completed_motion.rate[-1, 2])
+
+    late = highest("G_L1", window=(1.0, 2.0))
+    study = drakesep.worst_case(
+        case, [last_rate_z, late, late + OBJECTIVES["L1"]], **IN_DRAKE
+    )
+    assert study.completed
+    worst = study.table.set_index("label").loc["worst_last_rate_z"]
+    assert worst["final_rate_z_deg_s"] == pytest.approx(
+        math.degrees(study.worst[0].value)
+    )
+    assert worst["payload.cg_y_mm"] == pytest.approx(14.0)
+    assert study.evidence["objective"].tolist() == [
+        "last_rate_z",
+        "highest_G_L1_1_to_2_s",
+        "highest_G_L1_1_to_2_s+L1",
+    ]
+    assert study.comparison.empty
+
+
+def test_difference_between_the_engines_is_an_error(monkeypatch):
+    """Loudly: the study has not completed, and says what differs."""
+    case = drakesep.load_case("vega")
+    few = dict(list(case.dispersions.items())[:1])
+    case = case.model_copy(update={"dispersions": few, "published": []})
+    flown = Simulation.run
+
+    def heavier(self, values):
+        return flown(self, {**values, "launch_vehicle.mass": 800.0})
+
+    monkeypatch.setattr("drakesep.analysis.fleet.Simulation.run", heavier)
+    study = drakesep.worst_case(
+        case, "PM", searches=["vertices"], samples=10, workers=1
+    )
+    assert not study.completed
+    status = study.table.set_index("label").loc["worst_PM", "status"]
+    assert status.startswith("failed: Drake gives -1.1")
+    assert "where the search found" in status
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"objectives": ["L3"]}, "unknown objective 'L3'; did you mean 'L"),
+        ({"objectives": [5.0]}, "must be a function of a run, got 5.0"),
+        (
+            {"objectives": [lambda run: 1.0, lambda run: 2.0]},
+            "names must differ, got '<lambda>' twice",
+        ),
+        ({"searches": ["sqq"]}, "unknown search 'sqq'; did you mean 'sqp'"),
+        ({"searches": ["drake", "sqp"]}, "unknown search 'drake'"),
+        ({"searches": []}, "searches: must be one or more"),
+        ({"starts": 0}, "starts: must be a whole number >= 1, got 0"),
+    ],
+)
+def test_bad_searches_are_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        drakesep.worst_case("vega", **arguments)
 
 
 def test_case_without_requirements_or_dispersions():
@@ -63,7 +159,7 @@ def test_verify_without_dispersions_judges_the_nominal(tmp_path):
 
 def test_verdict_of_an_earlier_study_does_not_outlive_it(tmp_path):
     (tmp_path / "requirements.csv").write_text("met")
-    drakesep.worst_case("vega", "PM", output=tmp_path, workers=1)
+    drakesep.worst_case("vega", "PM", output=tmp_path, **IN_DRAKE)
     assert not (tmp_path / "requirements.csv").exists()
 
 
@@ -75,7 +171,9 @@ def test_nothing_turns_nominally():
     data["bodies"]["payload"]["cg_mm"] = (1933.0, 0.0, 0.0)
     data["dispersions"] = {"payload.cg_y_mm": 13.0}
     data["published"] = []
-    study = drakesep.worst_case(drakesep.Case.model_validate(data), ["L1", "L2"])
+    study = drakesep.worst_case(
+        drakesep.Case.model_validate(data), ["L1", "L2"], samples=100
+    )
     assert study.completed
     assert study.comparison["above_nominal_percent"].isna().all()
     assert (study.comparison["worst"] > 0.1).all()

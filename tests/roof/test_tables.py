@@ -29,7 +29,8 @@ PARAMETERS = [
 OBJECTIVES = ["G_L1_deg", "G_L2_deg_per_sqrt_s", "G_Linf_deg_s", "G_PM_m_s"]
 REQUIREMENTS = [
     *("requirement", "axis", "unit", "sense", "limit"),
-    *("nominal", "worst", "which_run", "margin", "verdict"),
+    *("nominal", "worst", "which_run", "margin", "growth_factor"),
+    *("first_tolerance", "its_growth_factor", "verdict"),
 ]
 
 
@@ -55,7 +56,20 @@ def test_worst_cases(vega_verification):
     assert columns[-3:] == ["iterations", "evaluations", "status"]
     assert vega_verification.table["label"].tolist() == [
         *("nominal", "paper_L1_Linf", "paper_L2", "paper_PM"),
+        *("sqp_L1", "sqp_L2", "sqp_Linf", "sqp_PM"),
         *("worst_L1", "worst_L2", "worst_Linf", "worst_PM"),
+        *(
+            f"worst_rate_after_separation_{axis}_{way}"
+            for axis in AXES
+            for way in ("up", "down")
+        ),
+        *(
+            f"worst_deviation_at_separation_{angle}_{way}"
+            for angle in ("roll", "pitch", "yaw")
+            for way in ("up", "down")
+        ),
+        "worst_lowest_longitudinal_speed_after_separation",
+        "worst_lowest_deviation_within_limits_until",
     ]
 
 
@@ -74,9 +88,10 @@ def test_history(vega_verification):
     for objective, rows in history.groupby("objective"):
         assert rows["iteration"].tolist() == list(range(len(rows)))
         assert rows["evaluations"].is_monotonic_increasing
-        found = vega_verification.table.set_index("label").loc[f"worst_{objective}"]
-        assert found["iterations"] == rows["iteration"].iloc[-1]
-        assert found["evaluations"] >= rows["evaluations"].iloc[-1]
+        if objective in ("L1", "L2", "Linf", "PM"):
+            found = vega_verification.table.set_index("label").loc[f"sqp_{objective}"]
+            assert found["iterations"] == rows["iteration"].iloc[-1]
+            assert found["evaluations"] >= rows["evaluations"].iloc[-1]
     first = history[history["iteration"] == 0]
     assert (first["payload.mass_kg"] == 1860.0).all()
 
@@ -95,3 +110,84 @@ def test_summary_is_a_row_of_worst_cases():
 def test_summary_holds_what_was_changed():
     changed = drakesep.simulate("vega", {"launch_vehicle.mass_kg": 800.0})
     assert changed.summary["launch_vehicle.mass_kg"].tolist() == [800.0]
+
+
+OBJECTIVE_NAMES = [
+    *("L1", "L2", "Linf", "PM"),
+    *(f"rate_after_separation_{a}_{way}" for a in AXES for way in ("up", "down")),
+    *(
+        f"deviation_at_separation_{angle}_{way}"
+        for angle in ("roll", "pitch", "yaw")
+        for way in ("up", "down")
+    ),
+    "lowest_longitudinal_speed_after_separation",
+    "lowest_deviation_within_limits_until",
+]
+
+
+def test_evidence(vega_verification):
+    evidence = vega_verification.evidence
+    assert list(evidence.columns) == [
+        *("objective", "unit", "worst", "in_drake", "difference", "found_by"),
+        *("sqp", "multistart", "vertices", "samples"),
+        *("starts", "ended_there", "local_maxima", "at_bounds", "active_constraints"),
+        *("optimality_residual", "completed_samples"),
+        "fraction_beyond_at_95_percent",
+    ]
+    assert evidence["objective"].tolist() == OBJECTIVE_NAMES
+    difference = evidence["in_drake"] - evidence["worst"]
+    assert evidence["difference"].to_numpy() == pytest.approx(
+        difference.to_numpy(), abs=1e-12
+    )
+
+
+def test_searches_and_candidates(vega_verification):
+    searches = vega_verification.searches
+    assert searches["search"].tolist() == ["samples", "vertices", "sqp", "multistart"]
+    assert searches["points"].iloc[:2].tolist() == [100_000, 2**18]
+    assert (searches["failed"] == 0).all()
+    candidates = vega_verification.candidates
+    assert list(candidates.columns) == [
+        *("objective", "search", "value", "unit"),
+        *PARAMETERS,
+    ]
+    assert len(candidates) == 4 * len(OBJECTIVE_NAMES)
+
+
+def test_worst_points_are_bounds_or_values(vega_verification):
+    points = vega_verification.worst_points.set_index("parameter")
+    assert list(points.columns) == OBJECTIVE_NAMES
+    assert list(points.index) == PARAMETERS
+    for name, marks in points.items():
+        row = vega_verification.table.set_index("label").loc[f"worst_{name}"]
+        for parameter, mark in marks.items():
+            if mark not in ("M", "m"):
+                assert float(mark) == pytest.approx(row[parameter], rel=1e-5)
+    assert points.loc["payload.cg_z_mm", "L1"] == "M"
+
+
+def test_sensitivities(vega_verification):
+    frame = vega_verification.sensitivities
+    assert list(frame.columns) == [
+        *("objective", "unit", "parameter", "tolerance"),
+        *("per_tolerance_at_nominal", "per_tolerance_at_worst"),
+        *("at_worst", "multiplier"),
+    ]
+    for _, rows in frame.groupby("objective"):
+        assert rows["per_tolerance_at_worst"].abs().is_monotonic_decreasing
+        assert set(rows["parameter"]) == set(PARAMETERS)
+    assert (frame["multiplier"] >= 0.0).all()
+
+
+def test_tolerances(vega_verification):
+    frame = vega_verification.tolerances
+    assert list(frame.columns) == [
+        *("requirement", "axis", "parameter", "tolerance", "violated_at", "factor"),
+        *("looked_up_to", "status"),
+    ]
+    assert len(frame) == 7 * len(PARAMETERS)
+    assert (frame["status"] == "").all()
+    finite = frame[np.isfinite(frame["factor"])]
+    assert finite["violated_at"].to_numpy() == pytest.approx(
+        (finite["tolerance"] * finite["factor"]).to_numpy()
+    )

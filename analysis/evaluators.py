@@ -1,0 +1,251 @@
+"""What tells a search the objectives at points: the batch engine, or run by run."""
+
+import math
+import threading
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drakesep.analysis.batch import Batch
+from drakesep.analysis.objectives import Limits, Objective
+from drakesep.systems.checks import InputError
+from drakesep.systems.run import Run, RunStatus
+
+
+Array = NDArray[np.float64]
+Progress: TypeAlias = Callable[[int, int], None]
+"""Told how many rows are done, and of how many."""
+
+
+class Evaluated(NamedTuple):
+    """What was found at rows of parameter values."""
+
+    values: Array
+    """(n,) of one objective for each row, or (n, m) of all; NaN where a run failed."""
+    failures: dict[int, str]
+    """Why runs failed, by row."""
+
+
+class Evaluator(Protocol):
+    """Tells objectives at rows (n, n_p) of parameter values, in SI."""
+
+    names: tuple[str, ...]
+    """(n_p,) of the parameters."""
+    objectives: tuple[Objective, ...]
+
+    def exact(self, k: int) -> bool:
+        """Return whether `slopes` knows those of an objective."""
+        ...
+
+    def all(self, rows: Array, on_progress: Progress | None = None) -> Evaluated:
+        """Return every objective at every row."""
+        ...
+
+    def one(self, rows: Array, which: Sequence[int]) -> Evaluated:
+        """Return one objective at each row: the which[i]-th at row i."""
+        ...
+
+    def slopes(self, rows: Array, which: Sequence[int]) -> tuple[Evaluated, Array]:
+        """Return one objective at each row, and its derivatives (n, n_p)."""
+        ...
+
+
+class RunEvaluator:
+    """Flies run by run, whoever flies; knows no derivatives."""
+
+    def __init__(
+        self,
+        fly: Callable[[Array], list[Run]],
+        names: Sequence[str],
+        objectives: Sequence[Objective],
+        limits: Limits = (math.inf,) * 3,
+    ):
+        """Prepare.
+
+        Args:
+            fly: returns the runs of rows (n, n_p).
+            names: (n_p,) of the parameters.
+            objectives: to be told.
+            limits: (3,) of the deviations, as `metrics` takes them.
+        """
+        self._fly = fly
+        self._limits = limits
+        self.names = tuple(names)
+        self.objectives = tuple(objectives)
+
+    def exact(self, k: int) -> bool:
+        """Return False: differences must do."""
+        return False
+
+    def all(
+        self,
+        rows: Array,
+        on_progress: Progress | None = None,
+        of: Sequence[int] | None = None,
+    ) -> Evaluated:
+        """Return every objective at every row; NaN for those that are not asked for.
+
+        Args:
+            rows: (n, n_p) of the parameters, in SI.
+            on_progress: called now and then.
+            of: which objectives; all if None.
+        """
+        asked = range(len(self.objectives)) if of is None else of
+        values = np.full((len(rows), len(self.objectives)), np.nan)
+        failures: dict[int, str] = {}
+        for first in range(0, len(rows), _ROWS):
+            part = rows[first : first + _ROWS]
+            for i, run in enumerate(self._fly(part), first):
+                if run.status is RunStatus.FAILED:
+                    failures[i] = run.message
+                else:
+                    values[i, asked] = [self._tell(k, run, rows[i]) for k in asked]
+            if on_progress is not None:
+                on_progress(first + len(part), len(rows))
+        return Evaluated(values, failures)
+
+    def one(self, rows: Array, which: Sequence[int]) -> Evaluated:
+        """Return one objective at each row: the which[i]-th at row i."""
+        values = np.full(len(rows), np.nan)
+        failures = {}
+        for i, run in enumerate(self._fly(rows)):
+            if run.status is RunStatus.FAILED:
+                failures[i] = run.message
+            else:
+                values[i] = self._tell(which[i], run, rows[i])
+        return Evaluated(values, failures)
+
+    def slopes(self, rows: Array, which: Sequence[int]) -> tuple[Evaluated, Array]:
+        """Refuse."""
+        raise TypeError("there are no derivatives run by run")
+
+    def _tell(self, k: int, run: Run, row: Array) -> float:
+        objective = self.objectives[k]
+        value = objective.of_run(run, self._limits)
+        if not math.isfinite(value):
+            point = ", ".join(
+                f"{name} = {x:.9g}" for name, x in zip(self.names, row, strict=True)
+            )
+            raise InputError(
+                f"objective {objective.name} must be finite for every run, got {value} "
+                f"at {point}; let it return a number for such a run too, a low one if "
+                "the run is harmless"
+            )
+        return value
+
+
+_ROWS = 64
+"""Between two tellings of progress."""
+
+
+class BatchEvaluator:
+    """Flies on the batch engine; knows derivatives of what figures tell."""
+
+    def __init__(
+        self,
+        batch: Batch,
+        objectives: Sequence[Objective],
+        limits: Limits,
+        *,
+        derivatives: bool = True,
+    ):
+        """Prepare.
+
+        Args:
+            batch: that flies; it must have the same limits.
+            objectives: to be told.
+            limits: (3,) of the deviations, as `metrics` takes them.
+            derivatives: whether to use those of the batch engine: differences cost less
+                where runs take many steps.
+        """
+        self._derivatives = derivatives
+        self._preparing: threading.Thread | None = None
+        self._batch = batch
+        self.names = batch.names
+        self.objectives = tuple(objectives)
+        self._of_runs = RunEvaluator(batch.runs, batch.names, objectives, limits)
+
+    def exact(self, k: int) -> bool:
+        """Return whether derivatives are to be had: of what figures alone tell."""
+        return self._derivatives and self.objectives[k].of_figures_alone
+
+    def all(self, rows: Array, on_progress: Progress | None = None) -> Evaluated:
+        """Return every objective at every row."""
+        of_figures = [objective.of_figures_alone for objective in self.objectives]
+        values = np.full((len(rows), len(self.objectives)), np.nan)
+        failures: dict[int, str] = {}
+        if any(of_figures):
+            result = self._batch.run(rows, on_progress=on_progress)
+            figures = result.metrics.to_numpy()
+            for k in np.flatnonzero(of_figures).tolist():
+                values[:, k] = self.objectives[k].of_figures(figures)
+            failures |= result.failures
+        if not all(of_figures):
+            others = np.flatnonzero(np.logical_not(of_figures)).tolist()
+            told = self._of_runs.all(rows, on_progress, others)
+            values[:, others] = told.values[:, others]
+            failures |= told.failures
+        return Evaluated(values, failures)
+
+    def one(self, rows: Array, which: Sequence[int]) -> Evaluated:
+        """Return one objective at each row: the which[i]-th at row i."""
+        of_figures = np.array(
+            [self.objectives[k].of_figures_alone for k in which], dtype=bool
+        )
+        values = np.full(len(rows), np.nan)
+        failures: dict[int, str] = {}
+        parts: list[tuple[NDArray[np.intp], Evaluated]] = []
+        if of_figures.any():
+            index = np.flatnonzero(of_figures)
+            result = self._batch.run(rows[index])
+            told = self._tell(
+                result.metrics.to_numpy(), [which[i] for i in index.tolist()]
+            )
+            parts.append((index, Evaluated(told, dict(result.failures))))
+        if not of_figures.all():
+            index = np.flatnonzero(~of_figures)
+            parts.append(
+                (
+                    index,
+                    self._of_runs.one(rows[index], [which[i] for i in index.tolist()]),
+                )
+            )
+        for index, part in parts:
+            values[index] = part.values
+            failures |= {int(index[i]): why for i, why in part.failures.items()}
+        return Evaluated(values, failures)
+
+    def prepare(self) -> None:
+        """Begin to compile the derivatives' program, beside whatever comes next."""
+        if any(map(self.exact, range(len(self.objectives)))):
+            nominal = self._batch.nominal[None]
+            self._preparing = threading.Thread(
+                target=self._batch.jacobian, args=(nominal,), daemon=True
+            )
+            self._preparing.start()
+
+    def slopes(self, rows: Array, which: Sequence[int]) -> tuple[Evaluated, Array]:
+        """Return one objective at each row, and its derivatives (n, n_p)."""
+        if self._preparing is not None:
+            self._preparing.join()
+        result = self._batch.jacobian(rows)
+        assert result.jacobian is not None
+        figures = result.metrics.to_numpy()
+        weights = np.stack(
+            [self.objectives[k].weights(figures[i]) for i, k in enumerate(which)]
+        )
+        # A figure of weight 0 counts for nothing, even where its slope is undefined.
+        terms = np.where(weights[..., None] == 0.0, 0.0, result.jacobian)
+        slopes = np.einsum("nm,nmp->np", weights, terms)
+        values = self._tell(figures, which)
+        return Evaluated(values, dict(result.failures)), slopes
+
+    def _tell(self, figures: Array, which: Sequence[int]) -> Array:
+        return np.array(
+            [
+                float(self.objectives[k].of_figures(row))
+                for k, row in zip(which, figures, strict=True)
+            ]
+        )

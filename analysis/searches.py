@@ -1,0 +1,28 @@
+"""The searches by name; see `drakesep.analysis.search` for what they have in common."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from drakesep.analysis.climbs import climb, climb_from_many
+from drakesep.analysis.evolution import evolve
+from drakesep.analysis.search import Search
+from drakesep.analysis.sweeps import sample, sweep_vertices
+from drakesep.systems.checks import InputError, unknown
+
+
+SEARCHES: Mapping[str, Search] = MappingProxyType(
+    {
+        "sqp": climb,
+        "multistart": climb_from_many,
+        "vertices": sweep_vertices,
+        "samples": sample,
+        "evolution": evolve,
+    }
+)
+"""The searches by name."""
+
+
+def check_search(name: str) -> None:
+    """Raise ValueError if there is no such search."""
+    if name not in SEARCHES:
+        raise InputError(unknown("search", name, SEARCHES))

@@ -1,0 +1,438 @@
+"""The study of the worst cases: what was flown and found, and why to believe it."""
+
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+import pandas as pd
+
+from drakesep import evidence_tables, figures, tables
+from drakesep.analysis.ascent import Iteration, SearchStatus, Start, slopes_at
+from drakesep.analysis.batch import Batch
+from drakesep.analysis.evaluators import BatchEvaluator, RunEvaluator
+from drakesep.analysis.fleet import Fleet
+from drakesep.analysis.metrics import metrics
+from drakesep.analysis.objectives import (
+    OBJECTIVES,
+    Objective,
+    as_objective,
+    towards,
+)
+from drakesep.analysis.requirements import deviation_limits
+from drakesep.analysis.search import (
+    Candidate,
+    Effort,
+    Problem,
+    Searched,
+    SearchProgress,
+    SearchSettings,
+)
+from drakesep.analysis.searches import check_search
+from drakesep.analysis.worst_case import WorstCase, find_worst_cases
+from drakesep.case import Case
+from drakesep.folder import writable_folder
+from drakesep.systems.checks import InputError
+from drakesep.systems.run import Run, RunStatus
+from drakesep.systems.simulation import Simulation
+from drakesep.tables import Flight
+
+
+NOMINAL = "nominal"
+DEFAULT_SEARCHES = ("samples", "vertices", "sqp", "multistart")
+"""Chance, then the corners, then uphill from the nominal and from the best of those."""
+DRAKE = "drake"
+"""The search that flies Drake alone: SQP from the nominal, with differences."""
+
+AnyObjective: TypeAlias = Objective | str | Callable[[Run], float]
+OnProgress: TypeAlias = Callable[["Progress"], None]
+
+_CONFIRMED = 1e-4
+"""By how much Drake may differ at its accuracy, of the objective's value or nominal."""
+_LIGHT = 300
+"""Steps of a Drake run up to which it is a light one: derivatives cost less than they
+save, and workers take longer to start than to fly."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """Where a study stands."""
+
+    objectives: tuple[Objective, ...]
+    """That are searched."""
+    search: SearchProgress
+    """The search under way."""
+
+
+@dataclass(kw_only=True)
+class WorstCases:
+    """The nominal run, the published worst cases, and the worst found."""
+
+    case: Case
+    objectives: tuple[Objective, ...] = ()
+    flights: list[Flight] = field(default_factory=list)
+    searched: list[Searched] = field(default_factory=list)
+    """What each search found, in their order."""
+    worst: list[WorstCase] = field(default_factory=list)
+    """The worst case of each objective, with its evidence."""
+    nominal_slopes: np.ndarray | None = field(default=None, repr=False)
+    """(m, n) of the objectives at the nominal, with the scaled parameters."""
+
+    @functools.cached_property
+    def share_unphysical(self) -> float:
+        """The share of the tolerances whose inertias no body can have."""
+        return self.case.tolerance_set.share_unphysical()
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """A row for each run: parameters, figures, and how it was found."""
+        return tables.flights_table(self.flights, self.case.box.names)
+
+    @property
+    def history(self) -> pd.DataFrame:
+        """A row for each iterate of each search from the nominal."""
+        return tables.history_table(self.iterations, self.case.box)
+
+    @property
+    def iterations(self) -> dict[Objective, tuple[Iteration, ...]]:
+        """Iterates of the search from the nominal, by objective."""
+        return {
+            self.objectives[c.objective]: c.ascent.history
+            for c in self._from_nominal
+            if c.ascent is not None
+        }
+
+    @property
+    def _from_nominal(self) -> list[Candidate]:
+        return [c for s in self.searched if s.search == "sqp" for c in s.candidates]
+
+    @property
+    def comparison(self) -> pd.DataFrame:
+        """For each of the paper's objectives: nominal, published, SQP and worst."""
+        return tables.comparison_table(self.flights)
+
+    @property
+    def table_4(self) -> pd.DataFrame:
+        """The worst cases in the form of the paper's Table 4."""
+        shown = [f for f in self.flights if f.objective is None or _of_paper(f)]
+        return tables.table_4(shown, self.case.box)
+
+    @property
+    def worst_points(self) -> pd.DataFrame:
+        """A row for each parameter: M, m or its value, at each worst case."""
+        return evidence_tables.worst_points(self.worst, self.case.box)
+
+    @property
+    def evidence(self) -> pd.DataFrame:
+        """A row for each worst case, with why it may be believed."""
+        return evidence_tables.evidence(self.worst, self.objectives, self.flights)
+
+    @property
+    def searches(self) -> pd.DataFrame:
+        """A row for each search: what it looked at."""
+        return evidence_tables.searches(self.searched)
+
+    @property
+    def candidates(self) -> pd.DataFrame:
+        """A row for the best point of each search, for each objective."""
+        return evidence_tables.candidates(self.searched, self.objectives, self.case.box)
+
+    @property
+    def sensitivities(self) -> pd.DataFrame:
+        """What each tolerance does to each objective, at the nominal and the worst."""
+        slopes = self.nominal_slopes
+        assert slopes is not None or not self.worst
+        return evidence_tables.sensitivities(
+            self.worst, self.objectives, slopes, self.case.box
+        )
+
+    @property
+    def _nearest_sensitivities(self) -> pd.DataFrame:
+        """Those of the paper's objectives, and of a requirement's worse direction."""
+        left_out = set()
+        values = {case.name: case.value for case in self.worst}
+        for requirement in self.case.limits:
+            names = [objective.name for objective in towards(requirement)]
+            known = [name for name in names if name in values]
+            left_out |= set(known) - {max(known, key=values.__getitem__, default="")}
+        frame = self.sensitivities
+        return frame[~frame["objective"].isin(left_out)]
+
+    @property
+    def motions(self) -> dict[str, pd.DataFrame]:
+        """The motion of each run that did not fail, by its label."""
+        return {
+            flight.label: tables.motion_table(flight.run.motion)
+            for flight in self.flights
+            if flight.run.motion is not None
+        }
+
+    @property
+    def completed(self) -> bool:
+        """Whether no run failed, and Drake confirmed every worst case."""
+        return not any(flight.status.startswith("failed") for flight in self.flights)
+
+    def save_tables(self, directory: str | Path) -> None:
+        """Write the tables, as far as there are any, into a folder."""
+        folder = writable_folder(directory)
+        tables.write_csv(self.table, folder / "worst_cases.csv")
+        if self.searched:
+            tables.write_csv(self.searches, folder / "searches.csv")
+            tables.write_csv(self.candidates, folder / "candidates.csv")
+        if self.iterations:
+            tables.write_csv(self.history, folder / "history.csv")
+        if self.worst:
+            tables.write_csv(self.evidence, folder / "evidence.csv")
+            tables.write_csv(self.worst_points, folder / "worst_points.csv")
+            tables.write_csv(self.sensitivities, folder / "sensitivities.csv")
+        if any(map(_of_paper, self.flights)):
+            tables.write_csv(self.comparison, folder / "comparison.csv")
+
+    def save(self, directory: str | Path) -> None:
+        """Write the tables and figures into a folder."""
+        self.save_tables(directory)
+        folder = Path(directory)
+        shown = [f for f in self.flights if f.run.motion is not None and _shown(f)]
+        figures.save_figures(shown, self.case.limits, folder)
+        if self.worst:
+            figures.save_tornado(self._nearest_sensitivities, folder)
+
+
+def _of_paper(flight: Flight) -> bool:
+    return flight.objective in OBJECTIVES
+
+
+def _shown(flight: Flight) -> bool:
+    """Return whether a flight is in the figures of the motion."""
+    return flight.objective is None or (
+        _of_paper(flight) and flight.label.startswith("worst_")
+    )
+
+
+def case_objectives(case: Case) -> dict[str, Objective]:
+    """Return the objectives of a case by name: the paper's, and each requirement's."""
+    objectives = [*OBJECTIVES.values(), *case.requirement_objectives]
+    return {objective.name: objective for objective in objectives}
+
+
+def choose_objectives(
+    case: Case, wanted: Sequence[AnyObjective] | AnyObjective | None
+) -> tuple[Objective, ...]:
+    """Return the objectives that are wanted; all of the case if None.
+
+    Raises:
+        ValueError: one is unknown, or two have the same name.
+    """
+    known = case_objectives(case)
+    if wanted is None:
+        return tuple(known.values())
+    listed = [wanted] if isinstance(wanted, str) or callable(wanted) else wanted
+    chosen = [
+        known[objective]
+        if isinstance(objective, str) and objective in known
+        else as_objective(objective, known)
+        for objective in dict.fromkeys(listed)
+    ]
+    names = [objective.name for objective in chosen]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(
+                f"objectives: names must differ, got {name!r} twice; "
+                "give one another with objective.named(...)"
+            )
+    return tuple(chosen)
+
+
+def as_flight(label: str, run: Run, case: Case, **found: object) -> Flight:
+    """Return a run with its figures."""
+    completed = run.motion is not None
+    figures_ = metrics(run, deviation_limits(case.limits)) if completed else {}
+    if not completed:
+        found["status"] = f"failed: {run.message}"
+    return Flight(label=label, run=run, figures=figures_, **found)  # type: ignore[arg-type]
+
+
+def search(
+    study: WorstCases,
+    objectives: Sequence[Objective],
+    *,
+    searches: Sequence[str],
+    effort: Effort,
+    output: Path | None,
+    workers: int | None,
+    on_progress: OnProgress | None,
+    afterwards: Callable[[Problem, SearchSettings], None] = lambda *_: None,
+) -> None:
+    """Fly the references of a study, search its worst cases and confirm them.
+
+    Args:
+        study: that receives what is found.
+        objectives: to be maximised.
+        searches: names out of `SEARCHES`, or `DRAKE` alone.
+        effort: how hard to search; what is left out, the length of a run decides.
+        output: folder that receives the tables as the study goes on.
+        workers: number of processes that fly Drake; one per core if None.
+        on_progress: called as the searches go on.
+        afterwards: called with the problem, while it can be flown, and the settings.
+    """
+    alone = list(searches) == [DRAKE]
+    for name in () if alone else searches:
+        check_search(name)
+    SearchSettings(**effort)  # refuses what is wrong before anything is flown
+    case = study.case
+    study.objectives = tuple(objectives)
+    nominal = Simulation(case.separation, case.integration).run({})
+    study.flights.append(as_flight(NOMINAL, nominal, case))
+    if nominal.motion is None:
+        raise RuntimeError(f"the nominal run failed: {nominal.message}")
+    light = nominal.steps <= _LIGHT
+    batch = None
+    if objectives and not alone:
+        batch = _batch(case, objectives, derivatives=light)
+        workers = 1 if light else workers
+    with Fleet(case.separation, case.integration, workers=workers) as fleet:
+        _fly_published(study, fleet)
+        if output is not None:
+            study.save_tables(output)
+        if objectives:
+            problem = Problem(
+                tolerances=case.tolerance_set,
+                evaluator=batch or _drake(case, objectives, fleet),
+            )
+            settings = SearchSettings.affordable(nominal.steps, **effort)
+            names = ["sqp"] if alone else searches
+            worst = _find(study, problem, names, settings, output, on_progress)
+            study.nominal_slopes = _slopes_at_nominal(problem)
+            _confirm(study, worst, fleet)
+            study.worst = worst
+            afterwards(problem, settings)
+
+
+def _find(
+    study: WorstCases,
+    problem: Problem,
+    searches: Sequence[str],
+    settings: SearchSettings,
+    output: Path | None,
+    on_progress: OnProgress | None,
+) -> list[WorstCase]:
+    """Find the worst cases, and write down what each search finds as it ends."""
+
+    def tell(progress: SearchProgress) -> None:
+        if on_progress is not None:
+            on_progress(Progress(objectives=study.objectives, search=progress))
+
+    def keep(searched: Searched) -> None:
+        study.searched.append(searched)
+        if output is not None:
+            study.save_tables(output)
+
+    return find_worst_cases(
+        problem, searches, settings, on_progress=tell, on_search=keep
+    )
+
+
+def _fly_published(study: WorstCases, fleet: Fleet) -> None:
+    case = study.case
+    variations = [case.published_values(published) for published in case.published]
+    for published, run in zip(case.published, fleet.fly(variations), strict=True):
+        flight = as_flight(published.label, run, case, published=published)
+        study.flights.append(flight)
+
+
+def _drake(case: Case, objectives: Sequence[Objective], fleet: Fleet) -> RunEvaluator:
+    names = case.box.names
+
+    def fly(rows: np.ndarray) -> list[Run]:
+        return fleet.fly([dict(zip(names, row.tolist(), strict=True)) for row in rows])
+
+    return RunEvaluator(fly, names, objectives, deviation_limits(case.limits))
+
+
+def _batch(
+    case: Case, objectives: Sequence[Objective], *, derivatives: bool
+) -> BatchEvaluator:
+    limits = deviation_limits(case.limits)
+    batch = Batch(case.separation, case.box.names, deviation_limits=limits)
+    evaluator = BatchEvaluator(batch, objectives, limits, derivatives=derivatives)
+    evaluator.prepare()
+    return evaluator
+
+
+def _slopes_at_nominal(problem: Problem) -> np.ndarray:
+    """Return (m, n) the slopes of the objectives, with the scaled parameters."""
+    nominal = np.zeros(len(problem.tolerances))
+    return slopes_at(
+        [
+            Start(objective=k, tolerances=problem.tolerances, u=nominal)
+            for k in range(len(problem.evaluator.objectives))
+        ],
+        problem.evaluator,
+    )
+
+
+def _confirm(study: WorstCases, worst: Sequence[WorstCase], fleet: Fleet) -> None:
+    """Fly what was found in Drake, and hold it against what the search says."""
+    case = study.case
+    ends = [
+        c
+        for c in study._from_nominal
+        if study.objectives[c.objective].name in OBJECTIVES
+    ]
+    variations: list[Mapping[str, float]] = [case.box.values(c.u) for c in ends]
+    variations += [case.values for case in worst]
+    runs = fleet.fly(variations)
+    for end, run in zip(ends, runs, strict=False):
+        assert end.ascent is not None
+        name = study.objectives[end.objective].name
+        study.flights.append(
+            as_flight(
+                f"sqp_{name}",
+                run,
+                case,
+                objective=name,
+                iterations=end.ascent.iterations,
+                evaluations=end.ascent.evaluations,
+                status=_status(end.ascent.status, end.ascent.message),
+            )
+        )
+    points = sum(searched.points for searched in study.searched)
+    for found, run in zip(worst, runs[len(ends) :], strict=True):
+        study.flights.append(_confirmed(study, found, run, points))
+
+
+def _status(status: SearchStatus, message: str) -> str:
+    return f"failed: {message}" if status is SearchStatus.FAILED else status.value
+
+
+def _confirmed(study: WorstCases, found: WorstCase, run: Run, points: int) -> Flight:
+    objective = study.objectives[found.objective]
+    flight = as_flight(
+        f"worst_{found.name}",
+        run,
+        study.case,
+        objective=found.name,
+        evaluations=points,
+        status="confirmed",
+    )
+    if run.status is RunStatus.FAILED:
+        return flight
+    in_drake = _value(objective, flight, study.case)
+    nominal = _value(objective, study.flights[0], study.case)
+    status = flight.status
+    if not abs(in_drake - found.value) <= _CONFIRMED * max(
+        abs(found.value), abs(nominal)
+    ):
+        status = (
+            f"failed: Drake gives {in_drake:.9g} where the search found "
+            f"{found.value:.9g} (SI)"
+        )
+    return replace(flight, status=status, objective_in_drake=in_drake)
+
+
+def _value(objective: Objective, flight: Flight, case: Case) -> float:
+    if objective.of_figures_alone:
+        return float(objective.of_figures(np.array(list(flight.figures.values()))))
+    return objective.of_run(flight.run, deviation_limits(case.limits))
