@@ -26,7 +26,6 @@ from mujoco_rollout import MujocoRollout
 
 from drakesep.analysis.batch import Batch
 from drakesep.analysis.fleet import Fleet
-from drakesep.analysis.physical_set import PhysicalSet
 from drakesep.analysis.requirements import deviation_limits
 from drakesep.case_file import load_case
 from drakesep.systems.model import Separation
@@ -237,9 +236,9 @@ def _run(code: str, environment: dict[str, str]) -> float:
 
 def main() -> None:
     case = load_case("vega")
-    box, physical = case.box, PhysicalSet(case.separation, case.box)
+    box, tolerances = case.box, case.tolerance_set
     u = np.random.default_rng(0).uniform(-1.0, 1.0, size=(16_384, len(box)))
-    rows = box.nominal + box.tolerance * np.array([physical.draw_back(x) for x in u])
+    rows = tolerances.rows(tolerances.draw_back(u))
     limits = deviation_limits(case.limits)
     batch = Batch(case.separation, box.names, deviation_limits=limits)
     one = Batch(case.separation, box.names, deviation_limits=limits, workers=1)

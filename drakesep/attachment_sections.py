@@ -65,6 +65,9 @@ class SpringSection(Section):
     damping_N_s_m: NotNegative | None = None
     displacements_mm: Column | None = None
     forces_N: Column | None = None
+    tilt_y_deg: float = 0.0
+    tilt_z_deg: float = 0.0
+    """Of the push from A's x axis, about its y axis, then about its z axis."""
 
     @model_validator(mode="after")
     def _check_law(self) -> Self:
@@ -78,32 +81,42 @@ class SpringSection(Section):
             given = getattr(self, key) is not None
             if key in needs and not given:
                 raise ValueError(f"{key}: missing; law: {self.law} needs it")
-            if key not in ("name", "law", *may) and given:
+            if key not in ("name", "law", "tilt_y_deg", "tilt_z_deg", *may) and given:
                 raise ValueError(f"{key}: law: {self.law} has none")
         return self
 
     def in_si(self) -> Spring | DisplacementSpring:
         """Return the spring."""
         damping = self.damping_N_s_m or 0.0
-        millimetre = unit_of("stroke")
+        millimetre, degree = unit_of("stroke"), unit_of("tilt")
+        tilt_y, tilt_z = map(degree.to_si, (self.tilt_y_deg, self.tilt_z_deg))
         if self.displacements_mm is not None and self.forces_N is not None:
             return DisplacementSpring.from_table(
                 name=self.name,
                 displacements=tuple(map(millimetre.to_si, self.displacements_mm)),
                 forces=self.forces_N,
                 damping=damping,
+                tilt_y=tilt_y,
+                tilt_z=tilt_z,
             )
         assert self.force_max_N is not None and self.stroke_mm is not None  # _check_law
         force_max, stroke = self.force_max_N, millimetre.to_si(self.stroke_mm)
         if self.design_mass_kg is None:
             return DisplacementSpring(
-                name=self.name, force_max=force_max, stroke=stroke, damping=damping
+                name=self.name,
+                force_max=force_max,
+                stroke=stroke,
+                damping=damping,
+                tilt_y=tilt_y,
+                tilt_z=tilt_z,
             )
         return Spring(
             name=self.name,
             force_max=force_max,
             stroke=stroke,
             design_mass=self.design_mass_kg,
+            tilt_y=tilt_y,
+            tilt_z=tilt_z,
         )
 
 

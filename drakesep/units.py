@@ -58,6 +58,7 @@ _OF_QUANTITY = {
     "inertia": "kg_m2",
     "force_max": "N",
     "stroke": "mm",
+    "tilt": "deg",
     "damping": "N_s_m",
     "design_mass": "kg",
     "position": "mm",

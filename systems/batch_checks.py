@@ -42,6 +42,8 @@ def check_rows(
             doubtful |= column < 0.0
         if quantity in ("release_time", "start"):
             doubtful |= column >= separation.duration - _latest_start(separation)
+        if quantity in ("tilt_y", "tilt_z"):
+            doubtful |= np.abs(column) >= 0.5 * math.pi
         if quantity == "release_angle":
             doubtful |= column >= math.pi
     doubtful |= _edge_of_inertia(separation, names, values)

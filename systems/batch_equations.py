@@ -77,6 +77,8 @@ class Numbers(NamedTuple):
     """(k, n), rad/s; 1 for springs driven by displacement."""
     damping: Lanes
     """(k, n), N s/m."""
+    push_axis_A: Vector
+    """Of (k, n)."""
     p_BoQ_B: Vector
     """Where the loads act, of (l, n), m."""
     load_start: Lanes
@@ -162,6 +164,13 @@ class BatchEquations:
         self.by_stroke = [
             k for k, s in enumerate(springs) if isinstance(s, DisplacementSpring)
         ]
+        self.tilted = [
+            spring.tilt_y != 0.0
+            or spring.tilt_z != 0.0
+            or any(f"{spring.name}.tilt_{axis}" in varied for axis in "yz")
+            for spring in springs
+        ]
+        """Whether each spring may push along another axis than A's x axis."""
         self._joints = _group_joints(separation)
         names = [body.name for body in separation.bodies]
         self._load_bodies = [names.index(load.body) for load in separation.loads]
@@ -217,6 +226,9 @@ class BatchEquations:
                 timed, jnp.sqrt(force_max / (design_mass * stroke)), 1.0
             ),  # Eq. 5
             damping=of(springs, "damping"),
+            push_axis_A=spring_laws.push_axis(
+                of(springs, "tilt_y"), of(springs, "tilt_z"), jnp
+            ),
             p_BoQ_B=vector(separation.loads, "position"),
             load_start=of(separation.loads, "start"),
             load_factor=of(separation.loads, "factor"),
@@ -399,7 +411,12 @@ class BatchEquations:
             pick(bodies, b),
             pick(numbers.p_AoPad_A, i),
             pick(numbers.p_BoPad_B, i),
+            self._push_axis(k, numbers),
         )
+
+    def _push_axis(self, k: int, numbers: Numbers) -> Vector | None:
+        axis: Vector = pick(numbers.push_axis_A, k)
+        return axis if self.tilted[k] else None
 
     def stroke_force(self, k: int, bodies: BodyState, numbers: Numbers) -> Lanes:
         """Return the force of a spring driven by displacement, were it to pull, N."""
@@ -424,10 +441,12 @@ class BatchEquations:
         self, timed: Timed, bodies: BodyState, numbers: Numbers, mode: Mode
     ) -> Wrench:
         forces = self.spring_forces(timed, bodies, numbers, mode)
-        pairs: dict[tuple[int, int], list[tuple[Lanes, Vector]]] = {}
-        for force, i in zip(forces, self.spring_attachments, strict=True):
-            pad = pick(numbers.p_BoPad_B, i)
-            pairs.setdefault(self.ends[i], []).append((force, pad))
+        pairs: dict[tuple[int, int], list[spring_laws.Push]] = {}
+        for k, (force, i) in enumerate(
+            zip(forces, self.spring_attachments, strict=True)
+        ):
+            pad, axis = pick(numbers.p_BoPad_B, i), self._push_axis(k, numbers)
+            pairs.setdefault(self.ends[i], []).append((force, pad, axis))
         total = _Sum(bodies)
         for (a, b), pushes in pairs.items():
             on_A, on_B = spring_laws.springs_wrenches(

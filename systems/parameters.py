@@ -36,16 +36,11 @@ _ATTACHMENT: dict[str, _Field] = {
     "release_time": ("release_time", None),
     "release_angle": ("release_angle", None),
 }
-_SPRING: dict[str, _Field] = {
-    "force_max": ("force_max", None),
-    "stroke": ("stroke", None),
-    "design_mass": ("design_mass", None),
+_ANY_SPRING: dict[str, _Field] = {
+    name: (name, None) for name in ("force_max", "stroke", "tilt_y", "tilt_z")
 }
-_DISPLACEMENT_SPRING: dict[str, _Field] = {
-    "force_max": ("force_max", None),
-    "stroke": ("stroke", None),
-    "damping": ("damping", None),
-}
+_SPRING: dict[str, _Field] = {**_ANY_SPRING, "design_mass": ("design_mass", None)}
+_DISPLACEMENT_SPRING: dict[str, _Field] = {**_ANY_SPRING, "damping": ("damping", None)}
 _LOAD: dict[str, _Field] = {
     **_vector("position", "p_BoQ_B", _XYZ),
     "start": ("start", None),

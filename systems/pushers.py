@@ -25,7 +25,8 @@ class Spring:
     """A separation spring driven by time, Eq. 5.
 
     Raises:
-        ValueError: the force, the stroke or the design mass is not positive.
+        ValueError: the force, the stroke or the design mass is not positive, or a tilt
+            is a right angle or more.
     """
 
     name: str
@@ -35,12 +36,17 @@ class Spring:
     """m."""
     design_mass: float
     """m_S of Eq. 5, kg: a constant of the design, whatever is dispersed."""
+    tilt_y: float = 0.0
+    """Of the push from A's x axis, about its y axis, rad: a misalignment."""
+    tilt_z: float = 0.0
+    """About A's z axis, then, rad."""
 
     def __post_init__(self) -> None:
         """Check the values."""
         check_positive(f"{self.name}: maximum force", self.force_max)
         check_positive(f"{self.name}: stroke", self.stroke)
         check_positive(f"{self.name}: design mass", self.design_mass)
+        _check_tilts(self.name, self.tilt_y, self.tilt_z)
 
     @property
     def frequency(self) -> float:
@@ -61,8 +67,9 @@ class DisplacementSpring:
     pulls, and is zero beyond the stroke.
 
     Raises:
-        ValueError: the force or the stroke is not positive, the damping is negative, or
-            the profile does not run from 0 to 1 with forces from 0 to 1.
+        ValueError: the force or the stroke is not positive, the damping is negative,
+            the profile does not run from 0 to 1 with forces from 0 to 1, or a tilt is a
+            right angle or more.
     """
 
     name: str
@@ -74,6 +81,10 @@ class DisplacementSpring:
     """N s/m."""
     profile: Profile = LINEAR
     """A part of the design: it does not vary. Straight lines join its rows."""
+    tilt_y: float = 0.0
+    """Of the push from A's x axis, about its y axis, rad: a misalignment."""
+    tilt_z: float = 0.0
+    """About A's z axis, then, rad."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -81,6 +92,7 @@ class DisplacementSpring:
         check_positive(f"{self.name}: stroke", self.stroke)
         check_not_negative(f"{self.name}: damping", self.damping)
         _check_profile(f"{self.name}: profile", self.profile)
+        _check_tilts(self.name, self.tilt_y, self.tilt_z)
 
     @classmethod
     def from_table(
@@ -90,6 +102,8 @@ class DisplacementSpring:
         displacements: tuple[float, ...],
         forces: tuple[float, ...],
         damping: float = 0.0,
+        tilt_y: float = 0.0,
+        tilt_z: float = 0.0,
     ) -> "DisplacementSpring":
         """Return the spring of a measured table of force over stroke.
 
@@ -98,6 +112,8 @@ class DisplacementSpring:
             displacements: (n,) from 0, increasing, m.
             forces: (n,) N.
             damping: N s/m.
+            tilt_y: of the push from A's x axis, about its y axis, rad.
+            tilt_z: about A's z axis, then, rad.
 
         Raises:
             ValueError: the columns differ in length, or do not make a profile.
@@ -126,6 +142,8 @@ class DisplacementSpring:
             force_max=force_max,
             stroke=stroke,
             damping=damping,
+            tilt_y=tilt_y,
+            tilt_z=tilt_z,
             profile=tuple(
                 (s / stroke, f / force_max)
                 for s, f in zip(displacements, forces, strict=True)
@@ -140,6 +158,15 @@ class DisplacementSpring:
             for (s0, f0), (s1, f1) in itertools.pairwise(self.profile)
         )
         return self.force_max * self.stroke * area
+
+
+def _check_tilts(name: str, *tilts: float) -> None:
+    check_finite(f"{name}: tilt", *tilts)
+    for tilt in tilts:
+        if abs(tilt) >= 0.5 * math.pi:
+            raise InputError(
+                f"{name}: tilt must be less than 90 deg, got {math.degrees(tilt):g} deg"
+            )
 
 
 def _check_profile(name: str, profile: Profile) -> None:

@@ -188,11 +188,12 @@ def _find_stroke_end(
     assert spring is not None  # _find_stroke_ends
     a, b = separation.ends(attachment)
     pad_B = pad_on_B(separation, attachment, attachment.p_AoPad_A)
+    axis_A = spring_laws.push_axis(spring.tilt_y, spring.tilt_z, math)
 
     def left(times: Array) -> Array:
         bodies = system.layout.read(recorder.sample(times)[0])
         displacement, _ = spring_laws.spring_displacement(
-            bodies[a], bodies[b], attachment.p_AoPad_A, pad_B
+            bodies[a], bodies[b], attachment.p_AoPad_A, pad_B, axis_A
         )
         return spring.stroke - np.asarray(displacement)
 

@@ -5,11 +5,13 @@ Their form, and the paper whose equations they number, are those of `motion_laws
 
 import itertools
 from collections.abc import Sequence
+from typing import TypeAlias
 
 from drakesep.systems.motion_laws import BodyState, Wrench, velocity_at
 from drakesep.systems.vectors import (
     Ops,
     Scalar,
+    Vector,
     add,
     cross,
     dot,
@@ -34,25 +36,47 @@ def spring_force(
     return force_max * ops.cos(frequency * elapsed)  # Eq. 5
 
 
+def push_axis(tilt_y: Scalar, tilt_z: Scalar, ops: Ops) -> Vector:
+    """Return the axis in A along which a spring pushes: Rz(tilt_z) Ry(tilt_y) x.
+
+    Args:
+        tilt_y: about A's y axis, rad.
+        tilt_z: about A's z axis, then, rad.
+        ops: module of the elementary functions.
+    """
+    c = ops.cos(tilt_y)
+    return c * ops.cos(tilt_z), c * ops.sin(tilt_z), -ops.sin(tilt_y)
+
+
+def _axis_W(A: BodyState, axis_A: Vector | None) -> Vector:
+    if axis_A is None:
+        return A.R_WB[0], A.R_WB[3], A.R_WB[6]
+    return rotate(A.R_WB, axis_A)
+
+
 def spring_displacement(
     A: BodyState,
     B: BodyState,
     p_AoPad_A: Sequence[Scalar],
     p_BoPad_B: Sequence[Scalar],
+    axis_A: Vector | None = None,
 ) -> tuple[Scalar, Scalar]:
-    """Return how far, m, and how fast, m/s, B's pad has moved along A's x axis.
+    """Return how far, m, and how fast, m/s, B's pad has moved along the push's axis.
 
     Args:
         A: body pushed from.
         B: body pushed away.
         p_AoPad_A: mated place of the pad in A, m.
         p_BoPad_B: the pad, fixed in B, m.
+        axis_A: of the push, in A; A's x axis if None.
     """
     r_B = rotate(B.R_WB, (p_BoPad_B[0], p_BoPad_B[1], p_BoPad_B[2]))
     r_A = subtract(add(B.p_WBo, r_B), A.p_WBo)
     v_APad = subtract(velocity_at(B, r_B), velocity_at(A, r_A))
-    e_xA = A.R_WB[0], A.R_WB[3], A.R_WB[6]
-    return dot(e_xA, r_A) - p_AoPad_A[0], dot(e_xA, v_APad)
+    axis_W = _axis_W(A, axis_A)
+    x, y, z = p_AoPad_A
+    mated = x if axis_A is None else dot(axis_A, (x, y, z))
+    return dot(axis_W, r_A) - mated, dot(axis_W, v_APad)
 
 
 def positive_part(x: Scalar) -> Scalar:
@@ -90,7 +114,7 @@ def displacement_spring_force(
     loses: the force acts along the axis on which displacement is measured.
 
     Args:
-        displacement: of the pad along A's x axis, m.
+        displacement: of the pad along the push's axis, m.
         speed: its rate, m/s.
         force_max: largest force of the profile, N.
         stroke: m.
@@ -127,27 +151,38 @@ def displacement_spring_energy(
     return force_max * stroke * area
 
 
-def springs_wrenches(
-    A: BodyState, B: BodyState, forces: Sequence[tuple[Scalar, Sequence[Scalar]]]
-) -> tuple[Wrench, Wrench]:
-    """Return the wrenches on A and B of springs that push along A's x axis.
+Push: TypeAlias = tuple[Scalar, Sequence[Scalar], Vector | None]
+"""A spring's force, N, its pad, fixed in B, m, and its axis in A; None: A's x axis."""
 
-    Each force acts on B at its pad and on A at the same point in space. They are
-    parallel, so their sum and their first moment in B are all it takes.
+
+def springs_wrenches(
+    A: BodyState, B: BodyState, pushes: Sequence[Push]
+) -> tuple[Wrench, Wrench]:
+    """Return the wrenches on A and B of springs.
+
+    Each force acts on B at its pad and on A at the same point in space. Those along A's
+    x axis are parallel, so their sum and their first moment in B are all it takes.
 
     Args:
-        A: body pushed from; it gives the direction.
+        A: body pushed from; it gives the directions.
         B: body pushed away.
-        forces: of each spring its force, N, and its pad, fixed in B, m.
+        pushes: of the springs.
     """
     total = moment_x = moment_y = moment_z = 0.0
-    for force, (x, y, z) in forces:
+    tilted = []
+    for force, (x, y, z), axis_A in pushes:
+        if axis_A is not None:
+            tilted.append((scale(force, rotate(A.R_WB, axis_A)), (x, y, z)))
+            continue
         total = total + force
         moment_x = moment_x + force * x
         moment_y = moment_y + force * y
         moment_z = moment_z + force * z
-    e_xA = A.R_WB[0], A.R_WB[3], A.R_WB[6]
+    e_xA = _axis_W(A, None)
     force_W = scale(total, e_xA)
     torque_B = cross(rotate(B.R_WB, (moment_x, moment_y, moment_z)), e_xA)
+    for push_W, pad_B in tilted:
+        force_W = add(force_W, push_W)
+        torque_B = add(torque_B, cross(rotate(B.R_WB, pad_B), push_W))
     torque_A = add(torque_B, cross(subtract(B.p_WBo, A.p_WBo), force_W))
     return Wrench(negate(torque_A), negate(force_W)), Wrench(torque_B, force_W)

@@ -15,7 +15,7 @@ from drakesep.systems.state_layout import StateLayout
 from drakesep.systems.wrenches import WrenchSum
 
 
-_FIELDS = 10
+_FIELDS = 13
 """Of a spring's parameters: see `Springs`."""
 _Profile: TypeAlias = tuple[float, list[tuple[float, float]]]
 """Where the force over the stroke starts, and its ramps: see `spring_laws`."""
@@ -25,9 +25,10 @@ class Springs(LatchingSystem):
     """Pushes B from A by the spring of each released attachment.
 
     A `Spring` is driven by time (Eq. 5), a `DisplacementSpring` by the displacement of
-    its pad along A's x axis. The force acts on B at the pad fixed in B, along A's x
-    axis; the reaction acts on A at the same point in space. A spring whose stroke was
-    reached has let go of its pad: it does not push again, wherever the bodies go.
+    its pad along its axis: A's x axis, tilted if it is misaligned. The force acts on B
+    at the pad fixed in B, along that axis; the reaction acts on A at the same point in
+    space. A spring whose stroke was reached has let go of its pad: it does not push
+    again, wherever the bodies go.
 
     Input ports:
         plant_state: state of the plant.
@@ -43,9 +44,9 @@ class Springs(LatchingSystem):
         (k,) 1 for each spring that has let go of its pad; and the step's start.
 
     Parameters:
-        0: (10 k,) for each spring its maximum force, N, its frequency, rad/s (0 if
-            driven by displacement), stroke, m, and damping, N s/m, and the place of
-            its pad in A, while mated, and in B, m.
+        0: (13 k,) for each spring its maximum force, N, its frequency, rad/s (0 if
+            driven by displacement), stroke, m, and damping, N s/m, the place of its pad
+            in A, while mated, and in B, m, and its axis in A.
     """
 
     def __init__(self, separation: Separation, layout: StateLayout):
@@ -92,6 +93,7 @@ class Springs(LatchingSystem):
                 rows += [spring.force_max, 0.0, spring.stroke, spring.damping]
             pad_A = attachment.p_AoPad_A
             rows += [*pad_A, *pad_on_B(separation, attachment, pad_A)]
+            rows += spring_laws.push_axis(spring.tilt_y, spring.tilt_z, math)
         context.get_mutable_numeric_parameter(self._springs).SetFromVector(rows)
 
     def _rows(self, context: Context) -> list[list[float]]:
@@ -106,7 +108,7 @@ class Springs(LatchingSystem):
     ) -> tuple[float, float]:
         a, b = self._ends[k]
         return spring_laws.spring_displacement(
-            bodies[a], bodies[b], row[4:7], row[7:10]
+            bodies[a], bodies[b], row[4:7], row[7:10], _axis(row)
         )
 
     def _pushing(self, context: Context) -> list[int]:
@@ -197,7 +199,11 @@ class Springs(LatchingSystem):
                 on_A, on_B = spring_laws.springs_wrenches(
                     bodies[a],
                     bodies[b],
-                    [(forces[k], rows[k][7:]) for k in springs if k in forces],
+                    [
+                        (forces[k], rows[k][7:10], _axis(rows[k]))
+                        for k in springs
+                        if k in forces
+                    ],
                 )
                 total.add(a, on_A)
                 total.add(b, on_B)
@@ -215,6 +221,12 @@ class Springs(LatchingSystem):
                     displacement, force_max, stroke, *self._profiles[k]
                 )
         output.SetFromVector([energy])
+
+
+def _axis(row: list[float]) -> tuple[float, float, float] | None:
+    """Return a spring's axis in A; None if it is A's x axis."""
+    x, y, z = row[10:]
+    return (x, y, z) if y or z else None
 
 
 def _profile(spring: Spring | DisplacementSpring | None) -> _Profile:

@@ -55,6 +55,10 @@ def _integrate(
         for name in ("force_max", "stroke", "design_mass")
     )
     w = np.sqrt(F / (m * L))
+    axes = [
+        Rotation.from_euler("yz", [s.tilt_y, s.tilt_z]).apply([1.0, 0.0, 0.0])
+        for s in springs
+    ]
     pads = np.array([a.p_AoPad_A for a in separation.attachments])
     c_A, c_B = np.array(A.p_BoBcm_B), np.array(B.p_BoBcm_B)
     I_A, I_B = _matrix(A), _matrix(B)
@@ -80,7 +84,7 @@ def _integrate(
         dp, dL = np.zeros(3), np.zeros(3)
         for i in range(len(F)):
             if w[i] * t < np.pi / 2:
-                force = F[i] * np.cos(w[i] * t) * R_A[:, 0]
+                force = F[i] * np.cos(w[i] * t) * R_A @ axes[i]
                 pad = x_B + R_B @ (pads[i] - c_B)
                 a_A, a_B = a_A - force / A.mass, a_B + force / B.mass
                 T_A = T_A + R_A.T @ np.cross(pad - x_A, -force)

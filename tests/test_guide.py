@@ -1,4 +1,4 @@
-"""The code of the guide runs as it stands."""
+"""The code of the guide and of the page on worst cases runs as it stands."""
 
 import math
 import re
@@ -11,10 +11,17 @@ from drakesep.case import Case
 from drakesep.case_file import builtin_cases
 
 
-GUIDE = Path(__file__).parent.parent / "docs" / "guide.md"
-BLOCKS = re.findall(
-    r"^```python\n(.*?)^```", GUIDE.read_text(encoding="utf-8"), re.M | re.S
-)
+DOCS = Path(__file__).parent.parent / "docs"
+GUIDE = DOCS / "guide.md"
+WORST_CASES = DOCS / "worst_cases.md"
+
+
+def blocks(page, language):
+    text = page.read_text(encoding="utf-8")
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.M | re.S)
+
+
+BLOCKS = blocks(GUIDE, "python") + blocks(WORST_CASES, "python")
 
 
 def run(block, capsys):
@@ -56,8 +63,7 @@ def test_separation_on_a_plant(capsys):
 
 def test_case_files_of_the_guide():
     """The loads that it shows can be read."""
-    text = GUIDE.read_text(encoding="utf-8")
-    [block] = re.findall(r"^```yaml\n(.*?)^```", text, re.M | re.S)
+    [block] = blocks(GUIDE, "yaml")
     data = YAML(typ="safe").load(builtin_cases()["vega"])
     data |= YAML(typ="safe").load(block)
     loads = Case.model_validate(data).separation.loads
@@ -69,3 +75,22 @@ def test_many_runs(capsys):
     # deg/s to the digits printed
     expected = [math.radians(x) for x in (0.5752, 0.2440, 0.3325)]
     assert rates == pytest.approx(expected, abs=1e-6)
+
+
+def test_ellipsoids_of_the_page_on_worst_cases():
+    [block] = blocks(WORST_CASES, "yaml")
+    data = YAML(typ="safe").load(builtin_cases()["vega"])
+    data |= YAML(typ="safe").load(block)
+    first, second = Case.model_validate(data).tolerance_set.ellipsoids
+    assert first.names == ("payload.cg_y", "payload.cg_z")
+    assert first.correlation is None
+    assert second.correlation == ((1.0, 0.8), (0.8, 1.0))
+
+
+def test_objectives_of_the_page_on_worst_cases(capsys):
+    """In Drake they are what they are in the batch engine."""
+    exec(compile(containing("largest"), str(WORST_CASES), "exec"), {})
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()[1:]]
+    assert len(rows) == 4
+    for *_, worst, in_drake in rows:
+        assert float(worst) == pytest.approx(float(in_drake), rel=1e-5)

@@ -47,10 +47,27 @@ LINEAR = ((0.0, 3.0), (2000.0, 0.0))
 TABLE = ((0.0, 0.2, 0.6, 2.0), (1300.0, 1500.0, 800.0, 300.0))
 """Displacements, m, and forces, N, of the springs driven by displacement."""
 RELEASED = (
-    (0.05, Spring(name="timed", force_max=1500.0, stroke=0.5, design_mass=100.0)),
+    (
+        0.05,
+        Spring(
+            name="timed",
+            force_max=1500.0,
+            stroke=0.5,
+            design_mass=100.0,
+            tilt_y=0.2,
+            tilt_z=-0.1,
+        ),
+    ),
     (
         0.0,
-        DisplacementSpring(name="linear", force_max=2000.0, stroke=3.0, damping=150.0),
+        DisplacementSpring(
+            name="linear",
+            force_max=2000.0,
+            stroke=3.0,
+            damping=150.0,
+            tilt_y=-0.15,
+            tilt_z=0.25,
+        ),
     ),
     (
         0.02,
@@ -298,9 +315,16 @@ def spring_push(spring, elapsed, seen: Relative):
         w = math.sqrt(spring.force_max / (spring.design_mass * spring.stroke))
         return spring.force_max * math.cos(w * elapsed)  # Eq. 5
     x, force = LINEAR if spring.name == "linear" else TABLE
+    displacement, speed = seen.dx @ push_axis(spring), seen.rate @ push_axis(spring)
     # A pad that is pressed in is pushed along the first line.
-    pressed = min(seen.dx[0], 0.0) * (force[1] - force[0]) / (x[1] - x[0])
-    return np.interp(seen.dx[0], x, force) + pressed - spring.damping * seen.rate[0]
+    pressed = min(displacement, 0.0) * (force[1] - force[0]) / (x[1] - x[0])
+    return np.interp(displacement, x, force) + pressed - spring.damping * speed
+
+
+def push_axis(spring):
+    """In A: about the fixed y axis, then about z."""
+    tilts = [spring.tilt_y, spring.tilt_z]
+    return Rotation.from_euler("yz", tilts).apply([1.0, 0.0, 0.0])
 
 
 def load_now(load):
@@ -365,7 +389,7 @@ def forces_of(motions, external) -> Expected:
             push = 0.0
         else:
             push = spring_push(a.spring, elapsed, seen)
-            force, torque = push * motions[a.A].R[:, 0], np.zeros(3)
+            force, torque = push * motions[a.A].R @ push_axis(a.spring), np.zeros(3)
             joint_loads.append(np.zeros(6))
         if a.spring is not None:
             spring_forces.append(push)

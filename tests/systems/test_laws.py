@@ -42,18 +42,20 @@ def test_spring_impulse_and_end():
 
 
 def test_springs_of_a_pair_are_the_sum_of_each():
-    """Against forces at points, moments by numpy; no net force or moment remains."""
+    """Against forces at points, moments by numpy; two push along axes of their own."""
     rng = np.random.default_rng(3)
     A, B = state(rng), state(rng)
     pads = rng.normal(size=(4, 3))
     forces = rng.uniform(0.0, 1500.0, size=4)
+    axes = [None, (0.0, 0.6, 0.8), None, (0.8, 0.0, -0.6)]
     on_A, on_B = spring_laws.springs_wrenches(
-        A, B, list(zip(forces, pads, strict=True))
+        A, B, list(zip(forces, pads, axes, strict=True))
     )
 
     R_A, R_B = (np.reshape(body.R_WB, (3, 3)) for body in (A, B))
     points = np.array(B.p_WBo) + pads @ R_B.T
-    vectors_W = forces[:, None] * R_A[:, 0]
+    axes_A = np.array([axis or (1.0, 0.0, 0.0) for axis in axes])
+    vectors_W = forces[:, None] * (axes_A @ R_A.T)
     for body, wrench, sign in ((A, on_A, -1.0), (B, on_B, 1.0)):
         moment = np.cross(points - np.array(body.p_WBo), vectors_W).sum(axis=0)
         scale = 1e-12 * np.abs(forces).sum() * 5.0  # round-off of forces times arms
