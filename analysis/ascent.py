@@ -154,31 +154,28 @@ def slopes_at(
     evaluator: Evaluator,
     settings: AscentSettings | None = None,
 ) -> Array:
-    """Return the slopes (k, n) at k points, with the scaled parameters.
+    """Return the slopes (k, n) at k points, with the scaled parameters; NaN if unknown.
 
     Args:
         points: with their objectives and sets.
         evaluator: tells the objectives.
         settings: with the step of differences, where they must do.
-
-    Raises:
-        RuntimeError: a run failed.
     """
 
     def task(point: Start) -> Callable[[_Ask], Array]:
         def slopes(ask: _Ask) -> Array:
             exact = evaluator.exact(point.objective)
             climb = _Climb(point, settings or AscentSettings(), exact, ask)
-            return climb.gradient(np.asarray(point.u, dtype=float))
+            try:
+                return climb.gradient(np.asarray(point.u, dtype=float))
+            except _RunFailedError:
+                return np.full(len(point.tolerances), np.nan)
 
         return slopes
 
-    try:
-        found = side_by_side(
-            [task(point) for point in points], lambda asked: _answer(asked, evaluator)
-        )
-    except _RunFailedError as error:
-        raise RuntimeError(f"slopes: {error}") from error
+    found = side_by_side(
+        [task(point) for point in points], lambda asked: _answer(asked, evaluator)
+    )
     return np.array(found).reshape(len(points), -1)
 
 
@@ -235,7 +232,6 @@ _OF_DIFFERENCES = 1e-6
 """Least tolerance without derivatives: below it, differences are noise."""
 _LEAST_SLOPE = 1e-6
 """That counts, as a part of the largest."""
-_SMALLEST_PROBE = 1e-2
 _STATUS = {
     0: SearchStatus.CONVERGED,
     8: SearchStatus.STALLED,  # the line search finds no ascent beyond the noise
@@ -289,7 +285,7 @@ class _Climb:
                     "maxiter": self._settings.max_iterations,
                 },
             )
-            status = _STATUS.get(result.status, SearchStatus.FAILED)
+            status = _STATUS.get(result.status, SearchStatus.STALLED)
             return self._end(status, result.message)
         except _RunFailedError as error:
             return self._end(SearchStatus.FAILED, str(error))
@@ -349,22 +345,25 @@ class _Climb:
         value = self._value(u)
         point = self._set.draw_back(u)
         probes = np.array([self._probe(point, i) for i in range(len(point))])
-        steps = np.diagonal(probes - point)
+        steps = probes - point
         rises = self._evaluate(probes).values - value
-        slopes = np.zeros(len(point))
-        np.divide(rises, steps, out=slopes, where=steps != 0.0)
-        return slopes
+        diagonal = np.diagonal(steps)
+        if np.array_equal(steps, np.diag(diagonal)):
+            slopes = np.zeros(len(point))
+            np.divide(rises, diagonal, out=slopes, where=diagonal != 0.0)
+            return slopes
+        # Along a curved edge a probe moves other parameters too.
+        return np.asarray(np.linalg.lstsq(steps, rises, rcond=None)[0])
 
     def _probe(self, point: Array, i: int) -> Array:
-        step = self._settings.step
-        while step > _SMALLEST_PROBE * self._settings.step:
-            for side in (step, -step):
-                probe = point.copy()
-                probe[i] += side
-                if self._set.contains(probe):
-                    return probe
-            step *= 0.5  # near the edge of a constraint
-        return point  # no room at all: the slope is taken as zero
+        """Return a point of the set about a step away in one of its parameters."""
+        probes = np.array([point, point])
+        probes[:, i] += [self._settings.step, -self._settings.step]
+        drawn = self._set.draw_back(probes)
+        inside = np.flatnonzero(self._set.contains(probes))
+        if len(inside):
+            return np.asarray(probes[inside[0]])
+        return np.asarray(drawn[np.abs(drawn[:, i] - point[i]).argmax()])
 
     def _scales(self, u: Array) -> tuple[float, Array]:
         """Return what to divide the objective by, and to multiply the parameters with.

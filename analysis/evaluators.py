@@ -1,5 +1,6 @@
 """What tells a search the objectives at points: the batch engine, or run by run."""
 
+import contextlib
 import math
 import threading
 from collections.abc import Callable, Sequence
@@ -220,11 +221,13 @@ class BatchEvaluator:
     def prepare(self) -> None:
         """Begin to compile the derivatives' program, beside whatever comes next."""
         if any(map(self.exact, range(len(self.objectives)))):
-            nominal = self._batch.nominal[None]
-            self._preparing = threading.Thread(
-                target=self._batch.jacobian, args=(nominal,), daemon=True
-            )
+            self._preparing = threading.Thread(target=self._compile, daemon=True)
             self._preparing.start()
+
+    def _compile(self) -> None:
+        # What goes wrong here goes wrong again where it is told of.
+        with contextlib.suppress(Exception):
+            self._batch.jacobian(self._batch.nominal[None])
 
     def slopes(self, rows: Array, which: Sequence[int]) -> tuple[Evaluated, Array]:
         """Return one objective at each row, and its derivatives (n, n_p)."""

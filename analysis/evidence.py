@@ -6,6 +6,7 @@ and how often the ascent missed; the samples bound what fraction of the set can 
 worse.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -44,7 +45,8 @@ class Optimality:
     constraints: tuple[tuple[str, float], ...]
     """Active constraints, with their multipliers."""
     residual: float
-    """0 at a maximum of first order, 1 where nothing holds the slope."""
+    """0 at a maximum of first order, 1 where nothing holds the slope; NaN if a run that
+    the slope needs failed."""
 
 
 def optimality(tolerances: ToleranceSet, u: Array, slopes: Array) -> Optimality:
@@ -60,7 +62,9 @@ def optimality(tolerances: ToleranceSet, u: Array, slopes: Array) -> Optimality:
     edges = np.flatnonzero(tolerances.margins(u) <= _AT_EDGE)
     outward = np.concatenate([np.diag(side)[bounds], -tolerances.jacobian(u)[edges]]).T
     size = float(np.linalg.norm(slopes))
-    multipliers, left = np.zeros(outward.shape[1]), size
+    unknown = math.isnan(size)
+    multipliers = np.full(outward.shape[1], np.nan if unknown else 0.0)
+    left = size
     if size > 0.0 and outward.shape[1]:
         multipliers, left = nnls(outward, slopes / size)
         multipliers, left = multipliers * size, left * size
@@ -74,7 +78,7 @@ def optimality(tolerances: ToleranceSet, u: Array, slopes: Array) -> Optimality:
         constraints=tuple(
             zip(labels, multipliers[len(bounds) :].tolist(), strict=True)
         ),
-        residual=left / size if size > 0.0 else 0.0,
+        residual=0.0 if size == 0.0 else left / size,
     )
 
 

@@ -70,7 +70,7 @@ def evolve(
 
     side_by_side([task(k) for k in range(m)], answer)
     return best.searched(
-        f"differential evolution, at most {settings.generations} generations of "
+        f"differential evolution, at most {settings.generations} generations more of "
         f"{_POPULATION * len(tolerances)}"
     )
 

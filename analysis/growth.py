@@ -38,6 +38,8 @@ _SETTLED = 1e-3
 _ROUNDS = 4
 _CLIMB = AscentSettings(tolerance=1e-6, max_iterations=2)
 """In a round: the next one goes on from there."""
+_GRID = (0.0, 0.5, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, MOST)
+"""Growths between which a limit is first passed on a ray."""
 _ROOT = 1e-5
 """To which a growth is found on its ray."""
 
@@ -62,10 +64,12 @@ class Growth:
 
     limit: Limit
     factor: float
-    """At which the limit is reached; infinite if it is not by `most`; 0 if the nominal
-    is beyond it; NaN if a run failed."""
+    """At which the limit is reached; infinite if it was not found to be; 0 if the
+    nominal is beyond it, or the other tolerances without this one; NaN if runs
+    failed."""
     most: float
-    """Up to which growth was looked at: the parameters exist up to there."""
+    """Up to which growth was looked at. A parameter that does not exist so far grows as
+    far as it does, while others go on."""
     values: dict[str, float]
     """Of the parameters where the limit is reached, in SI; empty if it is not."""
     message: str = ""
@@ -89,14 +93,12 @@ def grow(
     """
     if not limits:
         return []
-    most = _caps(problem)
+    caps = _caps(problem)
     growths = [
         Growth(
             limit=limit,
             factor=math.nan,
-            most=float(
-                most.min() if limit.parameter is None else most[limit.parameter]
-            ),
+            most=MOST if limit.parameter is None else float(caps[limit.parameter]),
             values={},
         )
         for limit in limits
@@ -104,34 +106,42 @@ def grow(
     signs = np.random.default_rng(seed).choice(
         [-1.0, 1.0], size=(corners, len(problem.tolerances))
     )
-    which, points = _beginnings(problem, limits, float(most.min()), signs)
-    found = _roots(problem, [growths[i] for i in which], points)
-    rays = np.zeros((len(limits), len(problem.tolerances)))
+    which, points = _beginnings(problem, limits, caps, signs)
+    found = _roots(problem, [growths[i] for i in which], points, caps)
+    rays = np.array([limit.u for limit in limits])
     for i, growth, point in zip(which, found, points, strict=True):
-        if not growth.factor >= growths[i].factor:
+        if _sooner(growth, growths[i]):
             growths[i], rays[i] = growth, point
-    moving = [i for i, growth in enumerate(growths) if growth.factor > 0.0]
+    moving = [i for i, growth in enumerate(growths) if growth.factor != 0.0]
     for _ in range(_ROUNDS):
         if not moving:
             break
-        tried = _search(problem, [growths[i] for i in moving], rays[moving])
-        found = _roots(problem, [growths[i] for i in moving], tried)
+        mine = [growths[i] for i in moving]
+        tried = _search(problem, mine, rays[moving], caps)
+        found = _roots(problem, mine, tried, caps)
         still = []
         for i, growth, point in zip(moving, found, tried, strict=True):
             before = growths[i].factor
-            if growth.factor < before:
+            if _sooner(growth, growths[i]):
                 growths[i], rays[i] = growth, point
-                if before - growth.factor > _SETTLED * growth.factor:
+                if not before - growth.factor <= _SETTLED * growth.factor:
                     still.append(i)
         moving = still
     return [
-        replace(growth, values=_point(problem, growth, ray))
+        replace(growth, values=_point(problem, growth, ray, caps))
         for growth, ray in zip(growths, rays, strict=True)
     ]
 
 
+def _sooner(growth: Growth, other: Growth) -> bool:
+    """Return whether a growth reaches the limit before another; no failure does."""
+    if math.isnan(other.factor):
+        return not math.isnan(growth.factor)
+    return growth.factor < other.factor
+
+
 def _beginnings(
-    problem: Problem, limits: Sequence[Limit], most: float, corners: Array
+    problem: Problem, limits: Sequence[Limit], caps: Array, corners: Array
 ) -> tuple[list[int], Array]:
     """Return for which limits, and from which points (k, n) before growth, to begin.
 
@@ -144,14 +154,15 @@ def _beginnings(
     points = [own]
     searching = [i for i, limit in enumerate(limits) if limit.parameter is None]
     known = np.concatenate([np.unique(own, axis=0), set_.draw_back(corners)])
-    for stage in (*(stage for stage in _STAGES if stage < most), most):
+    for stage in _STAGES:
         if not searching:
             break
-        told = problem.evaluator.all(set_.rows(set_.grown_points(known, stage)))
+        factors = np.minimum(stage, caps)
+        told = problem.evaluator.all(set_.rows(set_.grown_points(known, factors)))
         values = np.where(np.isnan(told.values), -np.inf, told.values)
         for i in list(searching):
             column = values[:, limits[i].objective]
-            if column.max() >= limits[i].value or stage == most:
+            if column.max() >= limits[i].value or stage == MOST:
                 worst = np.argsort(-column, kind="stable")[:_WORST]
                 which += [i] * len(worst)
                 points.append(known[worst])
@@ -159,11 +170,12 @@ def _beginnings(
     return which, np.concatenate(points)
 
 
-def _factors(limit: Limit, growth: float, n: int) -> Array:
-    """Return (n,) by what each tolerance grows."""
-    factors = np.full(n, growth if limit.parameter is None else 1.0)
-    if limit.parameter is not None:
-        factors[limit.parameter] = growth
+def _factors(limit: Limit, growth: float, caps: Array) -> Array:
+    """Return (n,) by what each tolerance grows: up to its cap, if all do."""
+    if limit.parameter is None:
+        return np.minimum(growth, caps)
+    factors = np.ones(len(caps))
+    factors[limit.parameter] = growth
     return factors
 
 
@@ -193,16 +205,19 @@ def _caps(problem: Problem) -> Array:
     return caps
 
 
-def _roots(problem: Problem, growths: Sequence[Growth], rays: Array) -> list[Growth]:
-    """Return the growths at which limits are reached along rays."""
-    set_, n = problem.tolerances, len(problem.tolerances)
+def _roots(
+    problem: Problem, growths: Sequence[Growth], rays: Array, caps: Array
+) -> list[Growth]:
+    """Return the growths at which limits are first reached along rays."""
+    set_ = problem.tolerances
     values = np.array([growth.limit.value for growth in growths])
     failures: dict[int, str] = {}
 
     def excess(factor: Array, which: Array) -> Array:
         index = which.astype(int)
         factors = [
-            _factors(growths[i].limit, s, n) for i, s in zip(index, factor, strict=True)
+            _factors(growths[i].limit, s, caps)
+            for i, s in zip(index, factor, strict=True)
         ]
         rows = set_.rows(set_.grown_points(rays[index], np.array(factors)))
         told = problem.evaluator.one(rows, [growths[i].limit.objective for i in index])
@@ -212,30 +227,46 @@ def _roots(problem: Problem, growths: Sequence[Growth], rays: Array) -> list[Gro
 
     every = np.arange(len(growths), dtype=float)
     most = np.array([growth.most for growth in growths])
-    at_none, at_most = excess(np.zeros(len(growths)), every), excess(most, every)
-    factors = np.where(at_none >= 0.0, 0.0, np.where(at_most < 0.0, np.inf, np.nan))
-    between = np.flatnonzero((at_none < 0.0) & (at_most >= 0.0))
-    if len(between):
+    grid = np.minimum(np.array(_GRID)[:, None], most)
+    on_grid = excess(grid.ravel(), np.tile(every, len(grid))).reshape(grid.shape)
+    factors = np.full(len(growths), np.nan)
+    brackets = []
+    for i, column in enumerate(on_grid.T):
+        flown = np.flatnonzero(~np.isnan(column))
+        beyond = flown[column[flown] >= 0.0]
+        if not len(flown):
+            continue
+        if not len(beyond):
+            factors[i] = np.inf
+        else:
+            # Already a violation, should the root between fail.
+            factors[i] = grid[beyond[0], i]
+            before = flown[flown < beyond[0]]
+            if len(before):
+                brackets.append((i, grid[before[-1], i], grid[beyond[0], i]))
+    if brackets:
+        index, lower, upper = map(np.array, zip(*brackets, strict=True))
         result = find_root(
             excess,
-            (np.zeros(len(between)), most[between]),
-            args=(every[between],),
+            (lower, upper),
+            args=(index.astype(float),),
             tolerances={"xatol": _ROOT, "xrtol": _ROOT},
         )
-        factors[between] = np.where(result.success, result.x, np.nan)
+        factors[index] = np.where(result.success, result.x, factors[index])
     return [
         replace(growth, factor=float(factor), message=failures.get(i, ""))
         for i, (growth, factor) in enumerate(zip(growths, factors, strict=True))
     ]
 
 
-def _search(problem: Problem, growths: Sequence[Growth], rays: Array) -> Array:
+def _search(
+    problem: Problem, growths: Sequence[Growth], rays: Array, caps: Array
+) -> Array:
     """Return the worst points of the grown sets, scaled by their own tolerances."""
     starts = []
     for growth, ray in zip(growths, rays, strict=True):
-        factor = min(growth.factor, growth.most)
-        factors = _factors(growth.limit, factor, len(ray))
-        grown = problem.tolerances.grown(factors)
+        factor = growth.factor if growth.factor <= growth.most else growth.most
+        grown = problem.tolerances.grown(_factors(growth.limit, factor, caps))
         starts.append(
             Start(
                 objective=growth.limit.objective,
@@ -251,9 +282,11 @@ def _search(problem: Problem, growths: Sequence[Growth], rays: Array) -> Array:
     return np.array(worst).reshape(rays.shape)
 
 
-def _point(problem: Problem, growth: Growth, ray: Array) -> dict[str, float]:
+def _point(
+    problem: Problem, growth: Growth, ray: Array, caps: Array
+) -> dict[str, float]:
     if not math.isfinite(growth.factor):
         return {}
-    factors = _factors(growth.limit, growth.factor, len(ray))
+    factors = _factors(growth.limit, growth.factor, caps)
     set_ = problem.tolerances
     return set_.values(set_.grown_points(ray, factors))

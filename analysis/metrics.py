@@ -36,11 +36,7 @@ WINDOWED = (*_OBJECTIVES, *_AFTER_SEPARATION, *_SPEEDS)
 """Figures that can look at a part of a run alone."""
 
 
-def metrics(
-    run: Run,
-    deviation_limits: Sequence[float],
-    window: tuple[float, float] | None = None,
-) -> dict[str, float]:
+def metrics(run: Run, deviation_limits: Sequence[float]) -> dict[str, float]:
     """Return every figure of a completed run, by name.
 
     Separation ends when every attachment is released and the last spring has reached
@@ -52,40 +48,21 @@ def metrics(
         run: a completed run.
         deviation_limits: (3,) limits of roll, pitch and yaw, rad, for the time
             until which all stay within theirs; infinite where there is none.
-        window: from when to when to look, s, for the figures of `WINDOWED`; the whole
-            run if None.
 
     Raises:
         RuntimeError: the run failed.
-        ValueError: the window leaves nothing to look at.
     """
     motion = run.completed_motion
-    released, end = run.separation_start, run.separation_end
-    duration = run.separation.duration
-    first, last = (-math.inf, math.inf) if window is None else window
-
-    def seen(samples: NDArray[np.float64], since: float) -> list[PPoly]:
-        start, stop = max(since, first), min(duration, last)
-        if start >= stop:
-            raise InputError(
-                f"window: must end after {since:g} s, from when its figure looks, and "
-                f"begin before the run's end at {duration:g} s, got {window} s"
-            )
-        whole = signals.interpolate(motion.time, samples, run.breaks)
-        return [signals.between(signal, start, stop) for signal in whole]
-
+    end, duration = run.separation_end, run.separation.duration
+    released = run.separation_start, duration
     values = _objectives(
-        seen(motion.relative_rate, released),
-        seen(motion.relative_velocity[:, :1], released)[0],
+        _signals(run, motion.relative_rate, *released),
+        _signals(run, motion.relative_velocity[:, :1], *released)[0],
     )
     for i, axis in enumerate(AXES):
         values[f"final_rate_{axis}"] = float(motion.rate[-1, i])
-    for axis, rate in zip(AXES, seen(motion.rate, end), strict=True):
-        lowest, highest = signals.extremes(rate)
-        values[f"rate_after_separation_{axis}"] = max(-lowest, highest)
-        values[f"rate_min_after_separation_{axis}"] = lowest
-        values[f"rate_max_after_separation_{axis}"] = highest
-    angles = signals.interpolate(motion.time, motion.angle, run.breaks)
+    values |= _peaks(_signals(run, motion.rate, end, duration))
+    angles = _signals(run, motion.angle, 0.0, duration)
     for name, angle in zip(ANGLES, angles, strict=True):
         values[f"angle_at_separation_{name}"] = float(angle(end))
         values[f"deviation_at_separation_{name}"] = abs(float(angle(end)))
@@ -93,12 +70,65 @@ def metrics(
         signals.time_within(angle, limit)
         for angle, limit in zip(angles, deviation_limits, strict=True)
     )
-    speed_of = motion.relative_velocity[:, :1]
-    values["longitudinal_speed_max"] = signals.extremes(seen(speed_of, 0.0)[0])[1]
-    after = seen(speed_of, end)[0]
+    speed = motion.relative_velocity[:, :1]
+    whole, after = (_signals(run, speed, t, duration)[0] for t in (0.0, end))
+    values["longitudinal_speed_max"] = signals.extremes(whole)[1]
     values["longitudinal_speed_after_separation"] = signals.extremes(after)[0]
     values["separation_end"] = end
     return {name: values[name] for name in METRICS}
+
+
+def figure_within(run: Run, figure: str, window: tuple[float, float]) -> float:
+    """Return a figure over a part of a run alone.
+
+    The window takes the place of the time that the figure looks at: a rate "after
+    separation" is looked at from the window's start, be separation over or not. The
+    paper's objectives still begin at the release at the earliest.
+
+    Args:
+        run: a completed run.
+        figure: one of `WINDOWED`.
+        window: from when to when, s.
+
+    Raises:
+        RuntimeError: the run failed.
+        ValueError: the window leaves nothing of the run to look at.
+    """
+    motion = run.completed_motion
+    since = run.separation_start if figure in _OBJECTIVES else 0.0
+    start, stop = max(window[0], since), min(window[1], run.separation.duration)
+    if start >= stop:
+        raise InputError(
+            f"window: must end after {since:g} s and begin before the run's end at "
+            f"{run.separation.duration:g} s, got {window[0]:g} to {window[1]:g} s"
+        )
+    [speed] = _signals(run, motion.relative_velocity[:, :1], start, stop)
+    if figure in _OBJECTIVES:
+        rates = _signals(run, motion.relative_rate, start, stop)
+        return _objectives(rates, speed)[figure]
+    if figure in _SPEEDS:
+        slowest, fastest = signals.extremes(speed)
+        return fastest if figure == "longitudinal_speed_max" else slowest
+    return _peaks(_signals(run, motion.rate, start, stop))[figure]
+
+
+def _signals(
+    run: Run, samples: NDArray[np.float64], start: float, stop: float
+) -> list[PPoly]:
+    """Return the signals through samples, from one time to another."""
+    whole = signals.interpolate(run.completed_motion.time, samples, run.breaks)
+    return [signals.between(signal, start, stop) for signal in whole]
+
+
+def _peaks(rates: Sequence[PPoly]) -> dict[str, float]:
+    """Return the largest rates about each axis, and their magnitudes."""
+    values = {}
+    for axis, rate in zip(AXES, rates, strict=True):
+        lowest, highest = signals.extremes(rate)
+        values[f"rate_after_separation_{axis}"] = max(-lowest, highest)
+        values[f"rate_min_after_separation_{axis}"] = lowest
+        values[f"rate_max_after_separation_{axis}"] = highest
+    return values
 
 
 def _objectives(rates: Sequence[PPoly], speed: PPoly) -> dict[str, float]:

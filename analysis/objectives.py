@@ -15,7 +15,14 @@ from typing import Literal, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from drakesep.analysis.metrics import ANGLES, AXES, METRICS, WINDOWED, metrics
+from drakesep.analysis.metrics import (
+    ANGLES,
+    AXES,
+    METRICS,
+    WINDOWED,
+    figure_within,
+    metrics,
+)
 from drakesep.analysis.requirements import Requirement
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.run import Run
@@ -83,8 +90,12 @@ class Objective(ABC):
         new.name = name
         return new
 
-    def __add__(self, other: "Objective") -> "Objective":
-        return _Sum([self, other], [1.0, 1.0])
+    def __add__(self, other: "AnyObjective") -> "Objective":
+        return _Sum([self, as_objective(other)], [1.0, 1.0])
+
+    def __radd__(self, other: "AnyObjective | int") -> "Objective":
+        # sum() begins with 0
+        return self if isinstance(other, int) else as_objective(other) + self
 
     def __mul__(self, factor: float) -> "Objective":
         return _Sum([self], [float(factor)])
@@ -94,8 +105,12 @@ class Objective(ABC):
     def __neg__(self) -> "Objective":
         return _Sum([self], [-1.0])
 
-    def __sub__(self, other: "Objective") -> "Objective":
-        return _Sum([self, other], [1.0, -1.0])
+    def __sub__(self, other: "AnyObjective") -> "Objective":
+        return _Sum([self, as_objective(other)], [1.0, -1.0])
+
+
+AnyObjective: TypeAlias = Objective | str | Callable[[Run], float]
+"""An objective, its name, or a function of a run; see `as_objective`."""
 
 
 class _Figure(Objective):
@@ -114,7 +129,10 @@ class _Figure(Objective):
         self._column = METRICS.index(figure)
 
     def of_run(self, run: Run, limits: Limits) -> float:
-        return self.sign * metrics(run, limits, self._window)[str(self.figure)]
+        figure = str(self.figure)
+        if self._window is not None:
+            return self.sign * figure_within(run, figure, self._window)
+        return self.sign * metrics(run, limits)[figure]
 
     def of_figures(self, figures: Array) -> Array:
         return self.sign * figures[..., self._column]
@@ -209,7 +227,7 @@ def highest(figure: str, *, window: Window | None = None) -> Objective:
 
     Args:
         figure: one of `METRICS`.
-        window: from when to when the figure looks, s; all of its time if None.
+        window: from when to when the figure looks instead, s; see `figure_within`.
 
     Raises:
         ValueError: the figure is unknown, or takes no window.
@@ -222,7 +240,7 @@ def lowest(figure: str, *, window: Window | None = None) -> Objective:
 
     Args:
         figure: one of `METRICS`.
-        window: from when to when the figure looks, s; all of its time if None.
+        window: from when to when the figure looks instead, s; see `figure_within`.
 
     Raises:
         ValueError: the figure is unknown, or takes no window.
@@ -245,11 +263,11 @@ def of_run(function: Callable[[Run], float], name: str = "") -> Objective:
     return _OfRun(function, name or getattr(function, "__name__", "objective"))
 
 
-def largest(*objectives: Objective, name: str = "") -> Objective:
+def largest(*objectives: AnyObjective, name: str = "") -> Objective:
     """Return the largest of objectives, in SI.
 
     Args:
-        objectives: one or more.
+        objectives: one or more, as `as_objective` takes them.
         name: in tables; made of theirs if empty.
 
     Raises:
@@ -257,16 +275,19 @@ def largest(*objectives: Objective, name: str = "") -> Objective:
     """
     if not objectives:
         raise InputError("largest: must have an objective or more, got none")
-    listed = ", ".join(objective.name for objective in objectives)
-    return _Largest(objectives, name or f"largest({listed})")
+    terms = [as_objective(objective) for objective in objectives]
+    listed = ", ".join(term.name for term in terms)
+    return _Largest(terms, name or f"largest({listed})")
 
 
 def _suffix(window: Window | None) -> str:
     if window is None:
         return ""
-    start, end = window
-    if not (math.isfinite(start) and start < end):
+    if np.shape(window) != (2,) or not (
+        math.isfinite(window[0]) and window[0] < window[1]
+    ):
         raise InputError(f"window: must be from one time to a later, got {window} s")
+    start, end = window
     return f"_{start:g}_to_{end:g}_s"
 
 
@@ -313,9 +334,7 @@ def towards(requirement: Requirement) -> tuple[Objective, ...]:
     )
 
 
-def as_objective(
-    objective: "Objective | str | Callable[[Run], float]", also: Iterable[str] = ()
-) -> Objective:
+def as_objective(objective: AnyObjective, also: Iterable[str] = ()) -> Objective:
     """Return an objective from its name, or from a function of a run.
 
     Args:

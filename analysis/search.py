@@ -126,7 +126,8 @@ class Searched:
 
     search: str
     candidates: tuple[Candidate, ...]
-    """The best first, for each objective; those of failed starts are left out."""
+    """Of a sweep the best of each objective, of an ascent its end; none of failed
+    starts."""
     points: int
     """Flown."""
     failures: Mapping[str, int]

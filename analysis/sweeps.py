@@ -137,7 +137,7 @@ def sweep_vertices(
             _fly_all(problem, u, best, 2**n, on_progress)
         note = f"all {2**n} vertices"
         if drawn_back:
-            note += f", {drawn_back} of them drawn back to possible inertias"
+            note += f", {drawn_back} of them drawn back into the set"
         return best.searched(note)
     held = _one_signed(problem, settings, known)
     free = (held == 0.0).sum(axis=1)
@@ -183,6 +183,7 @@ def _one_signed(problem: Problem, settings: SearchSettings, known: Known) -> Arr
         ]
         slopes = slopes_at(starts, problem.evaluator, settings.ascent)
         sign = np.sign(slopes)
+        sign[:, (sign == 0.0).all(axis=0)] = 1.0  # of no matter: either bound does
         signs.append(np.where((sign == sign[0]).all(axis=0), sign[0], 0.0))
     return np.array(signs)
 

@@ -44,10 +44,14 @@ class Evidence:
     """Of them, at the worst value found."""
     local_maxima: tuple[tuple[float, int], ...]
     """Values at which ascents ended, from the largest, and how many did."""
+    unfinished: int
+    """Ascents that ended at their limit of iterations, or by a failed run."""
     by_search: Mapping[str, float]
     """The best value of each search, in SI."""
     samples: int
-    """Random samples that completed; 0 if none were drawn."""
+    """Random samples that were drawn."""
+    failed_samples: int
+    """Of them, those whose runs failed: they could be worse."""
     fraction: float
     """Of the set that could be worse, at most, at `CONFIDENCE`; 1 without samples."""
 
@@ -164,30 +168,30 @@ def _evidence(
     winner: Candidate, done: Sequence[Searched], first_order: Optimality
 ) -> Evidence:
     k = winner.objective
-    ends = [
-        c.value
+    ascents = [
+        candidate.ascent
         for search in done
-        for c in search.candidates
-        if c.objective == k
-        and c.ascent is not None
-        and c.ascent.status is not SearchStatus.FAILED
+        for candidate in search.candidates
+        if candidate.objective == k and candidate.ascent is not None
     ]
+    ended = (SearchStatus.CONVERGED, SearchStatus.STALLED)
+    ends = [ascent.value for ascent in ascents if ascent.status in ended]
     best = {search.search: search.best(k) for search in done}
-    samples = sum(
-        search.points - sum(search.failures.values())
-        for search in done
-        if search.search == "samples"
-    )
+    drawn = [search for search in done if search.search == "samples"]
+    samples = sum(search.points for search in drawn)
+    failed = sum(sum(search.failures.values()) for search in drawn)
     there = sum(winner.value - end <= SAME * abs(winner.value) for end in ends)
     return Evidence(
         optimality=first_order,
-        starts=len(ends),
+        starts=len(ascents),
         ended_there=there,
         local_maxima=local_maxima(ends),
+        unfinished=len(ascents) - len(ends),
         by_search={
             name: math.nan if found is None else found.value
             for name, found in best.items()
         },
         samples=samples,
-        fraction=fraction_beyond(0, samples, CONFIDENCE) if samples else 1.0,
+        failed_samples=failed,
+        fraction=fraction_beyond(failed, samples, CONFIDENCE) if samples else 1.0,
     )

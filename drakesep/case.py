@@ -135,7 +135,11 @@ class Case(Section):
         """What the tolerances admit, and can exist."""
         ellipsoids = [
             section.in_si(
-                tuple(self.values_in_si(dict.fromkeys(section.parameters, 0.0)))
+                tuple(
+                    name
+                    for key in section.parameters
+                    for name in self.values_in_si({key: 0.0})
+                )
             )
             for section in self.ellipsoids
         ]

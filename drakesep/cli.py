@@ -121,7 +121,7 @@ SearchOption = Annotated[
         "--search",
         help="sqp, multistart, vertices, samples or evolution, in their order; or "
         "drake alone; can be repeated. If not given: samples, vertices, sqp, "
-        "multistart.",
+        "multistart; evolution where there are too many vertices.",
     ),
 ]
 StartsOption = Annotated[
@@ -129,6 +129,7 @@ StartsOption = Annotated[
     typer.Option(help="Of the ascent from many starts, for each objective."),
 ]
 SamplesOption = Annotated[int | None, typer.Option(help="Drawn at random.")]
+VerticesOption = Annotated[int | None, typer.Option(help="That may be flown at most.")]
 SeedOption = Annotated[
     int | None, typer.Option(min=0, help="Of what is drawn at random.")
 ]
@@ -148,6 +149,7 @@ def worst_case(
     search: SearchOption = None,
     starts: StartsOption = None,
     samples: SamplesOption = None,
+    vertices: VerticesOption = None,
     seed: SeedOption = None,
     output: OutputOption = None,
     workers: WorkersOption = None,
@@ -155,7 +157,6 @@ def worst_case(
     """Find the worst cases: worst_cases.csv, evidence.csv, figures and more."""
     from drakesep import studies
     from drakesep.case_file import load_case
-    from drakesep.worst_cases import DEFAULT_SEARCHES
 
     console = _console()
     loaded = load_case(case)
@@ -164,11 +165,11 @@ def worst_case(
         study = studies.worst_case(
             loaded,
             objectives,
-            searches=search or DEFAULT_SEARCHES,
+            searches=search,
             output=folder,
             workers=workers,
             on_progress=on_progress,
-            **_given(starts=starts, samples=samples, seed=seed),
+            **_given(starts=starts, samples=samples, vertices=vertices, seed=seed),
         )
     _print_worst_cases(console, study)
     console.print(f"Tables and figures are in {folder}", markup=False)
@@ -189,6 +190,7 @@ def verify(
     search: SearchOption = None,
     starts: StartsOption = None,
     samples: SamplesOption = None,
+    vertices: VerticesOption = None,
     seed: SeedOption = None,
     growth: Annotated[
         bool | None,
@@ -207,7 +209,6 @@ def verify(
     from drakesep import studies
     from drakesep.case_file import load_case
     from drakesep.console import print_frame
-    from drakesep.worst_cases import DEFAULT_SEARCHES
 
     console = _console()
     loaded = load_case(case)
@@ -215,12 +216,12 @@ def verify(
     with _progress(console, folder) as on_progress:
         study = studies.verify(
             loaded,
-            searches=search or DEFAULT_SEARCHES,
+            searches=search,
             growth=growth,
             output=folder,
             workers=workers,
             on_progress=on_progress,
-            **_given(starts=starts, samples=samples, seed=seed),
+            **_given(starts=starts, samples=samples, vertices=vertices, seed=seed),
         )
     _print_worst_cases(console, study)
     print_frame(console, "Requirements over the tolerances", study.requirements)
@@ -238,6 +239,13 @@ def verify(
     )
 
 
+_EVIDENCE = (
+    *("objective", "unit", "worst", "difference", "found_by", "sqp", "vertices"),
+    *("samples", "starts", "ended_there", "at_bounds", "optimality_residual"),
+)
+"""Columns that are printed; the others are in the file."""
+
+
 def _print_worst_cases(console: "Console", study: "WorstCases") -> None:
     from drakesep.console import print_frame
 
@@ -251,7 +259,9 @@ def _print_worst_cases(console: "Console", study: "WorstCases") -> None:
     )
     if study.worst:
         print_frame(console, "Searches", study.searches)
-        print_frame(console, "Worst cases, with the evidence", study.evidence)
+        evidence = study.evidence
+        shown = [name for name in _EVIDENCE if name in evidence]
+        print_frame(console, "Worst cases, with the evidence", evidence[shown])
         console.print(
             f"{study.share_unphysical:.1%} of the tolerances are inertias that no body "
             "can have; no search goes there."

@@ -49,6 +49,8 @@ def _table(title: str, frame: pd.DataFrame, digits: int) -> Table:
 def _cell(value: Any, digits: int) -> str:
     if pd.isna(value):
         return ""
+    if isinstance(value, float) and math.isinf(value):
+        return "none found"  # such as a growth that violates anything
     if isinstance(value, float):
         return f"{value + 0.0:.{digits}g}"  # -0.0 is 0
     styles = {"met": "[green]met[/]", "not met": "[bold red]not met[/]"}
@@ -80,6 +82,10 @@ def print_case(console: Console, case: Case) -> None:
     if case.loads:
         print_frame(console, "Loads", _loads(case))
     print_frame(console, "Parameters", _parameters(case))
+    for section in case.ellipsoids:
+        related = "correlated" if section.correlation else "uncorrelated"
+        names = ", ".join(section.parameters)
+        console.print(f"In an ellipsoid, {related}: {names}", markup=False)
     if case.limits:
         print_frame(console, "Requirements", _requirements(case))
 

@@ -59,12 +59,14 @@ def evidence(
                 "ended_there": proof.ended_there,
                 "local_maxima": ", ".join(maxima[:_LISTED])
                 + (f", {more} more" if more > 0 else ""),
+                "unfinished": proof.unfinished,
                 "at_bounds": sum(bool(mark) for mark in proof.optimality.active),
                 "active_constraints": " ".join(
                     dict.fromkeys(label for label, _ in proof.optimality.constraints)
                 ),
                 "optimality_residual": proof.optimality.residual,
-                "completed_samples": proof.samples,
+                "random_samples": proof.samples,
+                "failed_samples": proof.failed_samples,
                 f"fraction_beyond_at_{CONFIDENCE:.0%}".replace("%", "_percent"): (
                     proof.fraction
                 ),
@@ -73,7 +75,7 @@ def evidence(
     return pd.DataFrame(rows)
 
 
-def searches(searched: Sequence[Searched]) -> pd.DataFrame:
+def searches(searched: Sequence[Searched], share_unphysical: float) -> pd.DataFrame:
     """Return a row for each search: what it looked at, and what failed."""
     return pd.DataFrame(
         {
@@ -82,6 +84,7 @@ def searches(searched: Sequence[Searched]) -> pd.DataFrame:
             "points": search.points,
             "failed": sum(search.failures.values()),
             "first_failure": next(iter(search.failures), ""),
+            "unphysical_share_of_tolerances": share_unphysical,
         }
         for search in searched
     )

@@ -9,6 +9,7 @@ from typing import Unpack
 import pandas as pd
 
 from drakesep import figures, tables
+from drakesep.analysis.objectives import AnyObjective
 from drakesep.analysis.search import Effort, Problem, SearchSettings
 from drakesep.case import Case
 from drakesep.case_file import load_case
@@ -18,10 +19,8 @@ from drakesep.systems.simulation import Simulation
 from drakesep.tables import Flight
 from drakesep.verification import Verification
 from drakesep.worst_cases import (
-    DEFAULT_SEARCHES,
     DRAKE,
     NOMINAL,
-    AnyObjective,
     OnProgress,
     WorstCases,
     as_flight,
@@ -83,6 +82,9 @@ def _cleared(directory: str | Path | None) -> Path | None:
     folder = writable_folder(directory)
     for name in _RESULTS:
         (folder / name).unlink(missing_ok=True)
+    for kind in ("nominal", "worst_*", "sqp_*"):
+        for motion in folder.glob(f"motion_{kind}.csv"):
+            motion.unlink()
     return folder
 
 
@@ -110,7 +112,7 @@ def worst_case(
     case: Case | str | Path,
     objectives: Sequence[AnyObjective] | AnyObjective | None = None,
     *,
-    searches: Sequence[str] = DEFAULT_SEARCHES,
+    searches: Sequence[str] | None = None,
     output: str | Path | None = None,
     workers: int | None = None,
     on_progress: OnProgress | None = None,
@@ -123,7 +125,7 @@ def worst_case(
         objectives: names (see `case_objectives`), objectives, or functions of a run;
             the paper's and those of the requirements if None.
         searches: names out of `SEARCHES`, in the order in which they go; or
-            ``["drake"]``, which flies Drake alone.
+            ``["drake"]``, which flies Drake alone; `default_searches` if None.
         output: folder that receives the tables as the study goes on.
         workers: number of processes that fly Drake; one per core if None.
         on_progress: called as the searches go on.
@@ -156,7 +158,7 @@ def worst_case(
 def verify(
     case: Case | str | Path,
     *,
-    searches: Sequence[str] = DEFAULT_SEARCHES,
+    searches: Sequence[str] | None = None,
     growth: bool | None = None,
     output: str | Path | None = None,
     workers: int | None = None,
@@ -189,7 +191,9 @@ def verify(
     objectives = choose_objectives(study.case, None) if study.case.dispersions else ()
 
     def grow(problem: Problem, settings: SearchSettings) -> None:
-        light = DRAKE not in searches and study.flights[0].run.steps <= _GROWABLE
+        light = (
+            DRAKE not in (searches or ()) and study.flights[0].run.steps <= _GROWABLE
+        )
         if growth or (growth is None and light):
             study.find_growths(problem, settings)
 

@@ -34,7 +34,7 @@ class Flight:
     iterations: int | None = None
     """Of that search."""
     evaluations: int = 1
-    """Runs flown for it."""
+    """Runs flown for it; of a worst case, by all searches for all objectives."""
     status: str = "completed"
     published: PublishedSection | None = field(default=None, repr=False)
     """The publication that it comes from."""
@@ -199,7 +199,7 @@ def requirements_table(
         single_growths: of single tolerances.
         box: the tolerances, if they grow.
     """
-    factors = {requirement: growth.factor for requirement, growth in growths}
+    of_all = dict(growths)
     rows = []
     for finding in findings:
         requirement = finding.requirement
@@ -216,7 +216,8 @@ def requirements_table(
                 "worst": unit.from_si(finding.worst),
                 "which_run": finding.run,
                 "margin": unit.from_si(finding.margin),
-                "growth_factor": factors.get(requirement, math.nan),
+                "growth_factor": of_all[requirement].factor if growths else math.nan,
+                "looked_up_to": of_all[requirement].most if growths else math.nan,
                 **_first_tolerance(requirement, single_growths, box),
                 "verdict": "met" if finding.met else "not met",
             }

@@ -1,6 +1,5 @@
 """The worst cases against the requirements, and the room that tolerances leave."""
 
-import functools
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,7 +24,7 @@ class Verification(WorstCases):
     single_growths: list[tuple[Requirement, Growth]] = field(default_factory=list)
     """Of one tolerance, the others as they are: the smallest of the directions."""
 
-    @functools.cached_property
+    @property
     def findings(self) -> list[Finding]:
         """How each requirement fares over all runs."""
         runs = {f.label: f.figures for f in self.flights if f.figures}
@@ -42,6 +41,13 @@ class Verification(WorstCases):
     def tolerances(self) -> pd.DataFrame:
         """For each requirement and parameter, the tolerance that would violate it."""
         return evidence_tables.tolerances(self.single_growths, self.case.box)
+
+    def save_tables(self, directory: str | Path) -> None:
+        """Write the tables, as far as there are any, into a folder."""
+        super().save_tables(directory)
+        if self.worst:
+            folder = Path(directory)
+            tables.write_csv(self.requirements, folder / "requirements.csv")
 
     @property
     def passed(self) -> bool:
@@ -100,5 +106,5 @@ def _bound(requirement: Requirement) -> float:
 
 
 def _sooner(growth: Growth, other: Growth) -> bool:
-    """Return whether one growth ends before another; one that failed before all."""
-    return math.isnan(growth.factor) or growth.factor < other.factor
+    """Return whether one growth ends before another; one that failed after all."""
+    return math.isnan(other.factor) or growth.factor < other.factor

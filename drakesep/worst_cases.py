@@ -17,6 +17,7 @@ from drakesep.analysis.fleet import Fleet
 from drakesep.analysis.metrics import metrics
 from drakesep.analysis.objectives import (
     OBJECTIVES,
+    AnyObjective,
     Objective,
     as_objective,
     towards,
@@ -46,11 +47,13 @@ DEFAULT_SEARCHES = ("samples", "vertices", "sqp", "multistart")
 DRAKE = "drake"
 """The search that flies Drake alone: SQP from the nominal, with differences."""
 
-AnyObjective: TypeAlias = Objective | str | Callable[[Run], float]
 OnProgress: TypeAlias = Callable[["Progress"], None]
 
 _CONFIRMED = 1e-4
 """By how much Drake may differ at its accuracy, of the objective's value or nominal."""
+_WHOLE_RUN = 800
+"""Steps of a run in Drake that costs what an objective of a whole run does on the
+batch engine, which samples its motion."""
 _LIGHT = 300
 """Steps of a Drake run up to which it is a light one: derivatives cost less than they
 save, and workers take longer to start than to fly."""
@@ -132,7 +135,7 @@ class WorstCases:
     @property
     def searches(self) -> pd.DataFrame:
         """A row for each search: what it looked at."""
-        return evidence_tables.searches(self.searched)
+        return evidence_tables.searches(self.searched, self.share_unphysical)
 
     @property
     def candidates(self) -> pd.DataFrame:
@@ -229,6 +232,8 @@ def choose_objectives(
     if wanted is None:
         return tuple(known.values())
     listed = [wanted] if isinstance(wanted, str) or callable(wanted) else wanted
+    if not listed:
+        raise InputError("objectives: must be one or more, got none")
     chosen = [
         known[objective]
         if isinstance(objective, str) and objective in known
@@ -236,6 +241,12 @@ def choose_objectives(
         for objective in dict.fromkeys(listed)
     ]
     names = [objective.name for objective in chosen]
+    for objective in chosen:
+        if objective.name in known and objective is not known[objective.name]:
+            raise InputError(
+                f"objectives: {objective.name!r} is the name of one of the case's own; "
+                "give yours another with objective.named(...)"
+            )
     for name in names:
         if names.count(name) > 1:
             raise InputError(
@@ -258,7 +269,7 @@ def search(
     study: WorstCases,
     objectives: Sequence[Objective],
     *,
-    searches: Sequence[str],
+    searches: Sequence[str] | None,
     effort: Effort,
     output: Path | None,
     workers: int | None,
@@ -270,16 +281,18 @@ def search(
     Args:
         study: that receives what is found.
         objectives: to be maximised.
-        searches: names out of `SEARCHES`, or `DRAKE` alone.
+        searches: names out of `SEARCHES`, or `DRAKE` alone; `default_searches` if None.
         effort: how hard to search; what is left out, the length of a run decides.
         output: folder that receives the tables as the study goes on.
         workers: number of processes that fly Drake; one per core if None.
         on_progress: called as the searches go on.
         afterwards: called with the problem, while it can be flown, and the settings.
     """
-    alone = list(searches) == [DRAKE]
-    for name in () if alone else searches:
+    alone = searches is not None and list(searches) == [DRAKE]
+    for name in searches if searches and not alone else ():
         check_search(name)
+    if searches is not None and not len(searches):
+        raise InputError("searches: must be one or more, got none")
     SearchSettings(**effort)  # refuses what is wrong before anything is flown
     case = study.case
     study.objectives = tuple(objectives)
@@ -291,7 +304,7 @@ def search(
     batch = None
     if objectives and not alone:
         batch = _batch(case, objectives, derivatives=light)
-        workers = 1 if light else workers
+        workers = 1 if light and workers is None else workers
     with Fleet(case.separation, case.integration, workers=workers) as fleet:
         _fly_published(study, fleet)
         if output is not None:
@@ -301,13 +314,34 @@ def search(
                 tolerances=case.tolerance_set,
                 evaluator=batch or _drake(case, objectives, fleet),
             )
-            settings = SearchSettings.affordable(nominal.steps, **effort)
-            names = ["sqp"] if alone else searches
+            whole_runs = not all(o.of_figures_alone for o in objectives)
+            steps = max(nominal.steps, _WHOLE_RUN if whole_runs else 0)
+            settings = SearchSettings.affordable(steps, **effort)
+            names = searches or default_searches(len(case.box), settings, light=light)
+            names = ["sqp"] if alone else names
             worst = _find(study, problem, names, settings, output, on_progress)
             study.nominal_slopes = _slopes_at_nominal(problem)
             _confirm(study, worst, fleet)
             study.worst = worst
+            if output is not None:
+                study.save_tables(output)
             afterwards(problem, settings)
+
+
+def default_searches(
+    parameters: int, settings: SearchSettings, *, light: bool
+) -> tuple[str, ...]:
+    """Return the searches of a study that is not told which.
+
+    Vertices, while all are affordable; else differential evolution, if runs are light.
+    """
+    instead = ("evolution",) if light else ()
+    wide = ("vertices",) if 2**parameters <= settings.vertices else instead
+    return tuple(
+        name
+        for wanted in DEFAULT_SEARCHES
+        for name in (wide if wanted == "vertices" else (wanted,))
+    )
 
 
 def _find(

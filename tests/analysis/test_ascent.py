@@ -176,8 +176,25 @@ def test_slopes():
     found = slopes_at(points, evaluator_of(lambda u: slopes @ u, tolerances=SET))
     # eps / step, times the nominal over its tolerance
     assert found == pytest.approx(np.array([slopes, slopes]), abs=1e-10)
-    with pytest.raises(RuntimeError, match="slopes: a run failed: boom"):
-        slopes_at(points, failing(1))
+    unknown = slopes_at(points, failing(7))
+    assert np.isfinite(unknown[0]).all() != np.isfinite(unknown[1]).all()
+
+
+def test_slopes_along_a_curved_edge():
+    """No step along a single parameter stays on a circle: probes move two."""
+    disc = ToleranceSet(PAIR, BOX, [Ellipsoid(names=NAMES[:2])])
+
+    def function(u):
+        return u[0] + 0.3 * u[1]
+
+    start = np.array([1.0, 0.0, 0.0, 0.0])
+    [slopes] = slopes_at(
+        [Start(objective=0, tolerances=disc, u=start)],
+        evaluator_of(function, tolerances=disc),
+    )
+    assert slopes == pytest.approx([1.0, 0.3, 0.0, 0.0], abs=1e-9)
+    ascent = climb(function, disc, start)
+    assert ascent.value == pytest.approx(math.hypot(1.0, 0.3), rel=1e-6)
 
 
 def test_objective_without_a_number_is_told():

@@ -14,6 +14,7 @@ from drakesep.analysis.objectives import of_run
 from drakesep.analysis.search import Problem
 from drakesep.analysis.tolerance_set import ToleranceSet
 from drakesep.systems.parameters import parameters
+from drakesep.systems.run import Run, RunStatus
 
 
 PAIR = generic_pair()
@@ -55,6 +56,7 @@ def test_linear_function():
     assert y.factor == pytest.approx((7.0 - 1.5) / 2.0, rel=1e-5)
     # 0.5 k = 4 lies beyond where the mass would be negative, at k = 3
     assert math.isinf(mass.factor)
+    assert together.most == MOST
     assert mass.most == pytest.approx(1200.0 / 400.0, rel=1e-3)
     assert mass.values == {}
 
@@ -95,3 +97,48 @@ def test_violated_already_within_the_tolerances():
 
 def test_nothing_to_do():
     assert grow(problem(lambda v: v[0]), []) == []
+
+
+def test_limit_that_is_passed_only_in_between():
+    """A ridge inside the box: below the limit at no growth, and at five times."""
+
+    def ridge(v):
+        return math.exp(-(((v[0] - 0.9) / 0.1) ** 2)) + 1e-3 * v[1]
+
+    [growth] = grow(problem(ridge), [Limit(objective=0, value=0.5, u=(0.9, 1.0, 0.0))])
+    assert growth.factor <= 1.0
+
+
+def test_parameter_that_does_not_go_on_does_not_stop_the_others():
+    """The mass ends at 3 times its tolerance; the rest reaches 5 - 1.5 at 3.5."""
+    [growth] = grow(
+        problem(lambda v: v[0] + 0.5 * v[2]),
+        [Limit(objective=0, value=5.0, u=(1.0, 0.0, 1.0))],
+    )
+    assert growth.factor == pytest.approx(3.5, rel=1e-3)
+    assert growth.values["upper.mass"] == pytest.approx(2400.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_failed_runs_do_not_hide_what_was_found(seed):
+    """Runs fail beyond four times the tolerance of x."""
+    asked = problem(lambda v: v[0] + 1e-3 * v[1])
+    inner = asked.evaluator
+
+    def fly(rows):
+        return [
+            Run(separation=run.separation, status=RunStatus.FAILED, message="boom")
+            if row[0] > BOX.nominal[0] + 4.0 * BOX.tolerance[0]
+            else run
+            for row, run in zip(rows, inner._fly(rows), strict=True)
+        ]
+
+    evaluator = RunEvaluator(fly, BOX.names, inner.objectives)
+    [growth] = grow(
+        Problem(tolerances=SET, evaluator=evaluator),
+        [Limit(objective=0, value=2.0, u=(1.0, 1.0, 0.0))],
+        corners=64,
+        seed=seed,
+    )
+    assert growth.factor == pytest.approx(2.0, rel=2e-3)
+    assert growth.message == "boom"

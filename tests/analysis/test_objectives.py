@@ -99,6 +99,9 @@ def test_sums_multiples_and_the_largest():
         (-first, -FIGURES["G_L1"]),
         (largest(-first, second), -FIGURES["longitudinal_speed_max"]),
         (first + of_run(lambda run: 5.0), FIGURES["G_L1"] + 5.0),
+        (sum([first, first]), 2.0 * FIGURES["G_L1"]),
+        (first + "L1", 2.0 * FIGURES["G_L1"]),
+        (largest("L1", lambda run: 1e6), 1e6),
     ):
         assert objective.of_run(RUN, LIMITS) == pytest.approx(expected)
         if objective.of_figures_alone:
@@ -130,6 +133,13 @@ def test_a_window_looks_at_a_part_of_the_run():
     expected = 2.0 / math.pi + 3.0 + 3.0
     assert highest("G_L1", window=window)(RUN) == pytest.approx(expected, abs=CLOSE)
     assert highest("G_L1", window=window).name == "highest_G_L1_1_to_2_s"
+    # takes the place of "after separation", which ends later than this
+    early = (0.0, 0.5 * RUN.separation_end)
+    assert lowest("rate_min_after_separation_y", window=early)(RUN) == pytest.approx(
+        0.1 * RUN.separation_end
+    )
+    speed = highest("longitudinal_speed_max", window=(0.0, 0.5))(RUN)
+    assert speed == pytest.approx(1.0 - 0.6**2)
 
 
 @pytest.mark.parametrize(
@@ -143,6 +153,8 @@ def test_a_window_looks_at_a_part_of_the_run():
             "must be from one time to a later",
         ),
         (lambda: highest("G_L1", window=(4.0, 5.0))(RUN), "window: must end after 0"),
+        (lambda: highest("G_L1", window=(1.0, 2.0, 3.0)), "from one time to a later"),
+        (lambda: highest("G_L1", window=1.0), "must be from one time to a later"),
         (lambda: largest(), "largest: must have an objective or more"),
         (lambda: of_run(3), "must be a function of a run, got 3"),
         (lambda: math.nan * highest("G_L1"), "factors of a sum must be finite"),

@@ -91,6 +91,13 @@ def test_vertices_hold_what_has_a_worse_bound():
     assert "2 to 2 parameters whose slopes changed sign at 64 points" in searched.note
 
 
+def test_vertices_leave_out_what_does_not_matter():
+    settings = dataclasses.replace(QUICK, vertices=2)
+    searched = run("vertices", lambda u: u[0], settings=settings)
+    assert searched.points == 1
+    assert searched.best(0).value == pytest.approx(1.0)
+
+
 def test_vertices_beyond_what_is_affordable_are_refused():
     """A box of 40 parameters, with nothing that tells the worse bounds."""
     rng = np.random.default_rng(0)

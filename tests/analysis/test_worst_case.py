@@ -22,6 +22,7 @@ NAMES = ("upper.cg_x", "upper.cg_y", "upper.mass")
 BOX = Box.around(PAIR, dict(zip(NAMES, (0.02, 0.01, 1.0), strict=True)))
 SET = ToleranceSet(PAIR, BOX)
 QUICK = SearchSettings(starts=6, samples=200)
+NO_LIMITS = (math.inf,) * 3
 SEARCHES = ("samples", "vertices", "sqp", "multistart")
 
 
@@ -44,7 +45,8 @@ def test_worst_of_all_searches_with_its_evidence():
     assert evidence.fraction == pytest.approx(1.0 - 0.05 ** (1 / 200))
     assert evidence.starts == 6
     assert evidence.ended_there == evidence.local_maxima[0][1]
-    assert sum(count for _, count in evidence.local_maxima) == 6
+    ended = sum(count for _, count in evidence.local_maxima)
+    assert ended + evidence.unfinished == 6
     assert evidence.optimality.residual < 1e-6
     assert worst.values["upper.cg_x"] == BOX.values(worst.u)["upper.cg_x"]
 
@@ -164,3 +166,14 @@ def test_an_objective_that_is_no_number_is_refused(vega, vega_batch):
         ValueError, match=r"objective mine must be finite .* payload.mass = 1860, .*low"
     ):
         find_worst_cases(problem, ["sqp"])
+
+
+def test_no_fresh_sample_is_worse_than_what_was_found(vega, vega_batch):
+    """30 000 points that no search has seen, against the values in the docs."""
+    found = {"L1": 2.9395, "L2": 1.2124, "Linf": 1.0612}  # deg, deg/sqrt(s), deg/s
+    evaluator = BatchEvaluator(vega_batch, [OBJECTIVES[k] for k in found], NO_LIMITS)
+    tolerances = vega.tolerance_set
+    u = tolerances.draw(30_000, np.random.default_rng(2026))
+    largest_values = np.degrees(evaluator.all(tolerances.rows(u)).values.max(axis=0))
+    assert (largest_values < list(found.values())).all()
+    assert (largest_values > 0.6 * np.array(list(found.values()))).all()

@@ -7,9 +7,11 @@ import pytest
 
 import drakesep
 from drakesep.analysis.objectives import OBJECTIVES, highest
+from drakesep.analysis.search import SearchSettings
 from drakesep.systems.joints import Joint
 from drakesep.systems.run import RunStatus
 from drakesep.systems.simulation import Simulation
+from drakesep.worst_cases import default_searches
 
 
 IN_DRAKE = {"searches": ["drake"], "workers": 1}
@@ -120,6 +122,11 @@ def test_difference_between_the_engines_is_an_error(monkeypatch):
     ("arguments", "message"),
     [
         ({"objectives": ["L3"]}, "unknown objective 'L3'; did you mean 'L"),
+        ({"objectives": []}, "objectives: must be one or more, got none"),
+        (
+            {"objectives": [highest("G_L1").named("L1")]},
+            "'L1' is the name of one of the case's own",
+        ),
         ({"objectives": [5.0]}, "must be a function of a run, got 5.0"),
         (
             {"objectives": [lambda run: 1.0, lambda run: 2.0]},
@@ -204,3 +211,16 @@ def test_failed_run_is_a_row_with_its_reason(tmp_path):
     assert row["status"].startswith("failed: ")
     assert row["payload.mass_kg"] == 1860.0
     assert not (tmp_path / "motion.csv").exists()
+
+
+def test_default_searches_are_affordable():
+    """Of 34 parameters, all vertices are not; nor of a run of 10 000 steps."""
+    light = SearchSettings.affordable(63)
+    assert default_searches(18, light, light=True) == (
+        *("samples", "vertices", "sqp", "multistart"),
+    )
+    assert "evolution" in default_searches(34, light, light=True)
+    heavy = SearchSettings.affordable(10_000)
+    assert default_searches(10, heavy, light=False) == ("samples", "sqp", "multistart")
+    assert heavy.samples >= 1
+    assert SearchSettings.affordable(10_000, samples=7).samples == 7

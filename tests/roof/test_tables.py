@@ -29,7 +29,7 @@ PARAMETERS = [
 OBJECTIVES = ["G_L1_deg", "G_L2_deg_per_sqrt_s", "G_Linf_deg_s", "G_PM_m_s"]
 REQUIREMENTS = [
     *("requirement", "axis", "unit", "sense", "limit"),
-    *("nominal", "worst", "which_run", "margin", "growth_factor"),
+    *("nominal", "worst", "which_run", "margin", "growth_factor", "looked_up_to"),
     *("first_tolerance", "its_growth_factor", "verdict"),
 ]
 
@@ -130,8 +130,9 @@ def test_evidence(vega_verification):
     assert list(evidence.columns) == [
         *("objective", "unit", "worst", "in_drake", "difference", "found_by"),
         *("sqp", "multistart", "vertices", "samples"),
-        *("starts", "ended_there", "local_maxima", "at_bounds", "active_constraints"),
-        *("optimality_residual", "completed_samples"),
+        *("starts", "ended_there", "local_maxima", "unfinished"),
+        *("at_bounds", "active_constraints", "optimality_residual"),
+        *("random_samples", "failed_samples"),
         "fraction_beyond_at_95_percent",
     ]
     assert evidence["objective"].tolist() == OBJECTIVE_NAMES
@@ -146,6 +147,9 @@ def test_searches_and_candidates(vega_verification):
     assert searches["search"].tolist() == ["samples", "vertices", "sqp", "multistart"]
     assert searches["points"].iloc[:2].tolist() == [100_000, 2**18]
     assert (searches["failed"] == 0).all()
+    assert searches["unphysical_share_of_tolerances"].unique() == [
+        vega_verification.share_unphysical
+    ]
     candidates = vega_verification.candidates
     assert list(candidates.columns) == [
         *("objective", "search", "value", "unit"),
