@@ -99,7 +99,7 @@ def _climb(
     for ascent in ascents:
         if ascent.status is SearchStatus.FAILED:
             failures[ascent.message] = failures.get(ascent.message, 0) + 1
-    origin = "the nominal" if search == "sqp" else f"{len(points[0])} starts"
+    origin = "the nominal" if search == "sqp" else f"{len(points[0])} more starts"
     exact = all(map(problem.evaluator.exact, range(len(points))))
     return Searched(
         search=search,

@@ -124,11 +124,19 @@ class RunEvaluator:
 
     def _tell(self, k: int, run: Run, row: Array) -> float:
         objective = self.objectives[k]
-        value = objective.of_run(run, self._limits)
+        point = ", ".join(
+            f"{name} = {x:.9g}" for name, x in zip(self.names, row, strict=True)
+        )
+        try:
+            value = objective.of_run(run, self._limits)
+        except InputError:
+            raise
+        except Exception as error:  # whatever a user's function raises
+            raise InputError(
+                f"objective {objective.name} must give a number for every run, got "
+                f"{type(error).__name__}: {error}, at {point}"
+            ) from error
         if not math.isfinite(value):
-            point = ", ".join(
-                f"{name} = {x:.9g}" for name, x in zip(self.names, row, strict=True)
-            )
             raise InputError(
                 f"objective {objective.name} must be finite for every run, got {value} "
                 f"at {point}; let it return a number for such a run too, a low one if "

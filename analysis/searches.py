@@ -1,6 +1,6 @@
 """The searches by name; see `drakesep.analysis.search` for what they have in common."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
 from drakesep.analysis.climbs import climb, climb_from_many
@@ -22,7 +22,7 @@ SEARCHES: Mapping[str, Search] = MappingProxyType(
 """The searches by name."""
 
 
-def check_search(name: str) -> None:
-    """Raise ValueError if there is no such search."""
+def check_search(name: str, also: Iterable[str] = ()) -> None:
+    """Raise ValueError if there is no such search; others that are known are named."""
     if name not in SEARCHES:
-        raise InputError(unknown("search", name, SEARCHES))
+        raise InputError(unknown("search", name, [*SEARCHES, *also]))

@@ -52,8 +52,8 @@ class OutOfTime(Exception):
 class Recorded:
     """An evaluator that notes the best value so far after each call."""
 
-    def __init__(self, evaluator, seconds):
-        self._evaluator = evaluator
+    def __init__(self, evaluator, seconds, rows):
+        self._evaluator, self._rows = evaluator, rows
         self.names, self.objectives = evaluator.names, evaluator.objectives
         self.exact = evaluator.exact
         self._end = time.perf_counter() + seconds
@@ -69,10 +69,11 @@ class Recorded:
             raise OutOfTime
 
     def all(self, rows, on_progress=None):
-        """Note the values, sixteen times."""
-        told = [self._evaluator.all(part) for part in np.array_split(rows, 16)]
-        for each in told:
-            self._note(each.values)
+        """Note the values, some rows at a time."""
+        told = []
+        for first in range(0, len(rows), self._rows):
+            told.append(self._evaluator.all(rows[first : first + self._rows]))
+            self._note(told[-1].values)
         return told[0]._replace(values=np.concatenate([t.values for t in told]))
 
     def one(self, rows, which):
@@ -122,7 +123,8 @@ def main():
 
 
 def run(case, evaluator, search, seconds):
-    recorded = Recorded(evaluator, seconds)
+    in_drake = isinstance(evaluator, RunEvaluator)
+    recorded = Recorded(evaluator, seconds, 32 if in_drake else 2048)
     problem = Problem(tolerances=case.tolerance_set, evaluator=recorded)
     settings = SearchSettings(samples=1_000_000, generations=1000)
     try:

@@ -262,10 +262,11 @@ def _print_worst_cases(console: "Console", study: "WorstCases") -> None:
         evidence = study.evidence
         shown = [name for name in _EVIDENCE if name in evidence]
         print_frame(console, "Worst cases, with the evidence", evidence[shown])
-        console.print(
-            f"{study.share_unphysical:.1%} of the tolerances are inertias that no body "
-            "can have; no search goes there."
-        )
+        if study.share_unphysical:
+            console.print(
+                f"{study.share_unphysical:.1%} of the tolerances are inertias that no "
+                "body can have; no search goes there."
+            )
     for flight in study.flights:
         if flight.status not in ("completed", "converged", "confirmed"):
             console.print(f"{flight.label}: {flight.status}", markup=False)

@@ -13,7 +13,7 @@ from drakesep.analysis.requirements import Requirement
 from drakesep.analysis.search import Searched
 from drakesep.analysis.searches import SEARCHES
 from drakesep.analysis.worst_case import CONFIDENCE, WorstCase
-from drakesep.tables import Flight, in_units, shown, unit_of_objective
+from drakesep.tables import MARK, Flight, in_units, shown, unit_of_objective
 from drakesep.units import split_axis, unit_of, with_unit
 
 
@@ -38,7 +38,7 @@ def evidence(
         in_drake = math.nan if flight is None else flight.objective_in_drake
         assert in_drake is not None
         maxima = [
-            f"{shown(objective, value):.6g} ({count})"
+            f"{shown(objective, value):.8g} ({count})"
             for value, count in proof.local_maxima
         ]
         more = len(maxima) - _LISTED
@@ -116,10 +116,10 @@ def worst_points(worst: Sequence[WorstCase], box: Box) -> pd.DataFrame:
     columns: dict[str, list[str]] = {"parameter": [with_unit(n) for n in box.names]}
     for case in worst:
         columns[case.name] = [
-            mark or f"{unit_of(name).from_si(case.values[name]):.6g}"
-            for name, mark in zip(
-                box.names, case.evidence.optimality.active, strict=True
-            )
+            ("M" if u > 0.0 else "m")
+            if abs(u) >= 1.0 - MARK
+            else f"{unit_of(name).from_si(case.values[name]):.6g}"
+            for name, u in zip(box.names, case.u, strict=True)
         ]
     return pd.DataFrame(columns)
 

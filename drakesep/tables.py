@@ -156,7 +156,10 @@ def comparison_table(flights: Sequence[Flight]) -> pd.DataFrame:
             for flight in flown
             if flight.published and objective in flight.published.objectives
         ]
-        label = max(values, key=lambda label: values[label])
+        # Of runs as bad, the one that bears the name.
+        label = max(
+            values, key=lambda label: (values[label], label.startswith("worst_"))
+        )
         nominal, worst = flown[0].figures[name], values[label]
         reference = max(published, default=math.nan)
         rows.append(
@@ -243,7 +246,7 @@ def _first_tolerance(
     return {"first_tolerance": with_unit(name), "its_growth_factor": first.factor}
 
 
-_MARK = 5e-3
+MARK = 5e-3
 """How near to a bound or to the nominal a value is marked as M, m or Nom, as a part
 of its tolerance."""
 
@@ -332,7 +335,7 @@ def _marks(values: Mapping[str, float], box: Box) -> str:
     marks = []
     for (name, value), scaled in zip(values.items(), u, strict=True):
         nearest = np.round(scaled)
-        if abs(scaled - nearest) <= _MARK and abs(nearest) <= 1.0:
+        if abs(scaled - nearest) <= MARK and abs(nearest) <= 1.0:
             marks.append({1.0: "M", -1.0: "m", 0.0: "Nom"}[float(nearest)])
         else:
             marks.append(f"{unit_of(name).from_si(value):.6g}")

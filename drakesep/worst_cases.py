@@ -289,8 +289,13 @@ def search(
         afterwards: called with the problem, while it can be flown, and the settings.
     """
     alone = searches is not None and list(searches) == [DRAKE]
+    if isinstance(searches, str) or (searches and DRAKE in searches and not alone):
+        raise InputError(
+            f"searches: must be a list, and {DRAKE!r} stands alone in it, "
+            f"got {searches!r}"
+        )
     for name in searches if searches and not alone else ():
-        check_search(name)
+        check_search(name, also=[DRAKE])
     if searches is not None and not len(searches):
         raise InputError("searches: must be one or more, got none")
     SearchSettings(**effort)  # refuses what is wrong before anything is flown

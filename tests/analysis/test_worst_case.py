@@ -177,3 +177,15 @@ def test_no_fresh_sample_is_worse_than_what_was_found(vega, vega_batch):
     largest_values = np.degrees(evaluator.all(tolerances.rows(u)).values.max(axis=0))
     assert (largest_values < list(found.values())).all()
     assert (largest_values > 0.6 * np.array(list(found.values()))).all()
+
+
+def test_an_objective_that_raises_is_told_with_its_point(vega, vega_batch):
+    def mine(run):
+        return run.nonsense
+
+    evaluator = BatchEvaluator(vega_batch, [of_run(mine)], NO_LIMITS)
+    problem = Problem(tolerances=vega.tolerance_set, evaluator=evaluator)
+    with pytest.raises(
+        ValueError, match=r"objective mine must give .* AttributeError: .* payload.mass"
+    ):
+        find_worst_cases(problem, ["sqp"])
