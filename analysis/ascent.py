@@ -94,6 +94,8 @@ class AscentSettings:
     step: float = 1e-3
     """Of differences, where there are no derivatives, scaled. Large against the
     integration's error, 1e-8 of an objective; small against its curvature."""
+    differences: bool = False
+    """Whether they must do even where there are derivatives."""
 
 
 def ascend(
@@ -133,7 +135,7 @@ def ascend(
         untold.clear()
 
     def task(i: int) -> Callable[[_Ask], Ascent]:
-        exact = evaluator.exact(starts[i].objective)
+        exact = evaluator.exact(starts[i].objective) and not settings.differences
 
         def log(iteration: Iteration) -> None:
             untold.append((i, iteration))
@@ -161,11 +163,12 @@ def slopes_at(
         evaluator: tells the objectives.
         settings: with the step of differences, where they must do.
     """
+    settings = settings or AscentSettings()
 
     def task(point: Start) -> Callable[[_Ask], Array]:
         def slopes(ask: _Ask) -> Array:
-            exact = evaluator.exact(point.objective)
-            climb = _Climb(point, settings or AscentSettings(), exact, ask)
+            exact = evaluator.exact(point.objective) and not settings.differences
+            climb = _Climb(point, settings, exact, ask)
             try:
                 return climb.gradient(np.asarray(point.u, dtype=float))
             except _RunFailedError:
@@ -344,7 +347,7 @@ class _Climb:
         """Return one-sided differences, each taken into the set."""
         value = self._value(u)
         point = self._set.draw_back(u)
-        probes = np.array([self._probe(point, i) for i in range(len(point))])
+        probes = self._probes(point)
         steps = probes - point
         rises = self._evaluate(probes).values - value
         diagonal = np.diagonal(steps)
@@ -355,15 +358,17 @@ class _Climb:
         # Along a curved edge a probe moves other parameters too.
         return np.asarray(np.linalg.lstsq(steps, rises, rcond=None)[0])
 
-    def _probe(self, point: Array, i: int) -> Array:
-        """Return a point of the set about a step away in one of its parameters."""
-        probes = np.array([point, point])
-        probes[:, i] += [self._settings.step, -self._settings.step]
-        drawn = self._set.draw_back(probes)
-        inside = np.flatnonzero(self._set.contains(probes))
-        if len(inside):
-            return np.asarray(probes[inside[0]])
-        return np.asarray(drawn[np.abs(drawn[:, i] - point[i]).argmax()])
+    def _probes(self, point: Array) -> Array:
+        """Return (n, n) points of the set, each a step away in one parameter.
+
+        To the side where there is more room: less than a step, at a curved edge.
+        """
+        step = self._settings.step * np.eye(len(point))
+        sides = self._set.draw_back(np.array([point + step, point - step]))
+        moved = np.abs(np.diagonal(sides - point, axis1=1, axis2=2))
+        # All but equal rooms are equal: round-off must not decide.
+        side = (moved[1] > moved[0] + 1e-9 * self._settings.step).astype(int)
+        return np.asarray(sides[side, np.arange(len(point))])
 
     def _scales(self, u: Array) -> tuple[float, Array]:
         """Return what to divide the objective by, and to multiply the parameters with.

@@ -33,6 +33,8 @@ from drakesep.systems.batch_polynomials import (
 
 _ANGLES = 7
 """Where the limited angles stand among the signals."""
+_ROUND_OFF = 1e-13
+"""By which two values of the same may differ, as a part of them."""
 
 
 class Figures(NamedTuple):
@@ -109,9 +111,15 @@ class MetricsFold:
         lowest, highest = signals.extremes()
         peaks = jnp.maximum(-lowest[:3], highest[:3])
         released, separated = step.separating, step.separated
+        # Where events coincide, steps of no length lie between them: what stands there
+        # has been seen, and moves with the time of another event.
+        moving = step.length > 0.0
 
-        def larger(before: Lanes, value: Lanes, when: Lanes) -> Lanes:
-            return jnp.where(when, jnp.maximum(before, value), before)
+        def larger(before: Lanes, value: Lanes, when: Lanes | bool) -> Lanes:
+            # A peak at a kink ends one step and begins the next: it is that of the
+            # first, whatever round-off says.
+            more = value - before > _ROUND_OFF * jnp.abs(value)
+            return jnp.where(when & moving & more, value, before)
 
         magnitude = step.length * signals.mean_magnitude(3).sum(axis=0)
         square = step.length * signals.mean_square(3).sum(axis=0)
@@ -127,7 +135,7 @@ class MetricsFold:
             rate_max=larger(figures.rate_max, highest[3:6], separated),
             angle=jnp.where(ends_here, angle, figures.angle),
             within_until=self._within_until(figures, signals, step),
-            speed_max=jnp.maximum(figures.speed_max, highest[6]),
+            speed_max=larger(figures.speed_max, highest[6], True),
             speed_after=-larger(-figures.speed_after, -lowest[6], separated),
             separation_end=jnp.where(ends_here, step.start, figures.separation_end),
         )

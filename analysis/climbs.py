@@ -21,8 +21,10 @@ from drakesep.analysis.search import (
 
 Array = NDArray[np.float64]
 
-_PATIENCE = 20
+_PATIENCE = 12
 """Iterations of one of many starts: what creeps on is none of the best."""
+_ENOUGH = 1e-8
+"""Tolerance of one of many starts: maxima that differ by 1e-6 are told apart."""
 
 
 def climb(
@@ -44,6 +46,7 @@ def climb_from_many(
     patience = dataclasses.replace(
         settings.ascent,
         max_iterations=min(settings.ascent.max_iterations, _PATIENCE),
+        tolerance=max(settings.ascent.tolerance, _ENOUGH),
     )
     settings = dataclasses.replace(settings, ascent=patience)
     climbed = any(candidate.search == "sqp" for candidate in known)

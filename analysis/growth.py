@@ -36,8 +36,9 @@ _WORST = 4
 _SETTLED = 1e-3
 """Relative change of a growth at which its ray has settled."""
 _ROUNDS = 4
-_CLIMB = AscentSettings(tolerance=1e-6, max_iterations=2)
-"""In a round: the next one goes on from there."""
+_CLIMB = AscentSettings(tolerance=1e-6, max_iterations=2, differences=True)
+"""In a round: the next one goes on from there. Differences of a batch cost less than
+its derivatives, and settle a growth as well."""
 _GRID = (0.0, 0.5, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, MOST)
 """Growths between which a limit is first passed on a ray."""
 _ROOT = 1e-5

@@ -51,7 +51,7 @@ class SearchSettings:
 
     starts: int = 12
     """Of each objective, of the ascent from many."""
-    samples: int = 100_000
+    samples: int = 50_000
     """Drawn at random from the set."""
     vertices: int = 2**18
     """That are affordable."""
@@ -84,7 +84,7 @@ class SearchSettings:
         """
         settings = cls(
             starts=_between(2, 3000 // steps, 12),
-            samples=_between(1, 400_000_000 // steps**2, 100_000),
+            samples=_between(1, 200_000_000 // steps**2, 50_000),
             vertices=_between(1, 1_300_000_000 // steps**2, 2**18),
             corners=_between(0, 20_000_000 // steps**2, 4096),
         )

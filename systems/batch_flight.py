@@ -21,6 +21,8 @@ from jax import lax
 from drakesep.systems import batch_polynomials as polynomials
 from drakesep.systems import joint_laws, lobatto, motion_laws, runge_kutta
 from drakesep.systems.batch_equations import (
+    FREE,
+    SPRINGS,
     BatchEquations,
     Lanes,
     Mode,
@@ -141,6 +143,7 @@ class BatchFlight:
         tolerance: float,
         max_steps: int,
         one_by_one: bool = False,
+        always_springs: bool = False,
     ):
         """Prepare.
 
@@ -150,12 +153,15 @@ class BatchFlight:
             max_steps: at which a sample is given up.
             one_by_one: whether known events at the same time happen in steps of their
                 own, of no length: each has a derivative of its own.
+            always_springs: whether springs are computed also when none pushes: a
+                smaller program, that takes less time to compile and more to run.
         """
         self._equations = equations
         self._separation = equations.separation
         self._tolerance = tolerance
         self._max_steps = max_steps
         self._one_by_one = one_by_one
+        self._phases = equations.phases[SPRINGS if always_springs else FREE :]
         self._events = _events(equations)
         B = self._separation.B
         self._of_B = [
@@ -381,8 +387,9 @@ class BatchFlight:
             K = jnp.zeros((runge_kutta.STAGES, *x.shape))
             return lambda _: lax.fori_loop(0, runge_kutta.STAGES, stage, K)
 
-        phases = [stages(phase) for phase in self._equations.phases]
-        return lax.switch(self._equations.phase(mode), phases, None)
+        # Below the first, switch takes the first.
+        phase = self._equations.phase(mode) - self._phases[0]
+        return lax.switch(phase, [stages(phase) for phase in self._phases], None)
 
     def _error(self, K: Lanes) -> Lanes:
         """Return (n,) the error estimate of a step over its share of the tolerance."""

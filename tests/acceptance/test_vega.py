@@ -172,7 +172,7 @@ def test_nothing_found_beats_the_worst(vega_verification):
             slack = 1e-12 * abs(row["worst"])
             assert side * row[search] <= side * row["worst"] + slack, (name, search)
         assert abs(row["difference"]) < 1e-6 * max(abs(row["worst"]), 0.1)
-    assert (evidence["fraction_beyond_at_95_percent"] < 3e-5).all()
+    assert (evidence["fraction_beyond_at_95_percent"] < 6e-5).all()
 
 
 def test_worst_cases_are_maxima_of_first_order(vega_verification):

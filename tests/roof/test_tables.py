@@ -145,7 +145,7 @@ def test_evidence(vega_verification):
 def test_searches_and_candidates(vega_verification):
     searches = vega_verification.searches
     assert searches["search"].tolist() == ["samples", "vertices", "sqp", "multistart"]
-    assert searches["points"].iloc[:2].tolist() == [100_000, 2**18]
+    assert searches["points"].iloc[:2].tolist() == [50_000, 2**18]
     assert (searches["failed"] == 0).all()
     assert searches["unphysical_share_of_tolerances"].unique() == [
         vega_verification.share_unphysical
