@@ -26,7 +26,7 @@ from drakesep.systems import batch_flight, runge_kutta
 from drakesep.systems.batch_checks import check_rows
 from drakesep.systems.batch_equations import BatchEquations, Lanes
 from drakesep.systems.batch_flight import BatchFlight, Landing
-from drakesep.systems.batch_motion import MotionFold, columns_of
+from drakesep.systems.batch_motion import MotionFold, columns_of, trajectory_of
 from drakesep.systems.checks import InputError, check_positive, unknown
 from drakesep.systems.model import Separation
 from drakesep.systems.parameters import parameters, with_values
@@ -460,12 +460,13 @@ class _Plan:
         )
 
     def run(self, signals: Array) -> Run:
-        """Return the run, from the signals (T, 24, n) at the times of all."""
+        """Return the run, from the signals (T, ..., n) at the times of all."""
         mine = signals[: len(self.times), :, self.row]
         return Run(
             separation=self.separation,
             status=RunStatus.COMPLETED,
             motion=Motion(time=self.times, **columns_of(mine)),
+            trajectory=trajectory_of(self.separation, self.times, mine),
             breaks=find_breaks(self.separation, self.releases, self.stroke_ends),
             releases=self.releases,
             stroke_ends=self.stroke_ends,

@@ -2,7 +2,9 @@ from .case import Case as Case
 from .case import CaseError as CaseError
 from .case_file import builtin_cases as builtin_cases
 from .case_file import load_case as load_case
+from .clearances import Clearances as Clearances
 from .studies import Simulated as Simulated
+from .studies import clearance as clearance
 from .studies import simulate as simulate
 from .studies import verify as verify
 from .studies import worst_case as worst_case

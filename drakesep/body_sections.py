@@ -2,15 +2,25 @@
 
 from typing import TYPE_CHECKING, Any, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
+from drakesep.geometry_sections import ElementSection
 from drakesep.section import (
     File,
+    Name,
     Positive,
     Section,
     Vector,
     check_one,
     to_si,
+)
+from drakesep.shape_sections import (
+    BoxSection,
+    CapsuleSection,
+    CylinderSection,
+    EllipsoidSection,
+    MeshSection,
+    SphereSection,
 )
 from drakesep.systems.checks import InputError, Vector3
 from drakesep.systems.inertia import Inertia
@@ -38,46 +48,6 @@ class MatedPlaceSection(Section):
 
     position_mm: Vector = (0.0, 0.0, 0.0)
     attitude_deg: Vector = (0.0, 0.0, 0.0)
-
-
-class BoxSection(Section):
-    """A box."""
-
-    size_mm: Vector
-
-
-class CylinderSection(Section):
-    """A cylinder along x."""
-
-    radius_mm: Positive
-    length_mm: Positive
-
-
-class SphereSection(Section):
-    """A sphere."""
-
-    radius_mm: Positive
-
-
-class EllipsoidSection(Section):
-    """An ellipsoid."""
-
-    semi_axes_mm: Vector
-
-
-class CapsuleSection(Section):
-    """A capsule along x; its length is that between the centres of its round ends."""
-
-    radius_mm: Positive
-    length_mm: Positive
-
-
-class MeshSection(Section):
-    """A closed mesh."""
-
-    file: File
-    scale: Positive = 1.0
-    """Metres in a unit of the file."""
 
 
 class SolidSection(Section):
@@ -154,6 +124,8 @@ class BodySection(Section):
     solid: SolidSection | None = None
     model: ModelSection | None = None
     mated: MatedPlaceSection = MatedPlaceSection()
+    geometry: dict[Name, ElementSection] = Field(default_factory=dict)
+    """Parts of it that may come near others."""
 
     @model_validator(mode="after")
     def _check_mass_properties(self) -> Self:
@@ -181,6 +153,7 @@ class BodySection(Section):
             I_BBcm_B=I_BBcm_B,
             p_ABo=to_si("position", self.mated.position_mm),
             rpy_AB=to_si("attitude", self.mated.attitude_deg),
+            elements=tuple(e.in_si(key) for key, e in self.geometry.items()),
         )
 
     def _mass_properties(self) -> tuple[float, Vector3, Inertia]:

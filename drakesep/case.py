@@ -10,6 +10,7 @@ from typing import Self
 from pydantic import Field, model_validator
 
 from drakesep.analysis.dispersions import Box
+from drakesep.analysis.element_pairs import element_pairs
 from drakesep.analysis.objectives import Objective, lowest, towards
 from drakesep.analysis.requirements import Requirement, deviation_limits
 from drakesep.analysis.tolerance_set import ToleranceSet
@@ -24,6 +25,7 @@ from drakesep.case_sections import (
     RequirementSection,
     RunSection,
 )
+from drakesep.geometry_sections import ClearanceSection
 from drakesep.section import Name, Positive, Section
 from drakesep.systems.checks import InputError, check_finite, unknown
 from drakesep.systems.model import Separation
@@ -53,17 +55,27 @@ class Case(Section):
     ellipsoids: list[EllipsoidSection] = Field(default_factory=list)
     """Dispersed parameters that go together."""
     requirements: list[RequirementSection] = Field(default_factory=list)
+    clearance: ClearanceSection = ClearanceSection()
+    """Which of the bodies' geometry is measured."""
     run: RunSection
     published: list[PublishedSection] = Field(default_factory=list)
 
     @model_validator(mode="after")
     def _check_meaning(self) -> Self:
         _ = self.separation, self.integration
+        self._check_clearance()
         self._check_dispersions()
         self._check_ellipsoids()
         self._check_requirements()
         self._check_published()
         return self
+
+    def _check_clearance(self) -> None:
+        try:
+            element_pairs(self.separation, self.clearance.pairs)
+            element_pairs(self.separation, self.clearance.touching)
+        except InputError as error:
+            raise CaseError(f"clearance: {error}") from error
 
     def _check_dispersions(self) -> None:
         for key, tolerance in self.dispersions.items():

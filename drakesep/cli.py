@@ -3,9 +3,10 @@
 import contextlib
 import signal
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn, cast
+from typing import TYPE_CHECKING, Annotated, NoReturn, TextIO, cast
 
 import typer
 
@@ -34,6 +35,14 @@ OutputOption = Annotated[
         "--output",
         "-o",
         help="Folder for the results; results/CASE/COMMAND if not given.",
+    ),
+]
+ChangesOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="NAME=VALUE",
+        help="Change a parameter; can be repeated. `show` lists the names.",
     ),
 ]
 WorkersOption = Annotated[
@@ -87,14 +96,7 @@ def show(case: CaseArgument) -> None:
 @app.command()
 def simulate(
     case: CaseArgument,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="NAME=VALUE",
-            help="Change a parameter; can be repeated. `show` lists the names.",
-        ),
-    ] = None,
+    changes: ChangesOption = None,
     output: OutputOption = None,
 ) -> None:
     """Fly a case once: motion.csv, summary.csv and figures."""
@@ -114,6 +116,41 @@ def simulate(
     print_frame(console, "Figures of the run", tables.figures_table(result.flight))
     console.print(f"Tables and figures are in {folder}", markup=False)
 
+
+@app.command()
+def clearance(
+    case: CaseArgument,
+    changes: ChangesOption = None,
+    output: OutputOption = None,
+) -> None:
+    """Measure how near bodies come: clearance_summary.csv, clearance.csv, a figure.
+
+    Exits with 1 if anything touches.
+    """
+    values = _parse_changes(changes or [])
+    from drakesep import studies
+    from drakesep.case_file import load_case
+    from drakesep.console import print_frame
+
+    console = _console()
+    loaded = load_case(case)
+    folder = _folder(output, loaded.name, "clearance")
+    with console.status("flying and measuring"):
+        study = studies.clearance(loaded, values)
+        study.save(folder)
+    summary = study.summary
+    shown = [name for name in _CLEARANCE if name in summary]
+    print_frame(console, "Smallest clearances of the run", summary[shown])
+    console.print(f"Tables and figures are in {folder}", markup=False)
+    if not study.clear:
+        _fail(FAILED, "there is contact; see clearance_summary.csv")
+
+
+_CLEARANCE = (
+    *("first", "second", "clearance_mm", "time_s", "separation_mm"),
+    *("contact_time_s", "closing_speed_m_s", "status"),
+)
+"""Columns that are printed; the others are in the file."""
 
 SearchOption = Annotated[
     list[str] | None,
@@ -350,10 +387,22 @@ def _fail(code: int, message: str) -> NoReturn:
     sys.exit(code)
 
 
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    print(f"drakesep: warning: {message}", file=sys.stderr)
+
+
 def main() -> None:
     """Run the command line; bad input ends in one line for each error."""
     # So that leaving ends the workers, as it does for an interrupt.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))
+    warnings.showwarning = _show_warning
     try:
         app()
     except InputError as error:

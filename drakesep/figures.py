@@ -1,6 +1,6 @@
 """Pictures of the motion, after the paper's Figs. 6 and 7, and of sensitivities."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,8 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from drakesep.analysis.clearance import Clearance
 from drakesep.analysis.metrics import ANGLES, AXES
 from drakesep.analysis.requirements import Requirement
+from drakesep.systems.run import Array
 from drakesep.tables import Flight
 from drakesep.units import unit_of
 
@@ -136,6 +138,61 @@ def _draw_limit(axes: Axes, requirement: Requirement) -> None:
     for side in sides:
         axes.axhline(side, color=_LIMIT, linestyle=(0, (8, 3)), linewidth=1.2)
     axes.set_gid("limited")
+
+
+def save_clearance(
+    time: Array,
+    separation: Array,
+    curves: Mapping[str, tuple[Array, Clearance]],
+    folder: Path,
+) -> None:
+    """Write clearance.png into a folder."""
+    figure = clearance_figure(time, separation, curves)
+    figure.savefig(folder / "clearance.png", dpi=130)
+
+
+def clearance_figure(
+    time: Array, separation: Array, curves: Mapping[str, tuple[Array, Clearance]]
+) -> Figure:
+    """Return how near pairs are, over time and over the distance of separation.
+
+    Args:
+        time: (n,) s.
+        separation: (n,) how far B has moved along A's x axis, m.
+        curves: (n,) distances, m, and the smallest, by the name of the pair.
+    """
+    mm = unit_of("clearance").per_si
+    figure = Figure(figsize=(12, 5.2), layout="constrained")
+    panels = figure.subplots(1, 2, sharey=True)
+    # Contact has no place on a scale of powers: it is drawn at the lower edge.
+    least = min(_positive(distances).min() for distances, _ in curves.values())
+    floor = 0.5 * mm * float(least)
+    for axes, x in zip(panels, (time, separation * mm), strict=True):
+        for i, (name, (distances, one)) in enumerate(curves.items()):
+            colour = _COLOURS[i % len(_COLOURS)]
+            dashes = _DASHES[i // len(_COLOURS) % len(_DASHES)]
+            shown = np.maximum(mm * distances, floor)
+            axes.plot(x, shown, color=colour, linestyle=dashes, label=name)
+            axes.plot(
+                np.interp(one.time, time, x),
+                max(mm * one.minimum, floor),
+                marker="o" if one.contact is None else "X",
+                color=colour,
+                markersize=6 if one.contact is None else 10,
+            )
+        axes.set_yscale("log")
+        axes.grid(alpha=0.3, which="both")
+    panels[0].set_xlabel("time (s)")
+    panels[1].set_xlabel("separation (mm)")
+    panels[0].set_ylabel("distance (mm)")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
+    figure.suptitle("Distances between elements; dots: smallest, crosses: contact")
+    return figure
+
+
+def _positive(distances: Array) -> Array:
+    return distances[distances > 0.0] if (distances > 0.0).any() else np.ones(1)
 
 
 _BARS = 8

@@ -9,10 +9,12 @@ from typing import Unpack
 import pandas as pd
 
 from drakesep import figures, tables
+from drakesep.analysis.element_pairs import owners_of
 from drakesep.analysis.objectives import AnyObjective
 from drakesep.analysis.search import Effort, Problem, SearchSettings
 from drakesep.case import Case
 from drakesep.case_file import load_case
+from drakesep.clearances import Clearances
 from drakesep.folder import writable_folder
 from drakesep.systems.checks import InputError
 from drakesep.systems.simulation import Simulation
@@ -106,6 +108,33 @@ def simulate(
     )
     label = "run" if values else NOMINAL
     return Simulated(case=case, flight=as_flight(label, run, case), values=values or {})
+
+
+def clearance(
+    case: Case | str | Path, values: Mapping[str, float] | None = None
+) -> Clearances:
+    """Fly a case once, and measure how near its bodies' geometry comes.
+
+    Args:
+        case: a case, a case file, or the name of a built-in case.
+        values: new values by parameter name with unit, ``payload.mass_kg``.
+
+    Raises:
+        ValueError: the case or a value is wrong, no two bodies have geometry, or some
+            of it overlaps while mated.
+        RuntimeError: the run fails.
+    """
+    case = _as_case(case)
+    if len({*owners_of(case.separation).values()}) < 2:
+        raise InputError("bodies: a clearance needs geometry on two of them")
+    run = Simulation(case.separation, case.integration).run(
+        case.values_in_si(values or {})
+    )
+    if run.motion is None:
+        raise RuntimeError(f"the run failed: {run.message}")
+    study = Clearances(case=case, run=run, values=values or {})
+    _ = study.found
+    return study
 
 
 def worst_case(

@@ -92,6 +92,13 @@ _OF_QUANTITY = {
     "longitudinal_speed_max": "m_s",
     "longitudinal_speed_after_separation": "m_s",
     "separation_end": "s",
+    # clearances
+    "clearance": "mm",
+    "separation": "mm",
+    "first_position": "mm",
+    "second_position": "mm",
+    "contact_time": "s",
+    "closing_speed": "m_s",
 }
 _AXES = ("x", "y", "z", "roll", "pitch", "yaw", "xx", "yy", "zz", "xy", "xz", "yz")
 

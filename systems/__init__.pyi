@@ -1,3 +1,4 @@
+from .elements import Element as Element
 from .joint_gains import propose_joint as propose_joint
 from .joints import Joint as Joint
 from .load_tables import Load as Load
@@ -18,6 +19,7 @@ from .pushers import Spring as Spring
 from .run import Motion as Motion
 from .run import Run as Run
 from .run import RunStatus as RunStatus
+from .run import Trajectory as Trajectory
 from .separation_elements import SeparationElements as SeparationElements
 from .separation_system import SeparationSystem as SeparationSystem
 from .separation_system import set_mass_properties as set_mass_properties

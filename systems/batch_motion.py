@@ -19,7 +19,9 @@ from drakesep.systems.batch_equations import (
 )
 from drakesep.systems.batch_flight import Step
 from drakesep.systems.batch_polynomials import polynomial
+from drakesep.systems.model import Separation
 from drakesep.systems.motion_laws import RelativeMotion
+from drakesep.systems.run import Array, Trajectory
 
 
 COLUMNS = (
@@ -31,15 +33,12 @@ COLUMNS = (
 """Of `drakesep.systems.run.Motion`, three signals each."""
 
 
-_STATES = 2 * STATES
-"""Of A and B, which are sampled: angles jump, and have to be made of samples."""
-
-
 class Samples(NamedTuple):
     """What has been sampled so far."""
 
     signals: Lanes
-    """(T, 35, n): states of A and B, acceleration of B's CG, momentum given to B."""
+    """(T, 13 m + 9, n): states of all bodies, acceleration of B's CG, momentum given
+    to B."""
     momentum: Lanes
     """(6, n) given to B by the springs by the end of the last step, N s and N m s."""
 
@@ -56,19 +55,24 @@ class MotionFold:
         """
         self._equations = equations
         self._times = times
+        # Of the bodies, of which the rest is made: angles jump between samples.
+        self._states = STATES * len(equations.separation.bodies)
 
     def start(self, numbers: Numbers) -> Samples:
         """Return what there is before the first step."""
         count, n = self._times.shape
-        return Samples(jnp.full((count, _STATES + 9, n), jnp.nan), jnp.zeros((6, n)))
+        return Samples(
+            jnp.full((count, self._states + 9, n), jnp.nan), jnp.zeros((6, n))
+        )
 
     def add(self, samples: Samples, numbers: Numbers, step: Step) -> Samples:
         """Return the samples after a step: those at a kink are those after it."""
         acceleration, momentum_rate = self._at_nodes(numbers, step)
         gained = 0.5 * step.length * jnp.tensordot(lobatto.INTEGRALS, momentum_rate, 1)
         momentum = samples.momentum + gained
-        pair = [step.x[:, :, body] for body in self._equations.pair]
-        states = jnp.moveaxis(jnp.concatenate(pair), 0, 1)
+        # (13, 8, m, n) to (8, 13 m, n)
+        states = jnp.transpose(step.x, (1, 2, 0, 3))
+        states = states.reshape(len(states), self._states, -1)
         values = jnp.concatenate([states, acceleration, momentum], axis=1)
         length = jnp.where(step.length > 0.0, step.length, 1.0)
         xi = 2.0 * (self._times - step.start) / length - 1.0
@@ -101,13 +105,21 @@ class MotionFold:
         return _stack([acceleration]), _stack(rates)
 
     def finish(self, samples: Samples, numbers: Numbers) -> Lanes:
-        """Return (T, 24, n) the signals of `COLUMNS`."""
+        """Return (T, 24 + 13 m, n) the signals of `COLUMNS`, and the states."""
         states: Lanes = jnp.moveaxis(samples.signals, 1, 0)
-        A, B = (motion_laws.body_state(states, q, q + 7) for q in (0, STATES))
+        A, B = (
+            motion_laws.body_state(states, STATES * body, STATES * body + 7)
+            for body in self._equations.pair
+        )
         place = self._equations.mated_place(numbers)
         motion = motion_laws.relative_motion(A, B, *place, jnp)
         return jnp.concatenate(
-            [_stack([*motion]), samples.signals[:, _STATES:]], axis=1
+            [
+                _stack([*motion]),
+                samples.signals[:, self._states :],
+                samples.signals[:, : self._states],
+            ],
+            axis=1,
         )
 
 
@@ -116,5 +128,14 @@ def _stack(vectors: list[tuple[Lanes, ...]] | tuple[tuple[Lanes, ...], ...]) -> 
 
 
 def columns_of(signals: NDArray[np.float64]) -> Mapping[str, NDArray[np.float64]]:
-    """Return the columns (T, 3) of a row's motion from its signals (T, 24)."""
+    """Return the columns (T, 3) of a row's motion from its signals (T, ...)."""
     return {name: signals[:, 3 * i : 3 * i + 3] for i, name in enumerate(COLUMNS)}
+
+
+def trajectory_of(separation: Separation, times: Array, signals: Array) -> Trajectory:
+    """Return the motion of all bodies of a row from its signals (T, 24 + 13 m)."""
+    return Trajectory(
+        names=tuple(body.name for body in separation.bodies),
+        time=times,
+        states=signals[:, 3 * len(COLUMNS) :].reshape(len(times), -1, STATES),
+    )

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
-import trimesh
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
@@ -20,6 +19,7 @@ from drakesep.systems.checks import (
     unknown,
 )
 from drakesep.systems.inertia import Inertia
+from drakesep.systems.mesh_files import read_mesh, readable
 
 
 Shape: TypeAlias = Literal["box", "cylinder", "sphere", "ellipsoid", "capsule"]
@@ -32,7 +32,6 @@ SHAPES: dict[Shape, int] = {
 }
 """Shapes, and how many dimensions each has; see `mass_properties_of_shape`."""
 _X = np.array([1.0, 0.0, 0.0])
-_MESH_SUFFIXES = (".obj", ".stl")
 _MODEL_SUFFIXES = (".sdf", ".urdf", ".xml")
 _ORIGIN = (0.0, 0.0, 0.0)
 
@@ -133,33 +132,12 @@ def mass_properties_of_mesh(
             for a shape.
     """
     check_positive("mesh: scale", scale)
-    path = _readable(file, "mesh", _MESH_SUFFIXES)
-    volume, p_SoScm, I_SScm = _read_mesh(path, path.stat().st_mtime_ns)
-    volume *= scale**3
+    mesh = read_mesh(file)
+    volume = scale**3 * float(mesh.volume)
     m = _mass(str(file), mass, density, volume)
     # The file's inertia is that of density one, in its own units.
-    inertia = m / volume * scale**5 * I_SScm
-    return _placed(m, scale * p_SoScm, inertia, p_BoSo_B, rpy_BS)
-
-
-@functools.cache
-def _read_mesh(path: Path, _: int) -> tuple[float, np.ndarray, np.ndarray]:
-    """Return volume, CG and central inertia at density one, in the file's units."""
-    try:
-        mesh = trimesh.load_mesh(path)
-    except Exception as error:  # trimesh raises whatever its readers do
-        raise InputError(f"{path.name}: must be a mesh, got: {error}") from error
-    if not len(getattr(mesh, "faces", ())):
-        raise InputError(f"{path.name}: must be a mesh, got no triangles")
-    if not mesh.is_watertight or not mesh.is_winding_consistent:
-        counts = np.unique(mesh.edges_sorted, axis=0, return_counts=True)[1]
-        broken = int((counts == 1).sum())
-        got = f"{broken} open edges" if broken else "triangles that face both ways"
-        raise InputError(f"{path.name}: mesh must be closed, got {got}")
-    if mesh.volume < 0.0:
-        mesh.invert()
-    check_positive(f"{path.name}: volume", float(mesh.volume))
-    return float(mesh.volume), np.array(mesh.center_mass), np.array(mesh.moment_inertia)
+    inertia = m / volume * scale**5 * np.array(mesh.moment_inertia)
+    return _placed(m, scale * np.array(mesh.center_mass), inertia, p_BoSo_B, rpy_BS)
 
 
 def mass_properties_of_model(
@@ -176,7 +154,7 @@ def mass_properties_of_model(
     Raises:
         ValueError: the file is missing or no model, has no such frame or no mass.
     """
-    path = _readable(file, "model", _MODEL_SUFFIXES)
+    path = readable(file, "model", _MODEL_SUFFIXES)
     return _read_model(path, frame, path.stat().st_mtime_ns)
 
 
@@ -217,17 +195,6 @@ def mass_properties_of(M_BBo_B: SpatialInertia) -> MassProperties:
         _ORIGIN,
         _ORIGIN,
     )
-
-
-def _readable(file: str | Path, kind: str, suffixes: Sequence[str]) -> Path:
-    path = Path(file)
-    if path.suffix.lower() not in suffixes:
-        raise InputError(
-            f"{kind} file must end in {', '.join(suffixes)}, got {str(file)!r}"
-        )
-    if not path.is_file():
-        raise InputError(f"{kind} file must exist, got {str(file)!r}")
-    return path.resolve()
 
 
 def _mass(name: str, mass: float | None, density: float | None, volume: float) -> float:

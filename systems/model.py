@@ -19,6 +19,7 @@ from drakesep.systems.checks import (
     check_positive,
     unknown,
 )
+from drakesep.systems.elements import Element
 from drakesep.systems.inertia import Inertia, check_inertia
 from drakesep.systems.joints import Joint
 from drakesep.systems.load_tables import Load
@@ -55,6 +56,8 @@ class Body:
     """Place of the body's origin in the frame of A while mated, m."""
     rpy_AB: Vector3 = (0.0, 0.0, 0.0)
     """Roll, pitch and yaw of the body in the frame of A while mated, rad."""
+    elements: tuple[Element, ...] = ()
+    """Parts of it that may come near others."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -225,6 +228,7 @@ class Separation:
         names += [attachment.name for attachment in self.attachments]
         names += [spring.name for spring in self.springs]
         names += [load.name for load in self.loads]
+        names += [element.name for body in self.bodies for element in body.elements]
         counts = Counter([*names, *RESERVED_NAMES])
         for name, count in counts.items():
             if count > 1:

@@ -37,6 +37,23 @@ class Motion:
     """Given to B by the springs about its CG, in B, N m s (Eq. 7)."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trajectory:
+    """The motion of all m bodies in W at n sample times."""
+
+    names: tuple[str, ...]
+    """(m,) of the bodies."""
+    time: Array
+    """(n,), s."""
+    states: Array
+    """(n, m, 13) of each body, as in Drake's plant: orientation q_WB, position p_WBo,
+    m, angular velocity w_WB, rad/s, and velocity v_WBo, m/s, all in W."""
+
+    def of(self, body: str) -> Array:
+        """Return the states (n, 13) of one body."""
+        return self.states[:, self.names.index(body)]
+
+
 class RunStatus(enum.Enum):
     """How a run ended."""
 
@@ -54,6 +71,8 @@ class Run:
     message: str = ""
     """Why the run failed; empty if it did not."""
     motion: Motion | None = field(default=None, repr=False)
+    """None if the run failed."""
+    trajectory: Trajectory | None = field(default=None, repr=False)
     """None if the run failed."""
     breaks: tuple[float, ...] = ()
     """Where the motion has a kink: start, releases, ends of strokes, edges of loads,
@@ -77,6 +96,17 @@ class Run:
         if self.motion is None:
             raise RuntimeError(f"the run failed: {self.message}")
         return self.motion
+
+    @property
+    def completed_trajectory(self) -> Trajectory:
+        """The motion of all bodies of a completed run.
+
+        Raises:
+            RuntimeError: the run failed.
+        """
+        if self.trajectory is None:
+            raise RuntimeError(f"the run failed: {self.message}")
+        return self.trajectory
 
     @property
     def separation_start(self) -> float:

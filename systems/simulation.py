@@ -15,7 +15,7 @@ from drakesep.systems.motion_analysis import Measured
 from drakesep.systems.parameters import with_values
 from drakesep.systems.pushers import DisplacementSpring
 from drakesep.systems.recorder import Recorder
-from drakesep.systems.run import Array, Motion, Run, RunStatus
+from drakesep.systems.run import Array, Motion, Run, RunStatus, Trajectory
 from drakesep.systems.sampling import NANOSECOND, find_breaks, sample_times
 from drakesep.systems.separation_system import SeparationSystem
 from drakesep.systems.settings import Integration
@@ -57,7 +57,9 @@ class Simulation:
             recorder, releases = self._advance(simulator, context, separation)
             ends = _find_stroke_ends(self._system, separation, recorder, releases)
             breaks = find_breaks(separation, releases, ends)
-            motion = _sample(self._system, separation, recorder, releases, ends)
+            motion, trajectory = _sample(
+                self._system, separation, recorder, releases, ends
+            )
         except (RuntimeError, ArithmeticError, ValueError) as error:
             # Drake's: the step size collapsed, say. Python's: a number overflowed.
             return Run(
@@ -70,6 +72,7 @@ class Simulation:
             separation=separation,
             status=RunStatus.COMPLETED,
             motion=motion,
+            trajectory=trajectory,
             breaks=breaks,
             releases=releases,
             stroke_ends=ends,
@@ -215,11 +218,11 @@ def _sample(
     recorder: Recorder,
     releases: Mapping[str, float],
     stroke_ends: Mapping[str, float],
-) -> Motion:
+) -> tuple[Motion, Trajectory]:
     times = sample_times(separation, releases, stroke_ends)
     layout = system.layout
     x, xdot = recorder.sample(times)
-    names = [body.name for body in separation.bodies]
+    names = tuple(body.name for body in separation.bodies)
     bodies = layout.read(x)
     A, B = bodies[names.index(separation.A)], bodies[names.index(separation.B)]
     _, v = layout.starts[names.index(separation.B)]
@@ -231,10 +234,13 @@ def _sample(
         B, measured.p_BoBcm_B, tuple(xdot[v : v + 3]), tuple(xdot[v + 3 : v + 6])
     )
     momentum = x[layout.size :]
-    return Motion(
+    states = np.array([[*b.q_WB, *b.p_WBo, *b.w_WB, *b.v_WBo] for b in bodies])
+    trajectory = Trajectory(names=names, time=times, states=np.moveaxis(states, -1, 0))
+    sampled = Motion(
         time=times,
         acceleration=np.stack(acceleration, axis=1),
         linear_momentum_change=measured.mass * momentum[:3].T,
         angular_momentum_change=measured.inertia * momentum[3:].T,
         **{name: np.stack(vector, axis=1) for name, vector in motion._asdict().items()},
     )
+    return sampled, trajectory

@@ -1,4 +1,4 @@
-"""The code of the guide and of the page on worst cases runs as it stands."""
+"""The code of the guide and of the other pages runs as it stands."""
 
 import math
 import re
@@ -14,6 +14,7 @@ from drakesep.case_file import builtin_cases
 DOCS = Path(__file__).parent.parent / "docs"
 GUIDE = DOCS / "guide.md"
 WORST_CASES = DOCS / "worst_cases.md"
+CLEARANCE = DOCS / "clearance.md"
 
 
 def blocks(page, language):
@@ -21,7 +22,7 @@ def blocks(page, language):
     return re.findall(rf"^```{language}\n(.*?)^```", text, re.M | re.S)
 
 
-BLOCKS = blocks(GUIDE, "python") + blocks(WORST_CASES, "python")
+BLOCKS = [b for page in (GUIDE, WORST_CASES, CLEARANCE) for b in blocks(page, "python")]
 
 
 def run(block, capsys):
@@ -94,3 +95,25 @@ def test_objectives_of_the_page_on_worst_cases(capsys):
     assert len(rows) == 4
     for *_, worst, in_drake in rows:
         assert float(worst) == pytest.approx(float(in_drake), rel=1e-5)
+
+
+def test_clearance_from_python(capsys):
+    run(containing("drakesep.clearance("), capsys)
+
+
+def test_geometry_of_the_page_on_clearance(tmp_path):
+    """What it shows can be read; the ring stands for what it leaves out."""
+    geometry, chosen = blocks(CLEARANCE, "yaml")
+    shown = YAML(typ="safe").load(geometry)["bodies"]["payload"]["geometry"]
+    data = YAML(typ="safe").load(builtin_cases()["vega"])
+    ring = data["bodies"]["launch_vehicle"]["geometry"]
+    data["bodies"]["payload"]["geometry"] |= shown
+    assert set(shown) == {"nozzle", "antenna", "bus"}
+    chosen = YAML(typ="safe").load(chosen)
+    ring["flange"] = ring["adapter_ring"]
+    data["bodies"]["payload"]["geometry"]["flange"] = ring.pop("flange")
+    case = Case.model_validate(data | chosen)
+    assert case.clearance.pairs == [
+        ("nozzle", "adapter_ring"),
+        ("antenna", "adapter_wall"),
+    ]

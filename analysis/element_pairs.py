@@ -1,0 +1,52 @@
+"""Pairs of elements that are measured to each other. No Drake here."""
+
+import itertools
+from collections.abc import Mapping, Sequence
+
+from drakesep.systems.checks import InputError, unknown
+from drakesep.systems.model import Separation
+
+
+Names = tuple[str, str]
+
+
+def owners_of(separation: Separation) -> dict[str, str]:
+    """Return the body of each element, by their names."""
+    return {e.name: body.name for body in separation.bodies for e in body.elements}
+
+
+def element_pairs(
+    separation: Separation, wanted: Sequence[Sequence[str]] | None = None
+) -> list[Names]:
+    """Return pairs of elements of different bodies.
+
+    Args:
+        separation: whose bodies have elements.
+        wanted: names of two elements each; all there are if None.
+
+    Raises:
+        ValueError: one does not name two elements of different bodies.
+    """
+    owners = owners_of(separation)
+    if wanted is None:
+        return [
+            (a, b)
+            for a, b in itertools.combinations(owners, 2)
+            if owners[a] != owners[b]
+        ]
+    return list(dict.fromkeys(_checked(names, owners) for names in wanted))
+
+
+def _checked(names: Sequence[str], owners: Mapping[str, str]) -> Names:
+    if isinstance(names, str) or len(names) != 2:
+        raise InputError(f"pair: must name two elements, got {names!r}")
+    for name in names:
+        if name not in owners:
+            known = owners or ["none, since no body has geometry"]
+            raise InputError(f"pair: {unknown('element', name, known)}")
+    a, b = names
+    if owners[a] == owners[b]:
+        raise InputError(
+            f"pair: must name elements of two bodies, got {a} and {b} of {owners[a]}"
+        )
+    return a, b

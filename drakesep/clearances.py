@@ -1,0 +1,127 @@
+"""The study of how near bodies come to each other: tables, figure, verdict."""
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from drakesep import figures, tables
+from drakesep.analysis.clearance import Clearance, ClearanceAnalysis
+from drakesep.analysis.element_pairs import owners_of
+from drakesep.case import Case
+from drakesep.folder import writable_folder
+from drakesep.systems.relative_path import RelativePath
+from drakesep.systems.run import Array, Run
+from drakesep.units import unit_of, with_unit
+
+
+@dataclass(frozen=True, kw_only=True)
+class Clearances:
+    """How near the elements of a case come in one run."""
+
+    case: Case
+    run: Run
+    values: Mapping[str, float]
+    """What was changed, by parameter name with unit."""
+
+    @functools.cached_property
+    def _analysis(self) -> ClearanceAnalysis:
+        chosen = self.case.clearance
+        return ClearanceAnalysis(
+            self.run.separation, chosen.pairs, touching=chosen.touching
+        )
+
+    @functools.cached_property
+    def found(self) -> list[Clearance]:
+        """The smallest distance of each pair, over continuous time."""
+        return self._analysis.of(self.run)
+
+    @functools.cached_property
+    def distances(self) -> Array:
+        """(n, k) of each of the k pairs at the n sample times, m."""
+        return self._analysis.over_time(self.run)
+
+    @functools.cached_property
+    def separation(self) -> Array:
+        """(n,) how far B's origin has moved along A's x axis, m."""
+        return np.array([self._separation(t) for t in self._time])
+
+    @property
+    def _time(self) -> Array:
+        return self.run.completed_trajectory.time
+
+    @functools.cached_property
+    def _path(self) -> RelativePath:
+        flown = self.run.separation
+        return RelativePath(self.run.completed_trajectory, flown.A, flown.B)
+
+    def _separation(self, t: float) -> float:
+        start = self._path.at(0.0).p_AoBo_A[0]
+        return float(self._path.at(t).p_AoBo_A[0] - start)
+
+    @property
+    def over_time(self) -> pd.DataFrame:
+        """A row for each sample time: how near each pair is."""
+        mm = unit_of("clearance")
+        columns = {
+            with_unit("time"): self._time,
+            with_unit("separation"): self.separation * unit_of("separation").per_si,
+        }
+        for (a, b), distances in zip(
+            self._analysis.names, self.distances.T, strict=True
+        ):
+            columns[f"{a}_to_{b}_{mm.suffix}"] = distances * mm.per_si
+        return pd.DataFrame(columns)
+
+    @property
+    def summary(self) -> pd.DataFrame:
+        """A row for each pair, the nearest first: how near it comes, when and where."""
+        bodies = owners_of(self.run.separation)
+        roles = {e.name: e.role for b in self.run.separation.bodies for e in b.elements}
+        rows = []
+        for one in sorted(self.found, key=lambda one: one.minimum):
+            row: dict[str, object] = {}
+            for side, name in (("first", one.first), ("second", one.second)):
+                row |= {
+                    side: name,
+                    f"{side}_body": bodies[name],
+                    f"{side}_role": roles[name],
+                }
+            at = {
+                "clearance": one.minimum,
+                "time": one.time,
+                "separation": self._separation(one.time),
+            }
+            for side, point in (("first", one.p_AoCa_A), ("second", one.p_BoCb_B)):
+                for axis, x in zip("xyz", point, strict=True):
+                    at[f"{side}_position_{axis}"] = x
+            touch = one.contact
+            at["contact_time"] = np.nan if touch is None else touch.time
+            at["closing_speed"] = np.nan if touch is None else touch.closing_speed
+            row |= tables.in_units(at)
+            row["status"] = "clear" if touch is None else "contact"
+            rows.append(row)
+        return pd.DataFrame(rows)
+
+    @property
+    def clear(self) -> bool:
+        """Whether nothing touches."""
+        return all(one.contact is None for one in self.found)
+
+    def save(self, directory: str | Path) -> None:
+        """Write the tables and the figure into a folder."""
+        folder = writable_folder(directory)
+        tables.write_csv(self.summary, folder / "clearance_summary.csv")
+        tables.write_csv(self.over_time, folder / "clearance.csv")
+        figures.save_clearance(self._time, self.separation, self._curves, folder)
+
+    @property
+    def _curves(self) -> dict[str, tuple[Array, Clearance]]:
+        """Distances over time and the smallest, by the name of the pair."""
+        return {
+            f"{one.first} to {one.second}": (distances, one)
+            for one, distances in zip(self.found, self.distances.T, strict=True)
+        }

@@ -1,0 +1,305 @@
+"""Signed distance between elements of two bodies, by Drake's proximity queries.
+
+Drake measures between convex shapes, and takes the hull of any other: a plug inside a
+tube overlaps it by its whole width. What is hollow or dented is therefore cut into
+convex pieces here, a wall into staves and a mesh into its triangles, and a tree of
+boxes around them tells which come near. Round walls and cones become polygons that
+never make a clearance larger, nor smaller by more than `FACET` each.
+"""
+
+import functools
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import pydrake.geometry as drake
+from numpy.typing import NDArray
+from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
+
+from drakesep.systems.checks import InputError
+from drakesep.systems.elements import Box, Capsule, Cone, Element, Mesh, Shape, Sphere
+from drakesep.systems.mesh_files import encloses, read_mesh
+
+
+Array = NDArray[np.float64]
+
+FACET = 2.5e-5
+"""By which a polygon misses the circle that it stands for, m."""
+TOUCHING = 1e-6
+"""Distance up to which Drake cannot tell shapes that touch, m."""
+
+
+class _Piece(NamedTuple):
+    """A convex shape, and points that span a box around it."""
+
+    shape: Any
+    X_BS: RigidTransform
+    points: Array
+    """(k, 3) in the body."""
+
+
+@dataclass(slots=True, eq=False)
+class Node:
+    """A convex piece of an element, or a box around some of its pieces."""
+
+    geometry: Any
+    X_BG: RigidTransform
+    centre: tuple[float, float, float]
+    """Of a ball around it, in its body, m."""
+    radius: float
+    """Of the ball, m."""
+    children: "tuple[Node, ...]"
+    """Empty for a piece."""
+
+
+class Nearest(NamedTuple):
+    """How near two elements are at some moment."""
+
+    distance: float
+    """m; negative where pieces of them overlap, by how far these do."""
+    p_AoCa_A: Array
+    """Nearest point of the first, in its body, m."""
+    p_BoCb_B: Array
+    """Nearest point of the second, in its body, m."""
+    n_A: Array
+    """Unit vector from the first to the second, in the first's body."""
+
+
+Pair = tuple[Node, Node]
+
+
+class Proximity:
+    """Measures elements of a body A to elements of a body B.
+
+    Attributes:
+        elements: by their names.
+        roots: of their trees of pieces, by the same.
+    """
+
+    def __init__(self, on_A: Sequence[Element], on_B: Sequence[Element]):
+        """Prepare.
+
+        Raises:
+            ValueError: a mesh is missing, empty or not closed.
+        """
+        self.elements = {element.name: element for element in (*on_A, *on_B)}
+        scene = drake.SceneGraph()
+        source = scene.RegisterSource("elements")
+        self._B = scene.RegisterFrame(source, drake.GeometryFrame("B"))
+        # A stands still: what is anchored costs nothing when B moves.
+        self.roots = {
+            element.name: _plant(scene, source, frame, element)
+            for frame, elements in ((scene.world_frame_id(), on_A), (self._B, on_B))
+            for element in elements
+        }
+        self._scene = scene  # the context alone does not keep it
+        self._context = scene.CreateDefaultContext()
+        self._pose_port = scene.get_source_pose_port(source)
+        self._query_port = scene.get_query_output_port()
+        self._query: Any = None
+
+    def place(self, R_AB: Array, p_AoBo_A: Array) -> None:
+        """Place B in A."""
+        poses = drake.FramePoseVector()
+        poses.set_value(self._B, RigidTransform(RotationMatrix(R_AB), p_AoBo_A))
+        self._pose_port.FixValue(self._context, poses)
+        self._query = self._query_port.Eval(self._context)
+
+    def measure(self, pair: Pair) -> Any:
+        """Return Drake's signed distance pair of two nodes, as they are placed."""
+        return self._query.ComputeSignedDistancePairClosestPoints(
+            pair[0].geometry, pair[1].geometry
+        )
+
+
+def normal_of(pair: Pair, told: Any) -> Array:
+    """Return the unit vector from the first of two nodes to the second, in A."""
+    n_A: Array = told.nhat_BA_W
+    return -n_A if told.id_A == pair[0].geometry else n_A
+
+
+def nearest_of(pair: Pair, told: Any) -> Nearest:
+    """Return what Drake told of two nodes, in the axes of their bodies."""
+    a, b = pair
+    p_GCa, p_GCb = told.p_ACa, told.p_BCb
+    if told.id_A != a.geometry:
+        p_GCa, p_GCb = p_GCb, p_GCa
+    return Nearest(told.distance, a.X_BG @ p_GCa, b.X_BG @ p_GCb, normal_of(pair, told))
+
+
+def is_leaf(pair: Pair) -> bool:
+    """Return whether both nodes are pieces."""
+    return not (pair[0].children or pair[1].children)
+
+
+def split(pair: Pair) -> list[Pair]:
+    """Return the pairs that a pair of nodes holds, from the larger one's children."""
+    a, b = pair
+    if a.children and (a.radius >= b.radius or not b.children):
+        return [(child, b) for child in a.children]
+    return [(a, child) for child in b.children]
+
+
+def is_inside(element: Element, p_BoQ_B: Array) -> bool:
+    """Return whether a point of its body is inside an element measured by its surface.
+
+    To that, what is wholly inside keeps a distance; to what is solid it has none.
+    """
+    if not isinstance(element.shape, Mesh):
+        return False
+    p_GoQ_G = _place(element).inverse() @ p_BoQ_B
+    return encloses(read_mesh(element.shape.file), p_GoQ_G / element.shape.scale)
+
+
+# Trees of pieces.
+
+
+def _plant(scene: Any, source: Any, frame: Any, element: Element) -> Node:
+    """Register the pieces of an element and the boxes around them; return the root."""
+    counter = itertools.count()
+    pieces = pieces_of(element)
+
+    def register(shape: Any, X_BS: RigidTransform) -> Any:
+        name = f"{element.name}_{next(counter)}"
+        instance = drake.GeometryInstance(X_BS, shape, name)
+        geometry = scene.RegisterGeometry(source, frame, instance)
+        scene.AssignRole(source, geometry, drake.ProximityProperties())
+        return geometry
+
+    def grow(mine: Sequence[_Piece], centres: Array) -> Node:
+        points = np.concatenate([piece.points for piece in mine])
+        centre, axes, half = _box_around(points)
+        radius = float(np.linalg.norm(points - centre, axis=1).max())
+        ball = tuple(centre.tolist())
+        if len(mine) == 1:
+            shape, X_BS, _ = mine[0]
+            return Node(register(shape, X_BS), X_BS, ball, radius, ())
+        X_BS = RigidTransform(RotationMatrix(axes), centre)
+        shape = drake.Box(*(2.0 * half + 1e-9))
+        order = np.argsort((centres - centre) @ axes[:, 0], kind="stable")
+        parts = np.array_split(order, 2)
+        return Node(
+            register(shape, X_BS),
+            X_BS,
+            ball,
+            radius,
+            tuple(grow([mine[i] for i in part], centres[part]) for part in parts),
+        )
+
+    return grow(pieces, np.array([piece.points.mean(axis=0) for piece in pieces]))
+
+
+def _box_around(points: Array) -> tuple[Array, Array, Array]:
+    """Return centre, axes (as columns, the longest first) and half edges of a box."""
+    mean = points.mean(axis=0)
+    _, axes = np.linalg.eigh((points - mean).T @ (points - mean))
+    axes = axes[:, ::-1]
+    axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])
+    along = (points - mean) @ axes
+    low, high = along.min(axis=0), along.max(axis=0)
+    return mean + axes @ (0.5 * (low + high)), axes, 0.5 * (high - low)
+
+
+# Pieces.
+
+
+def _place(element: Element) -> RigidTransform:
+    return RigidTransform(RollPitchYaw(*element.rpy_BG), element.p_BoGo_B)
+
+
+@functools.lru_cache(maxsize=64)
+def pieces_of(element: Element) -> tuple[_Piece, ...]:
+    """Return the convex pieces that an element is made of."""
+    X_BG = _place(element)
+    return tuple(
+        _Piece(shape, X_BG @ X_GS, (X_BG @ points.T).T)
+        for shape, X_GS, points in _pieces(element.shape, element.name)
+    )
+
+
+def _pieces(shape: Shape, name: str) -> list[_Piece]:
+    match shape:
+        case Box():
+            return [_centred(drake.Box(*shape.size), np.array(shape.size) / 2.0)]
+        case Sphere():
+            return [_centred(drake.Sphere(shape.radius), np.full(3, shape.radius))]
+        case Capsule():
+            half = [shape.length / 2.0 + shape.radius, shape.radius, shape.radius]
+            return [_along_x(drake.Capsule(shape.radius, shape.length), half)]
+        case Cone(thickness=None):
+            return [_solid_cone(shape)]
+        case Cone():
+            return _staves(shape)
+        case Mesh():
+            return _mesh_pieces(shape, name)
+
+
+def _centred(shape: Any, half: Array, X_GS: RigidTransform | None = None) -> _Piece:
+    corners = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    return _Piece(shape, X_GS or RigidTransform(), corners * half)
+
+
+def _along_x(shape: Any, half: Sequence[float]) -> _Piece:
+    """Return a piece whose shape Drake has along z."""
+    turned = RigidTransform(RotationMatrix.MakeYRotation(math.pi / 2.0))
+    return _centred(shape, np.array(half), turned)
+
+
+def _sides(radius: float) -> int:
+    """Return how many sides a polygon has that misses its circle by `FACET`."""
+    return max(8, math.ceil(math.pi / math.acos(max(1.0 - FACET / radius, 0.0))))
+
+
+def _circle(x: float, radius: float, angles: Array) -> Array:
+    return np.stack(
+        [np.full_like(angles, x), radius * np.cos(angles), radius * np.sin(angles)], 1
+    )
+
+
+def _convex(points: Array) -> _Piece:
+    return _Piece(drake.Convex(points.T, "piece"), RigidTransform(), points)
+
+
+def _solid_cone(cone: Cone) -> _Piece:
+    if cone.radius_aft == cone.radius_fore:
+        half = [cone.length / 2.0, cone.radius_aft, cone.radius_aft]
+        return _along_x(drake.Cylinder(cone.radius_aft, cone.length), half)
+    n = _sides(max(cone.radius_aft, cone.radius_fore))
+    angles = 2.0 * np.pi * np.arange(n) / n
+    ends = ((-0.5, cone.radius_aft), (0.5, cone.radius_fore))
+    around = 1.0 / math.cos(math.pi / n)  # the circle is within the polygon
+    rings = [_circle(x * cone.length, around * r, angles) for x, r in ends]
+    return _convex(np.unique(np.concatenate(rings), axis=0))
+
+
+def _staves(cone: Cone) -> list[_Piece]:
+    """Return the wall of a hollow cone, cut along its length."""
+    assert cone.thickness is not None
+    n = _sides(max(cone.radius_aft, cone.radius_fore))
+    angles = 2.0 * np.pi * np.arange(n + 1) / n
+    around = 1.0 / math.cos(math.pi / n)
+    # Inside, the corners are on the circle: the wall is never thinner than it is.
+    circles = [
+        _circle(x * cone.length, radius, angles)
+        for x, r in ((-0.5, cone.radius_aft), (0.5, cone.radius_fore))
+        for radius in (r - cone.thickness, around * r)
+    ]
+    return [
+        _convex(np.concatenate([circle[k : k + 2] for circle in circles]))
+        for k in range(n)
+    ]
+
+
+def _mesh_pieces(mesh: Mesh, name: str) -> list[_Piece]:
+    """Return the mesh itself if it is convex, else the triangles of its surface."""
+    try:
+        read = read_mesh(mesh.file)
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from error
+    vertices = mesh.scale * np.asarray(read.vertices)
+    if read.is_convex:
+        return [_convex(vertices)]
+    return [_convex(vertices[face]) for face in np.asarray(read.faces)]

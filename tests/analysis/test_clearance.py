@@ -1,0 +1,257 @@
+"""How near elements come, against motions whose clearance is known in closed form."""
+
+import math
+
+import numpy as np
+import pytest
+import trimesh
+from flights import run_of, straight, trajectory
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from drakesep.analysis.clearance import ACCURACY, ClearanceAnalysis
+from drakesep.systems.checks import InputError
+from drakesep.systems.elements import Box, Capsule, Cone, Element, Mesh, Sphere
+from drakesep.systems.proximity import FACET
+
+
+COARSE = np.linspace(0.0, 1.0, 9)
+"""The minima of these tests lie between such samples."""
+SOLVER = 1e-6
+"""Of Drake's iteration between curved shapes, m."""
+
+
+def clearance(motion, first, second, **options):
+    run = run_of(motion, [first], [second])
+    [found] = ClearanceAnalysis(run.separation, **options).of(run)
+    return found
+
+
+def ball(name, radius, place=(0.0, 0.0, 0.0)):
+    return Element(name=name, shape=Sphere(radius=radius), p_BoGo_B=place)
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    when=st.floats(0.1, 0.9),
+    miss=st.floats(0.31, 1.0),
+    speed=st.floats(0.5, 4.0),
+    heading=st.floats(0.0, 2.0 * math.pi),
+)
+def test_spheres_that_pass_each_other(when, miss, speed, heading):
+    """Nearest between samples; none of 100 is missed, nor are sampled ones better."""
+    along = np.array([math.cos(heading), math.sin(heading), 0.0])
+    across = np.array([-along[1], along[0], 0.0])
+    motion = straight(COARSE, miss * across - when * speed * along, speed * along)
+    first, second = ball("rock", 0.2), ball("payload_ball", 0.1)
+    found = clearance(motion, first, second)
+    assert found.contact is None
+    # Over continuous time; the true one is never below what is found less ACCURACY.
+    assert miss - 0.3 - SOLVER <= found.minimum <= miss - 0.3 + ACCURACY
+    run = run_of(motion, [first], [second])
+    sampled = ClearanceAnalysis(run.separation).over_time(run).min()
+    assert found.minimum <= sampled + SOLVER
+    r = np.hypot(miss, (COARSE - when) * speed).min() - 0.3
+    assert sampled == pytest.approx(r, abs=SOLVER)
+
+
+def test_nearest_points_are_in_body_axes():
+    motion = straight(
+        COARSE, (-0.5, 0.4, 0.0), (1.0, 0.0, 0.0),
+        angle=np.full(9, math.pi / 2.0), axis=(0.0, 0.0, 1.0),
+    )  # fmt: skip
+    found = clearance(motion, ball("rock", 0.1), ball("payload_ball", 0.1))
+    assert found.time == pytest.approx(0.5, abs=0.02)
+    assert found.p_AoCa_A == pytest.approx((0.0, 0.1, 0.0), abs=5e-3)
+    # A lies toward -y in W, which is -x of B.
+    assert found.p_BoCb_B == pytest.approx((-0.1, 0.0, 0.0), abs=5e-3)
+
+
+def test_spheres_that_collide():
+    motion = straight(COARSE, (1.0, 0.1, 0.0), (-2.0, 0.0, 0.0))
+    found = clearance(motion, ball("rock", 0.2), ball("payload_ball", 0.1))
+    along = math.sqrt(0.3**2 - 0.1**2)
+    assert found.minimum <= 0.0
+    assert found.contact.time == pytest.approx((1.0 - along) / 2.0, abs=1e-6)
+    assert found.contact.closing_speed == pytest.approx(2.0 * along / 0.3, rel=1e-4)
+
+
+def test_cylinder_that_leaves_a_tube_at_a_tilt():
+    """In the plane of the tilt: the rear corner nears the wall, then the rim the side.
+
+    A cylinder of radius r, tilted by a, moves along the tube's axis. Its rear edge is
+    at r cos(a) + (l / 2) sin(a) from the axis until it has left; what is left of its
+    side comes nowhere nearer to the rim.
+    """
+    tilt, r, length, R = 0.02, 0.4, 1.0, 0.45
+    tube = Element(
+        name="tube",
+        shape=Cone(
+            radius_aft=R + 0.01, radius_fore=R + 0.01, length=2.0, thickness=0.01
+        ),
+        p_BoGo_B=(-1.0, 0.0, 0.0),
+    )
+    plug = Element(name="plug", shape=Cone(radius_aft=r, radius_fore=r, length=length))
+    time = np.linspace(0.0, 2.0, 41)
+    motion = straight(
+        time, (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0),
+        angle=np.full(41, tilt), axis=(0.0, 0.0, 1.0),
+    )  # fmt: skip
+    found = clearance(motion, tube, plug)
+    expected = R - (r * math.cos(tilt) + 0.5 * length * math.sin(tilt))
+    assert expected - FACET - SOLVER <= found.minimum <= expected + ACCURACY
+    # The plug is within the tube: Drake's hull would say that it overlaps it.
+    assert found.minimum > 0.03
+
+
+def test_box_past_an_edge():
+    """A turning box passes the edge of another."""
+    edge = Element(
+        name="edge", shape=Box(size=(1.0, 1.0, 1.0)), p_BoGo_B=(-0.5, -0.5, 0.0)
+    )
+    half, spin = 0.2, 3.0
+    box = Element(name="box", shape=Box(size=(2 * half, 2 * half, 0.5)))
+    time = np.linspace(0.0, 1.0, 101)
+    centre = np.array([0.2, 0.3, 0.0])
+    motion = trajectory(
+        time, np.tile(centre, (101, 1)), np.zeros((101, 3)),
+        angle=spin * time, rate=np.full(101, spin), axis=(0.0, 0.0, 1.0),
+    )  # fmt: skip
+    found = clearance(motion, edge, box)
+    # Its corners turn on a circle; the lowest passes over the face of the edge's box
+    # where that is below, and the corner of the box is nearest to the edge otherwise.
+    dense = min(
+        _corner_gap(centre, half, spin * t) for t in np.linspace(0.0, 1.0, 200_001)
+    )
+    assert found.minimum == pytest.approx(dense, abs=ACCURACY)
+    assert found.minimum >= dense - 1e-6
+
+
+def _corner_gap(centre, half, angle):
+    """The distance of a turned square to the quadrant x < 0, y < 0, in the plane."""
+    c, s = math.cos(angle), math.sin(angle)
+    corners = [
+        (centre[0] + c * x - s * y, centre[1] + s * x + c * y)
+        for x, y in ((half, half), (half, -half), (-half, -half), (-half, half))
+    ]
+    to_quadrant = min(math.hypot(max(x, 0.0), max(y, 0.0)) for x, y in corners)
+    # The quadrant's corner to the square.
+    x, y = -c * centre[0] - s * centre[1], s * centre[0] - c * centre[1]
+    to_corner = math.hypot(max(abs(x) - half, 0.0), max(abs(y) - half, 0.0))
+    return min(to_quadrant, to_corner)
+
+
+def test_panel_whose_tip_grazes_a_wall():
+    """A panel that unfolds touches where its tip reaches the wall, at a known time."""
+    reach, spin, gap = 1.2, 0.8, 1.0
+    panel = Element(
+        name="panel",
+        shape=Box(size=(reach, 0.02, 0.4)),
+        p_BoGo_B=(reach / 2.0, 0.0, 0.0),
+    )
+    wall = Element(
+        name="wall", shape=Box(size=(4.0, 0.2, 4.0)), p_BoGo_B=(0.0, gap + 0.1, 0.0)
+    )
+    time = np.linspace(0.0, 2.0, 101)
+    motion = trajectory(
+        time, np.zeros((101, 3)), np.zeros((101, 3)),
+        angle=spin * time, rate=np.full(101, spin), axis=(0.0, 0.0, 1.0),
+    )  # fmt: skip
+    found = clearance(motion, wall, panel)
+    tip, corner = math.hypot(reach, 0.01), math.atan2(0.01, reach)
+    angle = math.asin(gap / tip) - corner
+    assert found.contact.time == pytest.approx(angle / spin, abs=2e-6)
+    assert found.contact.closing_speed == pytest.approx(
+        spin * tip * math.cos(angle + corner), rel=1e-3
+    )
+
+
+@pytest.fixture
+def tube_mesh(tmp_path):
+    mesh = trimesh.creation.annulus(r_min=0.45, r_max=0.5, height=2.0, sections=48)
+    mesh.apply_scale(1000.0)
+    mesh.export(tmp_path / "tube.stl")
+    return tmp_path / "tube.stl"
+
+
+def test_plug_in_a_tube_of_triangles(tube_mesh):
+    """Measured to the surface of the mesh, in mm along z, not to its hull."""
+    tube = Element(
+        name="tube",
+        shape=Mesh(file=tube_mesh, scale=1e-3),
+        rpy_BG=(0.0, math.pi / 2.0, 0.0),
+    )
+    plug = Element(name="plug", shape=Capsule(radius=0.2, length=0.5))
+    motion = straight(np.linspace(0.0, 1.0, 21), (0.0, 0.05, 0.0), (1.5, 0.0, 0.0))
+    found = clearance(motion, tube, plug)
+    # The polygon of 48 sides, whose side or corner is toward y.
+    inner = 0.45 * math.cos(math.pi / 48)
+    assert inner - 0.25 - SOLVER <= found.minimum <= 0.45 - 0.25 + ACCURACY
+
+
+def test_ball_inside_the_wall_of_a_mesh(tmp_path):
+    """Far from the surface, but in what is solid."""
+    thick = trimesh.creation.annulus(r_min=0.5, r_max=2.5, height=2.0, sections=48)
+    thick.export(tmp_path / "thick.stl")
+    ring = Element(name="ring", shape=Mesh(file=tmp_path / "thick.stl"))
+    for place, solid in (((1.5, 0.0, 0.0), True), ((0.0, 0.0, 0.0), False)):
+        motion = straight(COARSE, place, (0.0, 0.0, 1.0))
+        if solid:
+            with pytest.raises(InputError, match="one inside the other"):
+                clearance(motion, ring, ball("payload_ball", 0.1))
+        else:
+            assert clearance(motion, ring, ball("payload_ball", 0.1)).minimum > 0.3
+
+
+def test_mesh_in_millimetres_that_is_read_in_metres(tube_mesh):
+    tube = Element(name="tube", shape=Mesh(file=tube_mesh))
+    motion = straight(COARSE, (5e3, 0.0, 0.0), (1.0, 0.0, 0.0))
+    with pytest.warns(UserWarning, match="tube: mesh is .* check scale"):
+        clearance(motion, tube, ball("payload_ball", 0.1))
+
+
+def test_mesh_that_is_not_closed(tmp_path):
+    mesh = trimesh.creation.box()
+    mesh.update_faces(np.arange(12) > 0)
+    mesh.export(tmp_path / "open.stl")
+    motion = straight(COARSE, (5.0, 0.0, 0.0), (1.0, 0.0, 0.0))
+    for file, message in (
+        ("open.stl", "must be closed, got 3 open edges"),
+        ("missing.stl", "mesh file must exist"),
+    ):
+        hull = Element(name="hull", shape=Mesh(file=tmp_path / file))
+        with pytest.raises(InputError, match=message):
+            clearance(motion, hull, ball("payload_ball", 0.1))
+
+
+def test_convex_mesh_is_taken_whole(tmp_path):
+    trimesh.creation.icosphere(subdivisions=3, radius=0.2).export(tmp_path / "ball.obj")
+    stone = Element(name="stone", shape=Mesh(file=tmp_path / "ball.obj"))
+    motion = straight(COARSE, (-0.5, 0.6, 0.0), (1.0, 0.0, 0.0))
+    found = clearance(motion, stone, ball("payload_ball", 0.1))
+    assert found.minimum == pytest.approx(0.3, abs=2e-3)  # of its facets
+
+
+def test_touching_pair_is_measured_once_it_has_parted():
+    motion = straight(np.linspace(0.0, 1.0, 21), (0.3, 0.0, 0.0), (0.5, 0.0, 0.0))
+    first, second = ball("ring", 0.2), ball("flange", 0.1)
+    with pytest.raises(InputError, match="ring and flange must be apart while mated"):
+        clearance(motion, first, second)
+    found = clearance(motion, first, second, touching=[("flange", "ring")])
+    assert found.contact is None
+    assert found.minimum == pytest.approx(0.025, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("pairs", "message"),
+    [
+        ([("rock", "payload_bal")], "unknown element 'payload_bal'; did you mean"),
+        ([("rock", "rock")], "elements of two bodies, got rock and rock of lower"),
+        ([("rock",)], "must name two elements"),
+        ([], "needs elements on two bodies"),
+    ],
+)
+def test_pairs_that_make_no_sense(pairs, message):
+    motion = straight(COARSE, (1.0, 0.0, 0.0), (1.0, 0.0, 0.0))
+    with pytest.raises(InputError, match=message):
+        clearance(motion, ball("rock", 0.2), ball("payload_ball", 0.1), pairs=pairs)

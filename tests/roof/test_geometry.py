@@ -1,0 +1,143 @@
+"""Geometry in case files, and the command that measures it."""
+
+import copy
+
+import pandas as pd
+import pytest
+import trimesh
+from ruamel.yaml import YAML
+from test_cli import run
+
+from drakesep import CaseError, load_case
+from drakesep.case_file import builtin_cases
+from drakesep.systems.elements import Box, Capsule, Cone, Mesh, Sphere
+
+
+VEGA = YAML(typ="safe").load(builtin_cases()["vega"])
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Writes VEGA with other geometry, and returns the file."""
+
+    def write(on_lv, on_payload, **clearance):
+        data = copy.deepcopy(VEGA)
+        del data["dispersions"], data["published"]
+        data["bodies"]["launch_vehicle"]["geometry"] = on_lv
+        data["bodies"]["payload"]["geometry"] = on_payload
+        data["clearance"] = clearance
+        path = tmp_path / "case.yaml"
+        with path.open("w") as file:
+            YAML(typ="safe").dump(data, file)
+        return path
+
+    return write
+
+
+@pytest.fixture
+def clearance(capsys, monkeypatch, tmp_path):
+    monkeypatch.setenv("COLUMNS", "200")
+
+    def clearance(case, *arguments):
+        folder = tmp_path / "results"
+        return run(capsys, monkeypatch, "clearance", case, *arguments, "-o", folder)
+
+    return clearance
+
+
+POST = {"post": {"cylinder": {"radius_mm": 20, "length_mm": 200}}}
+LUG = {"lug": {"sphere": {"radius_mm": 30}, "position_mm": [400, 0, 0]}}
+
+
+def test_shapes(write, tmp_path):
+    trimesh.creation.box().export(tmp_path / "part.stl")
+    shapes = {
+        "a": {"box": {"size_mm": [10, 20, 30]}, "role": "antenna"},
+        "b": {"sphere": {"radius_mm": 5}},
+        "c": {"capsule": {"radius_mm": 5, "length_mm": 9}, "attitude_deg": [0, 90, 0]},
+        "d": {"cylinder": {"radius_mm": 5, "length_mm": 9, "thickness_mm": 1}},
+        "e": {"cone": {"radius_aft_mm": 5, "radius_fore_mm": 0, "length_mm": 9}},
+        "f": {"mesh": {"file": "part.stl", "scale": 0.001}},
+    }
+    body = load_case(write(shapes, LUG)).separation.body("launch_vehicle")
+    assert [element.shape for element in body.elements] == [
+        Box(size=(0.01, 0.02, 0.03)),
+        Sphere(radius=0.005),
+        Capsule(radius=0.005, length=0.009),
+        Cone(radius_aft=0.005, radius_fore=0.005, length=0.009, thickness=0.001),
+        Cone(radius_aft=0.005, radius_fore=0.0, length=0.009),
+        Mesh(file=tmp_path / "part.stl", scale=0.001),
+    ]
+    assert body.elements[0].role == "antenna"
+    assert body.elements[2].rpy_BG == pytest.approx((0.0, 1.5707963267948966, 0.0))
+
+
+def test_clearance_that_ends_in_contact(write, clearance, tmp_path):
+    """A hook of the launch vehicle stands in the payload's way."""
+    hook = {"hook": {"box": {"size_mm": [20, 400, 400]}, "position_mm": [800, 0, 0]}}
+    code, out, err = clearance(write(hook, LUG))
+    assert code == 1
+    assert "contact" in out
+    assert "there is contact" in err
+    [row] = (
+        pd.read_csv(tmp_path / "results" / "clearance_summary.csv")
+        .to_dict("index")
+        .values()
+    )
+    # 360 mm of the payload's way, at about 1.16 m/s after the push
+    assert row["contact_time_s"] == pytest.approx(0.37, abs=0.01)
+    assert row["closing_speed_m_s"] == pytest.approx(1.16, abs=0.01)
+
+
+def test_flange_on_its_ring(write, clearance):
+    ring = {
+        "ring": {
+            "cylinder": {"radius_mm": 480, "length_mm": 60},
+            "position_mm": [-30, 0, 0],
+        }
+    }
+    flange = {
+        "flange": {
+            "cylinder": {"radius_mm": 480, "length_mm": 40},
+            "position_mm": [20, 0, 0],
+        }
+    }
+    code, _, err = clearance(write(ring, flange))
+    assert code == 2
+    assert "ring and flange must be apart while mated, or be listed as touching" in err
+    code, out, _ = clearance(write(ring, flange, touching=[["flange", "ring"]]))
+    assert code == 0
+    assert "clear" in out
+
+
+@pytest.mark.parametrize(
+    ("clearance_", "message"),
+    [
+        (
+            {"pairs": [["post", "lugs"]]},
+            "clearance: pair: unknown element 'lugs'; did you",
+        ),
+        ({"pairs": [["post", "post"]]}, "elements of two bodies, got post and post"),
+        ({"pairs": [["post"]]}, "must be two names of elements"),
+        ({"pair": []}, "unknown key 'pair'; did you mean 'pairs'"),
+    ],
+)
+def test_pairs_that_make_no_sense(write, clearance_, message):
+    with pytest.raises(CaseError, match=message):
+        load_case(write(POST, LUG, **clearance_))
+
+
+def test_geometry_that_makes_no_sense(write):
+    two = {"lug": {"sphere": {"radius_mm": 30}, "box": {"size_mm": [1, 1, 1]}}}
+    with pytest.raises(
+        CaseError, match=r"lug: must have one of box, .*got box and sphere"
+    ):
+        load_case(write(POST, two))
+    with pytest.raises(CaseError, match="names must differ, got 'post' 2 times"):
+        load_case(write(POST, POST))
+
+
+def test_case_without_geometry(write, clearance):
+    code, _, err = clearance(write({}, LUG))
+    assert code == 2
+    assert "bodies: a clearance needs geometry on two of them" in err
