@@ -13,7 +13,7 @@ import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +80,14 @@ class Clearance:
     """Nearest point of the second then, in its body, m."""
     contact: Contact | None = None
     """None: they do not touch."""
+
+
+class NearestPair(NamedTuple):
+    """Two elements at some moment."""
+
+    names: Names
+    bodies: Names
+    nearest: Nearest
 
 
 class ClearanceAnalysis:
@@ -159,6 +167,20 @@ class ClearanceAnalysis:
         return np.array(
             [[one.at(t).distance for t in time] for _, one in self._along(run)]
         ).T
+
+    def nearest(self, run: Run, times: Sequence[float]) -> "list[NearestPair]":
+        """Return which pair is nearest, and where, at each of some times, s.
+
+        Raises:
+            RuntimeError: the run failed.
+        """
+        found: list[list[NearestPair]] = [[] for _ in times]
+        for (names, one), ends in zip(self._along(run), self._bodies, strict=True):
+            start = self._start(names, one)
+            for t, here in zip(times, found, strict=True):
+                if t >= start:
+                    here.append(NearestPair(names, ends, one.at(t)))
+        return [min(here, key=lambda pair: pair.nearest.distance) for here in found]
 
     def _along(self, run: Run) -> "list[tuple[Names, ClearanceOfPair]]":
         trajectory = run.completed_trajectory

@@ -4,6 +4,7 @@ from .case_file import builtin_cases as builtin_cases
 from .case_file import load_case as load_case
 from .clearances import Clearances as Clearances
 from .studies import Simulated as Simulated
+from .studies import animate as animate
 from .studies import clearance as clearance
 from .studies import simulate as simulate
 from .studies import verify as verify

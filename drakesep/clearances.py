@@ -13,6 +13,7 @@ from drakesep.analysis.clearance import Clearance, ClearanceAnalysis
 from drakesep.analysis.element_pairs import owners_of
 from drakesep.case import Case
 from drakesep.folder import writable_folder
+from drakesep.systems.checks import InputError
 from drakesep.systems.relative_path import RelativePath
 from drakesep.systems.run import Array, Run
 from drakesep.units import unit_of, with_unit
@@ -125,3 +126,9 @@ class Clearances:
             f"{one.first} to {one.second}": (distances, one)
             for one, distances in zip(self.found, self.distances.T, strict=True)
         }
+
+
+def check_geometry(case: Case) -> None:
+    """Raise InputError unless two bodies of a case have geometry."""
+    if len({*owners_of(case.separation).values()}) < 2:
+        raise InputError("bodies: a clearance needs geometry on two of them")

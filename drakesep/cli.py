@@ -146,6 +146,47 @@ def clearance(
         _fail(FAILED, "there is contact; see clearance_summary.csv")
 
 
+@app.command()
+def animate(
+    case: CaseArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", help="The page; results/CASE/animate.html if not given."
+        ),
+    ] = None,
+    runs: Annotated[
+        Path | None,
+        typer.Option(
+            help="worst_cases.csv of a study, whose runs are shown; those published "
+            "with the case if not given."
+        ),
+    ] = None,
+    labels: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--run",
+            help="Label of a run of that table; can be repeated; all worst cases of "
+            "the paper's objectives if not given.",
+        ),
+    ] = None,
+) -> None:
+    """Animate the nominal run and worst cases in one HTML page, for a browser."""
+    from drakesep import studies
+    from drakesep.case_file import load_case
+    from drakesep.tables import read_runs
+
+    console = _console()
+    loaded = load_case(case)
+    if labels and runs is None:
+        raise InputError("--run: needs --runs, the table that has it")
+    chosen = None if runs is None else read_runs(runs, labels)
+    file = output or Path("results") / loaded.name / "animate.html"
+    with console.status("flying and measuring"):
+        studies.animate(loaded, chosen, output=file)
+    console.print(f"The animation is {file}: open it in a browser", markup=False)
+
+
 _CLEARANCE = (
     *("first", "second", "clearance_mm", "time_s", "separation_mm"),
     *("contact_time_s", "closing_speed_m_s", "status"),

@@ -9,12 +9,11 @@ from typing import Unpack
 import pandas as pd
 
 from drakesep import figures, tables
-from drakesep.analysis.element_pairs import owners_of
 from drakesep.analysis.objectives import AnyObjective
 from drakesep.analysis.search import Effort, Problem, SearchSettings
 from drakesep.case import Case
 from drakesep.case_file import load_case
-from drakesep.clearances import Clearances
+from drakesep.clearances import Clearances, check_geometry
 from drakesep.folder import writable_folder
 from drakesep.systems.checks import InputError
 from drakesep.systems.simulation import Simulation
@@ -125,8 +124,7 @@ def clearance(
         RuntimeError: the run fails.
     """
     case = _as_case(case)
-    if len({*owners_of(case.separation).values()}) < 2:
-        raise InputError("bodies: a clearance needs geometry on two of them")
+    check_geometry(case)
     run = Simulation(case.separation, case.integration).run(
         case.values_in_si(values or {})
     )
@@ -135,6 +133,48 @@ def clearance(
     study = Clearances(case=case, run=run, values=values or {})
     _ = study.found
     return study
+
+
+def animate(
+    case: Case | str | Path,
+    runs: Mapping[str, Mapping[str, float]] | None = None,
+    *,
+    output: str | Path,
+) -> None:
+    """Write an HTML page that animates runs of a case, to be opened in a browser.
+
+    Args:
+        case: a case, a case file, or the name of a built-in case.
+        runs: values by parameter name with unit, by the runs' labels; they are shown
+            after the nominal run. The published ones if None.
+        output: the file.
+
+    Raises:
+        ValueError: the case or a value is wrong, or no two bodies have geometry.
+        RuntimeError: a run fails.
+    """
+    case = _as_case(case)
+    check_geometry(case)
+    simulation = Simulation(case.separation, case.integration)
+    values: dict[str, dict[str, float]] = {NOMINAL: {}}
+    values |= (
+        {p.label: case.published_values(p) for p in case.published}
+        if runs is None
+        else {label: case.values_in_si(run) for label, run in runs.items()}
+    )
+    flown = {label: simulation.run(run) for label, run in values.items()}
+    from drakesep.animation import animation
+
+    chosen = case.clearance
+    page = animation(
+        flown,
+        chosen.pairs,
+        touching=chosen.touching,
+        title=f"{case.name}: separation of {case.pair.B} from {case.pair.A}",
+    )
+    file = Path(output)
+    writable_folder(file.parent)
+    file.write_text(page, encoding="utf-8")
 
 
 def worst_case(

@@ -16,6 +16,7 @@ from drakesep.analysis.metrics import ANGLES, AXES
 from drakesep.analysis.objectives import OBJECTIVES, Objective
 from drakesep.analysis.requirements import Finding, Requirement
 from drakesep.case_sections import PublishedSection
+from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.parameters import parameters
 from drakesep.systems.run import Motion, Run
 from drakesep.units import SI, Unit, split_axis, unit_of, with_unit
@@ -104,6 +105,39 @@ def flights_table(flights: Iterable[Flight], names: Sequence[str]) -> pd.DataFra
     last = ["iterations", "evaluations", "status"]
     frame = frame[[column for column in frame if column not in last] + last]
     return frame.astype({"iterations": "Int64", "evaluations": "Int64"})
+
+
+def read_runs(
+    file: str | Path, labels: Sequence[str] | None = None
+) -> dict[str, dict[str, float]]:
+    """Return parameter values of runs by their labels, from a study's worst_cases.csv.
+
+    Args:
+        file: the table.
+        labels: of the runs; the worst cases of the paper's objectives if None.
+
+    Raises:
+        ValueError: it is no such table, or has no such run.
+    """
+    try:
+        frame = pd.read_csv(file)
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeError) as error:
+        raise InputError(f"{file}: must be a table of runs, got: {error}") from error
+    if "label" not in frame:
+        raise InputError(f"{file}: must be a table of runs with a column label")
+    known = frame["label"].astype(str).tolist()
+    wanted = labels or [
+        label for label in known if label.removeprefix("worst_") in OBJECTIVES
+    ]
+    for label in wanted:
+        if label not in known:
+            raise InputError(f"{file}: {unknown('run', label, known)}")
+    parameters_ = [str(name) for name in frame if "." in str(name)]
+    rows = frame.set_index("label")[parameters_]
+    return {
+        label: dict(zip(parameters_, map(float, rows.loc[label]), strict=True))
+        for label in wanted
+    }
 
 
 def figures_table(flight: Flight) -> pd.DataFrame:

@@ -38,7 +38,7 @@ def test_nozzle_passes_the_ring(study):
 def test_every_pair_of_bodies_is_measured(study, tmp_path):
     study.save(tmp_path)
     summary = pd.read_csv(tmp_path / "clearance_summary.csv")
-    assert len(summary) == 2 * 4
+    assert len(summary) == 2 * 5
     assert summary["clearance_mm"].is_monotonic_increasing
     assert set(summary["status"]) == {"clear"}
     over_time = pd.read_csv(tmp_path / "clearance.csv")
