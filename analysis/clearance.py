@@ -30,8 +30,6 @@ from drakesep.systems.proximity import (
     Proximity,
     is_inside,
     is_leaf,
-    nearest_of,
-    normal_of,
     split,
 )
 from drakesep.systems.relative_path import Pose, RelativePath
@@ -347,7 +345,7 @@ class ClearanceOfPair:
                 told = self._measure(k, pose)
                 heapq.heappush(heap, (told.distance, k, told))
             elif is_leaf(self._pairs[k]):
-                return nearest_of(self._pairs[k], told)
+                return self._proximity.nearest_of(self._pairs[k], told)
             else:
                 for new in self._open(k):
                     heapq.heappush(heap, (told.distance, new, None))
@@ -356,7 +354,7 @@ class ClearanceOfPair:
         pair = self._pairs[k]
         told = self._proximity.measure(pair)
         self._distance[k] = told.distance
-        self._n_A[k] = normal_of(pair, told)
+        self._n_A[k] = self._proximity.normal_of(pair, told)
         self._centre_A[k] = pose.R_AB @ self._centre_B[k] + pose.p_AoBo_A
         self._q_AB[k] = pose.q_AB
         return told

@@ -45,7 +45,8 @@ class _Piece(NamedTuple):
 class Node:
     """A convex piece of an element, or a box around some of its pieces."""
 
-    geometry: Any
+    shape: Any
+    """Drake's."""
     X_BG: RigidTransform
     centre: tuple[float, float, float]
     """Of a ball around it, in its body, m."""
@@ -86,20 +87,16 @@ class Proximity:
             ValueError: a mesh is missing, empty or not closed.
         """
         self.elements = {element.name: element for element in (*on_A, *on_B)}
-        scene = drake.SceneGraph()
-        source = scene.RegisterSource("elements")
-        self._B = scene.RegisterFrame(source, drake.GeometryFrame("B"))
-        # A stands still: what is anchored costs nothing when B moves.
-        self.roots = {
-            element.name: _plant(scene, source, frame, element)
-            for frame, elements in ((scene.world_frame_id(), on_A), (self._B, on_B))
-            for element in elements
-        }
-        self._scene = scene  # the context alone does not keep it
-        self._context = scene.CreateDefaultContext()
-        self._pose_port = scene.get_source_pose_port(source)
-        self._query_port = scene.get_query_output_port()
+        self.roots = {name: _tree(element) for name, element in self.elements.items()}
+        self._scene = drake.SceneGraph()
+        self._source = self._scene.RegisterSource("elements")
+        self._B = self._scene.RegisterFrame(self._source, drake.GeometryFrame("B"))
+        self._context = self._scene.CreateDefaultContext()
+        self._pose_port = self._scene.get_source_pose_port(self._source)
+        self._query_port = self._scene.get_query_output_port()
         self._query: Any = None
+        # Of what has been measured: the many pieces that never come near cost nothing.
+        self._geometry: dict[Node, Any] = {}
 
     def place(self, R_AB: Array, p_AoBo_A: Array) -> None:
         """Place B in A."""
@@ -110,24 +107,35 @@ class Proximity:
 
     def measure(self, pair: Pair) -> Any:
         """Return Drake's signed distance pair of two nodes, as they are placed."""
-        return self._query.ComputeSignedDistancePairClosestPoints(
-            pair[0].geometry, pair[1].geometry
-        )
+        a, b = self._registered(pair[0], on_A=True), self._registered(pair[1])
+        return self._query.ComputeSignedDistancePairClosestPoints(a, b)
 
+    def normal_of(self, pair: Pair, told: Any) -> Array:
+        """Return the unit vector from the first of two nodes to the second, in A."""
+        n_A: Array = told.nhat_BA_W
+        return -n_A if told.id_A == self._geometry[pair[0]] else n_A
 
-def normal_of(pair: Pair, told: Any) -> Array:
-    """Return the unit vector from the first of two nodes to the second, in A."""
-    n_A: Array = told.nhat_BA_W
-    return -n_A if told.id_A == pair[0].geometry else n_A
+    def nearest_of(self, pair: Pair, told: Any) -> Nearest:
+        """Return what Drake told of two nodes, in the axes of their bodies."""
+        a, b = pair
+        p_GCa, p_GCb = told.p_ACa, told.p_BCb
+        if told.id_A != self._geometry[a]:
+            p_GCa, p_GCb = p_GCb, p_GCa
+        n_A = self.normal_of(pair, told)
+        return Nearest(told.distance, a.X_BG @ p_GCa, b.X_BG @ p_GCb, n_A)
 
-
-def nearest_of(pair: Pair, told: Any) -> Nearest:
-    """Return what Drake told of two nodes, in the axes of their bodies."""
-    a, b = pair
-    p_GCa, p_GCb = told.p_ACa, told.p_BCb
-    if told.id_A != a.geometry:
-        p_GCa, p_GCb = p_GCb, p_GCa
-    return Nearest(told.distance, a.X_BG @ p_GCa, b.X_BG @ p_GCb, normal_of(pair, told))
+    def _registered(self, node: Node, *, on_A: bool = False) -> Any:
+        """Return the geometry of a node, which Drake knows from now on."""
+        if node not in self._geometry:
+            # A stands still: what is anchored costs nothing when B moves.
+            frame = self._scene.world_frame_id() if on_A else self._B
+            name = f"piece_{len(self._geometry)}"
+            instance = drake.GeometryInstance(node.X_BG, node.shape, name)
+            where = self._context, self._source
+            geometry = self._scene.RegisterGeometry(*where, frame, instance)
+            self._scene.AssignRole(*where, geometry, drake.ProximityProperties())
+            self._geometry[node] = geometry
+        return self._geometry[node]
 
 
 def is_leaf(pair: Pair) -> bool:
@@ -157,17 +165,9 @@ def is_inside(element: Element, p_BoQ_B: Array) -> bool:
 # Trees of pieces.
 
 
-def _plant(scene: Any, source: Any, frame: Any, element: Element) -> Node:
-    """Register the pieces of an element and the boxes around them; return the root."""
-    counter = itertools.count()
+def _tree(element: Element) -> Node:
+    """Return the pieces of an element, with boxes around more and more of them."""
     pieces = pieces_of(element)
-
-    def register(shape: Any, X_BS: RigidTransform) -> Any:
-        name = f"{element.name}_{next(counter)}"
-        instance = drake.GeometryInstance(X_BS, shape, name)
-        geometry = scene.RegisterGeometry(source, frame, instance)
-        scene.AssignRole(source, geometry, drake.ProximityProperties())
-        return geometry
 
     def grow(mine: Sequence[_Piece], centres: Array) -> Node:
         points = np.concatenate([piece.points for piece in mine])
@@ -176,18 +176,15 @@ def _plant(scene: Any, source: Any, frame: Any, element: Element) -> Node:
         ball = tuple(centre.tolist())
         if len(mine) == 1:
             shape, X_BS, _ = mine[0]
-            return Node(register(shape, X_BS), X_BS, ball, radius, ())
+            return Node(shape, X_BS, ball, radius, ())
         X_BS = RigidTransform(RotationMatrix(axes), centre)
-        shape = drake.Box(*(2.0 * half + 1e-9))
+        box = drake.Box(*(2.0 * half + 1e-9))
         order = np.argsort((centres - centre) @ axes[:, 0], kind="stable")
-        parts = np.array_split(order, 2)
-        return Node(
-            register(shape, X_BS),
-            X_BS,
-            ball,
-            radius,
-            tuple(grow([mine[i] for i in part], centres[part]) for part in parts),
+        children = tuple(
+            grow([mine[i] for i in part], centres[part])
+            for part in np.array_split(order, 2)
         )
+        return Node(box, X_BS, ball, radius, children)
 
     return grow(pieces, np.array([piece.points.mean(axis=0) for piece in pieces]))
 

@@ -1,0 +1,120 @@
+"""What a clearance costs: one Drake query, one moment, one run; by pair and triangles.
+
+    python benchmarks/clearance.py
+
+Each pair of VEGA's elements, then a tube of more and more triangles around a capsule
+that leaves it. Runs are compared with flying the same run in Drake, side by side in one
+process, so that ratios hold on a machine whose speed drifts.
+"""
+
+import dataclasses
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import trimesh
+
+from drakesep import load_case
+from drakesep.analysis import ClearanceAnalysis
+from drakesep.systems import Simulation
+from drakesep.systems.elements import Capsule, Element, Mesh
+from drakesep.systems.model import Separation
+from drakesep.systems.proximity import Proximity, pieces_of
+
+
+ROUNDS = 3
+SECTIONS = (12, 48, 192)
+
+
+def main() -> None:
+    case = load_case("vega")
+    simulation = Simulation(case.separation, case.integration)
+    run = simulation.run({})
+    rows = [
+        row(case.separation, pair, simulation, run)
+        for pair in ClearanceAnalysis(case.separation).names
+    ]
+    print(pd.DataFrame(rows).to_string(index=False))
+    with tempfile.TemporaryDirectory() as folder:
+        rows = [tube_row(case, sections, Path(folder)) for sections in SECTIONS]
+    print(pd.DataFrame(rows).to_string(index=False))
+
+
+def tube_row(case, sections: int, folder: Path) -> dict:
+    """The cost with a mesh that is not convex, around a part of the payload."""
+    mesh = trimesh.creation.annulus(0.45, 0.5, 1.0, sections=sections)
+    mesh.apply_transform(
+        trimesh.transformations.rotation_matrix(1.5707963267948966, [0.0, 1.0, 0.0])
+    )
+    file = folder / f"tube_{sections}.stl"
+    mesh.export(file)
+    elements = {
+        "launch_vehicle": Element(
+            name="tube", shape=Mesh(file=file), p_BoGo_B=(-0.5, 0.0, 0.0)
+        ),
+        "payload": Element(
+            name="plug", shape=Capsule(radius=0.2, length=0.4), p_BoGo_B=(-0.4, 0.1, 0)
+        ),
+    }
+    separation = dataclasses.replace(
+        case.separation,
+        bodies=tuple(
+            dataclasses.replace(body, elements=(elements[body.name],))
+            for body in case.separation.bodies
+        ),
+    )
+    simulation = Simulation(separation, case.integration)
+    run = simulation.run({})
+    return {
+        "triangles": len(mesh.faces),
+        **row(separation, ("tube", "plug"), simulation, run),
+    }
+
+
+def row(separation: Separation, pair, simulation: Simulation, run) -> dict:
+    """The cost of one pair."""
+    start = time.perf_counter()
+    analysis = ClearanceAnalysis(separation, [pair])
+    built = time.perf_counter() - start
+    samples = run.completed_trajectory.time.size
+    flown, whole, moments = [], [], []
+    for _ in range(ROUNDS):
+        flown.append(seconds(lambda: simulation.run({})))
+        whole.append(seconds(lambda: analysis.of(run)))
+        moments.append(seconds(lambda: analysis.over_time(run)) / samples)
+    elements = {e.name: e for body in separation.bodies for e in body.elements}
+    ratio = statistics.median(w / f for w, f in zip(whole, flown, strict=True))
+    return {
+        "pair": " to ".join(pair),
+        "pieces": " x ".join(str(len(pieces_of(elements[name]))) for name in pair),
+        "build (ms)": round(1e3 * built, 1),
+        "query (us)": round(1e6 * query(separation, pair), 1),
+        "moment (us)": round(1e6 * statistics.median(moments), 1),
+        "smallest of a run (ms)": round(1e3 * statistics.median(whole), 1),
+        "over its flight in Drake": round(ratio, 2),
+    }
+
+
+def query(separation: Separation, pair) -> float:
+    """Seconds of Drake's query between the roots of two elements."""
+    elements = {e.name: e for body in separation.bodies for e in body.elements}
+    first, second = (elements[name] for name in pair)
+    proximity = Proximity([first], [second])
+    proximity.place(np.eye(3), np.array([5.0, 0.0, 0.0]))
+    roots = proximity.roots[first.name], proximity.roots[second.name]
+    return seconds(lambda: [proximity.measure(roots) for _ in range(500)]) / 500
+
+
+def seconds(work: Callable[[], object]) -> float:
+    """Wall time of some work."""
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start
+
+
+if __name__ == "__main__":
+    main()
