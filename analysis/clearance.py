@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drakesep.analysis.element_pairs import Names, element_pairs, owners_of
-from drakesep.systems.checks import InputError
-from drakesep.systems.elements import Mesh
+from drakesep.systems.checks import InputError, check_finite
+from drakesep.systems.elements import Element, Mesh
 from drakesep.systems.mesh_files import read_mesh
 from drakesep.systems.model import Body, Separation
 from drakesep.systems.proximity import (
@@ -28,8 +28,10 @@ from drakesep.systems.proximity import (
     Nearest,
     Pair,
     Proximity,
+    Told,
     is_inside,
     is_leaf,
+    nearest_of,
     split,
 )
 from drakesep.systems.relative_path import Pose, RelativePath
@@ -40,7 +42,7 @@ Array = NDArray[np.float64]
 
 ACCURACY = 5e-5
 """By which a smallest distance may miss that over continuous time, m."""
-_SMALLEST, _LARGEST = 1e-3, 50.0
+_SMALLEST, _LARGEST = 1e-3, 15.0
 """Size of a mesh over its body's radius of gyration, beyond which it is doubted."""
 PARTED = 1e-3
 """Distance from which elements that touch while mated are measured, m."""
@@ -48,6 +50,8 @@ _STRIDE = 4
 """Samples from one look to the next, before stretches between them are settled."""
 _INSTANT = 1e-7
 """To which the time of a contact is found, s."""
+_APART = 1e-5
+"""From which the normal is told well enough for a closing speed, m."""
 _MOMENTS = (1e-6, 1e-5, 1e-4, 1e-3)
 """Before a contact, at which its closing speed may be told, s."""
 
@@ -69,9 +73,9 @@ class Clearance:
     first: str
     second: str
     minimum: float
-    """Smallest distance, m; where there is contact at most 0."""
+    """Smallest distance, m; 0 if they touch."""
     time: float
-    """When, s."""
+    """When, s; of contact, if they touch."""
     p_AoCa_A: tuple[float, ...]
     """Nearest point of the first then, in its body, m."""
     p_BoCb_B: tuple[float, ...]
@@ -122,8 +126,11 @@ class ClearanceAnalysis:
         self._touching = set(map(frozenset, element_pairs(separation, touching)))
         owners = owners_of(separation)
         self._bodies = [(owners[a], owners[b]) for a, b in self.names]
+        asked = {name for pair in self.names for name in pair}
         for body in separation.bodies:
-            _warn_of_scale(body)
+            for element in body.elements:
+                if element.name in asked:
+                    _warn_of_scale(body, element)
         self._proximities = {
             ends: self._proximity(ends) for ends in dict.fromkeys(self._bodies)
         }
@@ -148,11 +155,18 @@ class ClearanceAnalysis:
             ValueError: elements overlap at the start that are not said to touch.
             RuntimeError: the run failed.
         """
-        end = run.separation.duration if until is None else until
+        last = float(run.completed_trajectory.time[-1])
+        end = last if until is None else until
+        check_finite("until", end)
+        if not 0.0 < end <= last:
+            raise InputError(
+                f"until: must be above 0 and at most {last:g} s, got {end}"
+            )
         measured = []
         for names, one in self._along(run):
             start = self._start(names, one)
-            measured.append(one.minimum(min(start, end), end))
+            # What has not parted by then is in contact all the time.
+            measured.append(one.minimum(start if start < end else 0.0, end))
         return measured
 
     def over_time(self, run: Run) -> Array:
@@ -172,13 +186,16 @@ class ClearanceAnalysis:
         Raises:
             RuntimeError: the run failed.
         """
-        found: list[list[NearestPair]] = [[] for _ in times]
+        found: list[list[tuple[bool, NearestPair]]] = [[] for _ in times]
         for (names, one), ends in zip(self._along(run), self._bodies, strict=True):
             start = self._start(names, one)
             for t, here in zip(times, found, strict=True):
-                if t >= start:
-                    here.append(NearestPair(names, ends, one.at(t)))
-        return [min(here, key=lambda pair: pair.nearest.distance) for here in found]
+                # A pair that has not parted yet comes after all others.
+                here.append((t < start, NearestPair(names, ends, one.at(t))))
+        return [
+            min(here, key=lambda each: (each[0], each[1].nearest.distance))[1]
+            for here in found
+        ]
 
     def _along(self, run: Run) -> "list[tuple[Names, ClearanceOfPair]]":
         trajectory = run.completed_trajectory
@@ -189,10 +206,17 @@ class ClearanceAnalysis:
         ]
 
     def _start(self, names: Names, one: "ClearanceOfPair") -> float:
-        """Return from when a pair is measured, s."""
+        """Return from when a pair is measured, s; infinite if it never parts."""
         if frozenset(names) in self._touching:
             times = one.time.tolist()
-            return next((t for t in times if one.at(t).distance > PARTED), 0.0)
+            return next(
+                (
+                    t
+                    for t in times
+                    if one.at(t).distance > PARTED and not one.overlap(t)
+                ),
+                math.inf,
+            )
         if one.overlap(0.0):
             raise InputError(
                 f"geometry: {names[0]} and {names[1]} must be apart while mated, or be "
@@ -202,21 +226,24 @@ class ClearanceAnalysis:
         return 0.0
 
 
-def _warn_of_scale(body: Body) -> None:
+def _warn_of_scale(body: Body, element: Element) -> None:
     """Warn of a mesh that does not go with the size of its body."""
+    mesh = element.shape
+    if not isinstance(mesh, Mesh):
+        return
     xx, yy, zz, *_ = body.I_BBcm_B
     size = math.sqrt(0.5 * (xx + yy + zz) / body.mass)  # radius of gyration
-    for element in body.elements:
-        if isinstance(element.shape, Mesh):
-            mesh = element.shape
-            extent = mesh.scale * float(read_mesh(mesh.file).scale)
-            if not _SMALLEST <= extent / size <= _LARGEST:
-                warnings.warn(
-                    f"{element.name}: mesh is {extent:.3g} m across on a body of "
-                    f"radius of gyration {size:.3g} m; check scale, metres in a unit "
-                    f"of the file, now {mesh.scale:g}",
-                    stacklevel=3,
-                )
+    try:
+        extent = mesh.scale * float(read_mesh(mesh.file).scale)
+    except InputError as error:
+        raise InputError(f"{element.name}: {error}") from error
+    if not _SMALLEST <= extent / size <= _LARGEST:
+        warnings.warn(
+            f"{element.name}: mesh is {extent:.3g} m across on a body of radius of "
+            f"gyration {size:.3g} m; check scale, metres in a unit of the file, now "
+            f"{mesh.scale:g}",
+            stacklevel=3,
+        )
 
 
 class ClearanceOfPair:
@@ -237,7 +264,7 @@ class ClearanceOfPair:
         self._pairs: list[Pair] = [(first, second)]
         self._set_centres()
         count = len(self._pairs)
-        self._distance = np.full(count, -np.inf)
+        self._low = np.full(count, -np.inf)
         self._n_A = np.zeros((count, 3))
         self._centre_A = np.zeros((count, 3))
         self._q_AB = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
@@ -284,6 +311,9 @@ class ClearanceOfPair:
         contact = None
         if best.distance <= TOUCHING + accuracy:
             contact = self._first_contact(start, end)
+        if contact is not None:
+            time = contact.time
+            best = self.at(time)._replace(distance=0.0)
         return Clearance(
             first=self._names[0],
             second=self._names[1],
@@ -316,7 +346,7 @@ class ClearanceOfPair:
         for before in _MOMENTS:
             pose = self._look(max(t - before, 0.0))
             nearest = self._nearest(pose)
-            if nearest.distance > TOUCHING:
+            if nearest.distance > _APART:
                 break
         r_A = pose.R_AB @ nearest.p_BoCb_B
         velocity = pose.v_ABo_A + np.cross(pose.w_AB_A, r_A)
@@ -343,18 +373,18 @@ class ClearanceOfPair:
             _, k, told = heapq.heappop(heap)
             if told is None:
                 told = self._measure(k, pose)
-                heapq.heappush(heap, (told.distance, k, told))
+                bound = told.distance if is_leaf(self._pairs[k]) else told.low
+                heapq.heappush(heap, (bound, k, told))
             elif is_leaf(self._pairs[k]):
-                return self._proximity.nearest_of(self._pairs[k], told)
+                return nearest_of(self._pairs[k], told)
             else:
                 for new in self._open(k):
-                    heapq.heappush(heap, (told.distance, new, None))
+                    heapq.heappush(heap, (told.low, new, None))
 
-    def _measure(self, k: int, pose: Pose) -> Any:
+    def _measure(self, k: int, pose: Pose) -> Told:
         pair = self._pairs[k]
         told = self._proximity.measure(pair)
-        self._distance[k] = told.distance
-        self._n_A[k] = self._proximity.normal_of(pair, told)
+        self._low[k], self._n_A[k] = told.low, told.n_A
         self._centre_A[k] = pose.R_AB @ self._centre_B[k] + pose.p_AoBo_A
         self._q_AB[k] = pose.q_AB
         return told
@@ -366,7 +396,7 @@ class ClearanceOfPair:
         self._pairs[k] = children[0]
         self._pairs += children[1:]
         more = len(children) - 1
-        for name in ("_distance", "_n_A", "_centre_A", "_q_AB"):
+        for name in ("_low", "_n_A", "_centre_A", "_q_AB"):
             kept = getattr(self, name)
             setattr(
                 self, name, np.concatenate([kept, np.repeat(kept[k : k + 1], more, 0)])
@@ -374,7 +404,7 @@ class ClearanceOfPair:
         self._set_centres()
         # Where they were is not known yet.
         new = [k, *range(last, last + more)]
-        self._distance[new] = -np.inf
+        self._low[new] = -np.inf
         return new
 
     def _set_centres(self) -> None:
@@ -390,9 +420,9 @@ class ClearanceOfPair:
         along = np.einsum("ki,ki->k", moved, self._n_A)
         cosine = np.minimum(np.abs(self._q_AB @ pose.q_AB), 1.0)
         turned = 2.0 * np.arccos(cosine)
-        bounds = self._distance + along - turned * self._radius
+        bounds = self._low + along - turned * self._radius
         # Between shapes that touch, Drake's normal may be no number.
-        told = (self._distance > TOUCHING) & np.isfinite(bounds)
+        told = (self._low > TOUCHING) & np.isfinite(bounds)
         return np.where(told, bounds, -np.inf)
 
     # Stretches of time.

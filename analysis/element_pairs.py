@@ -34,7 +34,9 @@ def element_pairs(
             for a, b in itertools.combinations(owners, 2)
             if owners[a] != owners[b]
         ]
-    return list(dict.fromkeys(_checked(names, owners) for names in wanted))
+    checked = [_checked(names, owners) for names in wanted]
+    # The same pair the other way round is the same pair.
+    return list({frozenset(pair): pair for pair in reversed(checked)}.values())[::-1]
 
 
 def _checked(names: Sequence[str], owners: Mapping[str, str]) -> Names:

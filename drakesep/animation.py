@@ -77,7 +77,10 @@ def animation(
     meshcat.StartRecording(
         frames_per_second=_FRAMES, set_visualizations_while_recording=False
     )
-    shown = [_animate(meshcat, label, run, analysis) for label, run in runs.items()]
+    shown = [
+        _animate(meshcat, f"/runs/{i}", label, run, analysis)
+        for i, (label, run) in enumerate(runs.items())
+    ]
     meshcat.StopRecording()
     meshcat.PublishRecording()
     return _with_panel(meshcat.StaticHtml(), shown, title)
@@ -94,9 +97,10 @@ def _meshcat() -> Any:
         log.setLevel(level)
 
 
-def _animate(meshcat: Any, label: str, run: Run, analysis: ClearanceAnalysis) -> _Shown:
+def _animate(
+    meshcat: Any, root: str, label: str, run: Run, analysis: ClearanceAnalysis
+) -> _Shown:
     """Draw a run below a path of its own, and return what is said of it."""
-    root = f"/runs/{label}"
     separation = run.separation
     for i, body in enumerate(separation.bodies):
         for element in body.elements:
@@ -139,7 +143,7 @@ def _times(run: Run) -> list[float]:
     start = path.at(0.0).p_AoBo_A
     gone = [float(np.linalg.norm(path.at(t).p_AoBo_A - start)) for t in path.time]
     duration = float(path.time[-1])
-    push = min(run.separation_end, 0.5 * duration)
+    push = min(max(run.separation_end, 0.01 * duration), 0.5 * duration)
     # Well apart: a metre and a half.
     apart = next((t for t, x in zip(path.time, gone, strict=True) if x > 1.5), duration)
     near = min(max(float(apart), 1.5 * push), duration)
@@ -220,8 +224,11 @@ def _revolved(cone: Cone) -> trimesh.Trimesh:
 
 def _with_panel(page: str, shown: Sequence[_Shown], title: str) -> str:
     """Return Meshcat's page with a panel that follows its animation."""
-    data = {one.label: one._asdict() for one in shown}
-    options = "".join(f"<option>{escape(one.label)}</option>" for one in shown)
+    data = [one._asdict() for one in shown]
+    options = "".join(
+        f'<option value="{i}">{escape(one.label)}</option>'
+        for i, one in enumerate(shown)
+    )
     panel = (
         _PANEL.replace("@TITLE@", escape(title))
         .replace("@OPTIONS@", options)
@@ -251,8 +258,8 @@ _PANEL = """
   const find = (name) => document.getElementById("drakesep-" + name);
   const choose = find("run");
   function show() {
-    for (const label of Object.keys(runs)) {
-      viewer.set_property(["runs", label], "visible", label === choose.value);
+    for (let i = 0; i < runs.length; i++) {
+      viewer.set_property(["runs", String(i)], "visible", String(i) === choose.value);
     }
     const run = runs[choose.value], least = Math.min(...run.distance);
     const k = run.distance.indexOf(least);

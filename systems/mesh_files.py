@@ -35,6 +35,8 @@ def _read(path: Path, _: int) -> trimesh.Trimesh:
         raise InputError(f"{path.name}: must be a mesh, got: {error}") from error
     if not len(getattr(mesh, "faces", ())):
         raise InputError(f"{path.name}: must be a mesh, got no triangles")
+    # Files give corners of their own to faces of other groups, textures and normals.
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)
     if not mesh.is_watertight or not mesh.is_winding_consistent:
         counts = np.unique(mesh.edges_sorted, axis=0, return_counts=True)[1]
         broken = int((counts == 1).sum())

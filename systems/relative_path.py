@@ -72,9 +72,11 @@ class RelativePath:
     def at(self, t: float) -> Pose:
         """Return pose and velocity of B in A at a time, s."""
         x, x_dot = self._spline(t), self._derivative(t)
-        q = x[:4] / np.linalg.norm(x[:4])
+        # Between samples its length misses one by the error of the cubic.
+        length = np.linalg.norm(x[:4])
+        q, q_dot = x[:4] / length, x_dot[:4] / length
         R = np.array(rotation_matrix(tuple(q.tolist()))).reshape(3, 3)
-        _, *w = multiply(tuple(x_dot[:4]), conjugate(tuple(q)))
+        _, *w = multiply(tuple(q_dot), conjugate(tuple(q)))
         return Pose(q, R, x[4:], 2.0 * np.array(w), x_dot[4:])
 
     def bounds(self, start: float, end: float) -> tuple[float, float, float]:

@@ -242,6 +242,64 @@ def test_touching_pair_is_measured_once_it_has_parted():
     assert found.minimum == pytest.approx(0.025, abs=1e-6)
 
 
+def test_pair_that_never_parts():
+    motion = straight(COARSE, (0.3, 0.0, 0.0), (0.0, 0.0, 0.0))
+    first, second = ball("ring", 0.2), ball("flange", 0.1)
+    found = clearance(motion, first, second, touching=[("ring", "flange")])
+    assert found.contact.time == 0.0
+    run = run_of(motion, [first], [second])
+    analysis = ClearanceAnalysis(run.separation, touching=[("ring", "flange")])
+    [nearest] = analysis.nearest(run, [0.5])
+    assert nearest.names == ("ring", "flange")
+
+
+def test_ball_that_leaves_the_wall_of_a_mesh(tmp_path):
+    """Touching pairs are not taken for parted while one is inside the other."""
+    thick = trimesh.creation.annulus(r_min=0.5, r_max=2.5, height=1.0, sections=48)
+    thick.export(tmp_path / "thick.stl")
+    ring = Element(name="ring", shape=Mesh(file=tmp_path / "thick.stl"))
+    motion = straight(np.linspace(0.0, 1.0, 41), (1.5, 0.0, 0.0), (0.0, 0.0, 2.0))
+    found = clearance(
+        motion, ring, ball("payload_ball", 0.1), touching=[("ring", "payload_ball")]
+    )
+    assert found.contact is None
+    assert 0.0 < found.minimum <= 0.0501  # of the first sample at which it is out
+
+
+@pytest.mark.parametrize("until", [0.0, -1.0, 1.5, math.nan, math.inf])
+def test_times_that_the_run_has_not_got(until):
+    run = run_of(
+        straight(COARSE, (1.0, 0.0, 0.0), (1.0, 0.0, 0.0)),
+        [ball("rock", 0.2)],
+        [ball("payload_ball", 0.1)],
+    )
+    with pytest.raises(InputError, match="until"):
+        ClearanceAnalysis(run.separation).of(run, until=until)
+
+
+def test_spheres_that_graze():
+    """An overlap of 3 um is contact, with a clearance of 0."""
+    motion = straight(COARSE, (-0.5, 0.3 - 3e-6, 0.0), (1.0, 0.0, 0.0))
+    found = clearance(motion, ball("rock", 0.2), ball("payload_ball", 0.1))
+    assert found.minimum == 0.0
+    assert found.time == found.contact.time == pytest.approx(0.5, abs=2e-3)
+
+
+def test_mesh_with_textures_and_normals(tmp_path):
+    """Corners that a file has once for each face are one."""
+    box = trimesh.creation.box()
+    lines = [f"v {x} {y} {z}" for x, y, z in box.vertices]
+    lines += ["vt 0 0", "vt 1 0", "vt 1 1"]
+    lines += [f"vn {x} {y} {z}" for x, y, z in box.face_normals]
+    for k, (a, b, c) in enumerate(box.faces + 1):
+        lines.append(f"f {a}/1/{k + 1} {b}/2/{k + 1} {c}/3/{k + 1}")
+    (tmp_path / "box.obj").write_text("\n".join(lines))
+    part = Element(name="part", shape=Mesh(file=tmp_path / "box.obj"))
+    motion = straight(COARSE, (2.0, 0.0, 0.0), (1.0, 0.0, 0.0))
+    found = clearance(motion, part, ball("payload_ball", 0.1))
+    assert found.minimum == pytest.approx(1.4, abs=1e-6)
+
+
 @pytest.mark.parametrize(
     ("pairs", "message"),
     [
