@@ -6,9 +6,9 @@ from .ascent import Start as Start
 from .ascent import ascend as ascend
 from .batch import Batch as Batch
 from .batch import BatchResult as BatchResult
-from .clearance import Clearance as Clearance
 from .clearance import ClearanceAnalysis as ClearanceAnalysis
-from .clearance import Contact as Contact
+from .clearance_of_pair import Clearance as Clearance
+from .clearance_of_pair import Contact as Contact
 from .dispersions import Box as Box
 from .dispersions import Dispersion as Dispersion
 from .ellipsoid import Ellipsoid as Ellipsoid

@@ -7,7 +7,6 @@ Time is stretched while springs push and while bodies are near each other.
 
 import json
 import logging
-import math
 from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any, NamedTuple
@@ -15,11 +14,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pydrake.geometry as drake
 import trimesh
-from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
+from pydrake.math import RigidTransform, RotationMatrix
 
 from drakesep.analysis.clearance import ClearanceAnalysis
 from drakesep.systems.elements import Box, Capsule, Cone, Element, Mesh, Sphere
-from drakesep.systems.mesh_files import read_mesh
+from drakesep.systems.proximity import Z_TO_X, mesh_of, place_of
 from drakesep.systems.relative_path import RelativePath
 from drakesep.systems.run import Array, Run
 
@@ -174,7 +173,7 @@ def _draw_bar(meshcat: Any, root: str, ends: Sequence[Array], at: float) -> None
 def _draw(
     meshcat: Any, path: str, element: Element, colour: tuple[float, float, float]
 ) -> None:
-    X_BG = RigidTransform(RollPitchYaw(*element.rpy_BG), element.p_BoGo_B)
+    X_BG = place_of(element)
     shape = element.shape
     hollow = isinstance(shape, Cone) and shape.thickness is not None
     rgba = drake.Rgba(*colour, 0.45 if hollow else 1.0)
@@ -185,16 +184,13 @@ def _draw(
             meshcat.SetObject(path, drake.Sphere(shape.radius), rgba)
         case Capsule():
             meshcat.SetObject(path, drake.Capsule(shape.radius, shape.length), rgba)
-            X_BG = X_BG @ _Z_TO_X
+            X_BG = X_BG @ Z_TO_X
         case Cone():
             _draw_mesh(meshcat, path, _revolved(shape), 1.0, rgba)
-            X_BG = X_BG @ _Z_TO_X
+            X_BG = X_BG @ Z_TO_X
         case Mesh():
-            _draw_mesh(meshcat, path, read_mesh(shape.file), shape.scale, rgba)
+            _draw_mesh(meshcat, path, mesh_of(element), shape.scale, rgba)
     meshcat.SetTransform(path, X_BG)
-
-
-_Z_TO_X = RigidTransform(RotationMatrix.MakeYRotation(math.pi / 2.0))
 
 
 def _draw_mesh(

@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 
 from drakesep import figures, tables
-from drakesep.analysis.clearance import Clearance, ClearanceAnalysis
+from drakesep.analysis.clearance import ClearanceAnalysis
+from drakesep.analysis.clearance_of_pair import Clearance
 from drakesep.analysis.element_pairs import owners_of
 from drakesep.case import Case
 from drakesep.folder import writable_folder
@@ -59,9 +60,12 @@ class Clearances:
         flown = self.run.separation
         return RelativePath(self.run.completed_trajectory, flown.A, flown.B)
 
+    @functools.cached_property
+    def _mated_place(self) -> float:
+        return float(self._path.at(0.0).p_AoBo_A[0])
+
     def _separation(self, t: float) -> float:
-        start = self._path.at(0.0).p_AoBo_A[0]
-        return float(self._path.at(t).p_AoBo_A[0] - start)
+        return float(self._path.at(t).p_AoBo_A[0]) - self._mated_place
 
     @property
     def over_time(self) -> pd.DataFrame:

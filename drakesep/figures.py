@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from drakesep.analysis.clearance import Clearance
+from drakesep.analysis.clearance_of_pair import Clearance
 from drakesep.analysis.metrics import ANGLES, AXES
 from drakesep.analysis.requirements import Requirement
 from drakesep.systems.run import Array

@@ -9,11 +9,11 @@ from collections.abc import Callable
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 
+from drakesep.systems.run import Array
 
-Array = NDArray[np.float64]
+
 Farthest: TypeAlias = Callable[[Array], tuple[Array, Array]]
 """Returns the farthest point of the first set along a direction, and the farthest of
 the second against it."""

@@ -16,16 +16,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import pydrake.geometry as drake
 import trimesh
-from numpy.typing import NDArray
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
 from drakesep.systems.checks import InputError
-from drakesep.systems.elements import Box, Capsule, Cone, Element, Mesh, Shape, Sphere
+from drakesep.systems.elements import Box, Capsule, Cone, Element, Mesh, Sphere
 from drakesep.systems.least_distance import least_distance
 from drakesep.systems.mesh_files import encloses, read_mesh
+from drakesep.systems.run import Array
 
-
-Array = NDArray[np.float64]
 
 FACET = 2.5e-5
 """By which a polygon misses the circle that it stands for, m."""
@@ -33,6 +31,8 @@ _LOOSE = 5e-6
 """Between the distance and what is certain, beyond which it is measured anew, m."""
 TOUCHING = 1e-6
 """Distance up to which Drake cannot tell shapes that touch, m."""
+Z_TO_X = RigidTransform(RotationMatrix.MakeYRotation(math.pi / 2.0))
+"""Turns Drake's shapes, whose axis is z, to ours."""
 
 
 class _Piece(NamedTuple):
@@ -230,8 +230,8 @@ def is_inside(element: Element, p_BoQ_B: Array) -> bool:
     """
     if not isinstance(element.shape, Mesh):
         return False
-    p_GoQ_G = _place(element).inverse() @ p_BoQ_B
-    return encloses(read_mesh(element.shape.file), p_GoQ_G / element.shape.scale)
+    p_GoQ_G = place_of(element).inverse() @ p_BoQ_B
+    return encloses(mesh_of(element), p_GoQ_G / element.shape.scale)
 
 
 # Trees of pieces.
@@ -276,20 +276,35 @@ def _box_around(points: Array) -> tuple[Array, Array, Array]:
 # Pieces.
 
 
-def _place(element: Element) -> RigidTransform:
+def place_of(element: Element) -> RigidTransform:
+    """Return the pose X_BG of an element's shape in its body."""
     return RigidTransform(RollPitchYaw(*element.rpy_BG), element.p_BoGo_B)
+
+
+def mesh_of(element: Element) -> trimesh.Trimesh:
+    """Return the mesh of an element that is one, in the units of its file.
+
+    Raises:
+        ValueError: the file is missing, is no mesh, or one that is not closed.
+    """
+    assert isinstance(element.shape, Mesh)
+    try:
+        return read_mesh(element.shape.file)
+    except InputError as error:
+        raise InputError(f"{element.name}: {error}") from error
 
 
 def pieces_of(element: Element) -> tuple[_Piece, ...]:
     """Return the convex pieces that an element is made of."""
-    X_BG = _place(element)
+    X_BG = place_of(element)
     return tuple(
         _Piece(shape, X_BG @ X_GS, (X_BG @ points.T).T)
-        for shape, X_GS, points in _pieces(element.shape, element.name)
+        for shape, X_GS, points in _pieces(element)
     )
 
 
-def _pieces(shape: Shape, name: str) -> list[_Piece]:
+def _pieces(element: Element) -> list[_Piece]:
+    shape = element.shape
     match shape:
         case Box():
             return [_centred(drake.Box(*shape.size), np.array(shape.size) / 2.0)]
@@ -303,7 +318,7 @@ def _pieces(shape: Shape, name: str) -> list[_Piece]:
         case Cone():
             return _staves(shape)
         case Mesh():
-            return _mesh_pieces(shape, name)
+            return _mesh_pieces(mesh_of(element), shape.scale)
 
 
 def _centred(shape: Any, half: Array, X_GS: RigidTransform | None = None) -> _Piece:
@@ -313,8 +328,7 @@ def _centred(shape: Any, half: Array, X_GS: RigidTransform | None = None) -> _Pi
 
 def _along_x(shape: Any, half: Sequence[float]) -> _Piece:
     """Return a piece whose shape Drake has along z."""
-    turned = RigidTransform(RotationMatrix.MakeYRotation(math.pi / 2.0))
-    return _centred(shape, np.array(half), turned)
+    return _centred(shape, np.array(half), Z_TO_X)
 
 
 def _sides(radius: float) -> int:
@@ -376,13 +390,9 @@ _DENT = 1e-7
 """Part of a hull's volume that a convex mesh may lack, by round-off."""
 
 
-def _mesh_pieces(mesh: Mesh, name: str) -> list[_Piece]:
+def _mesh_pieces(mesh: trimesh.Trimesh, scale: float) -> list[_Piece]:
     """Return the mesh itself if it is convex, else the triangles of its surface."""
-    try:
-        read = read_mesh(mesh.file)
-    except InputError as error:
-        raise InputError(f"{name}: {error}") from error
-    vertices = mesh.scale * np.asarray(read.vertices)
-    if _is_convex(read):
+    vertices = scale * np.asarray(mesh.vertices)
+    if _is_convex(mesh):
         return [_convex(vertices)]
-    return [_convex(vertices[face]) for face in np.asarray(read.faces)]
+    return [_convex(vertices[face]) for face in np.asarray(mesh.faces)]

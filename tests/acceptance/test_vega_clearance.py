@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 import drakesep
-from drakesep.analysis.clearance import ACCURACY
+from drakesep.analysis.clearance_of_pair import ACCURACY
 from drakesep.systems.proximity import FACET
 from drakesep.systems.relative_path import RelativePath
 

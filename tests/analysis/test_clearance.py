@@ -9,7 +9,8 @@ from flights import run_of, straight, trajectory
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drakesep.analysis.clearance import ACCURACY, ClearanceAnalysis
+from drakesep.analysis.clearance import ClearanceAnalysis
+from drakesep.analysis.clearance_of_pair import ACCURACY
 from drakesep.systems.checks import InputError
 from drakesep.systems.elements import Box, Capsule, Cone, Element, Mesh, Sphere
 from drakesep.systems.proximity import FACET
