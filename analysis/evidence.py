@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
-from scipy.stats import beta
+from scipy.special import betaincinv
 
 from drakesep.analysis.tolerance_set import ToleranceSet
 
@@ -113,4 +113,4 @@ def fraction_beyond(beyond: int, samples: int, confidence: float) -> float:
     """
     if beyond >= samples:
         return 1.0
-    return float(beta.ppf(confidence, beyond + 1, samples - beyond))
+    return float(betaincinv(beyond + 1, samples - beyond, confidence))

@@ -49,7 +49,7 @@ class SearchSettings:
         ValueError: a number is out of range.
     """
 
-    starts: int = 12
+    starts: int = 8
     """Of each objective, of the ascent from many."""
     samples: int = 50_000
     """Drawn at random from the set."""
@@ -57,7 +57,7 @@ class SearchSettings:
     """That are affordable."""
     generations: int = 100
     """Of differential evolution."""
-    corners: int = 4096
+    corners: int = 2048
     """Drawn at random, where tolerances grow."""
     seed: int = 0
     """Of whatever is drawn at random."""
@@ -83,10 +83,10 @@ class SearchSettings:
             effort: what is not to be chosen by them.
         """
         settings = cls(
-            starts=_between(2, 3000 // steps, 12),
+            starts=_between(2, 3000 // steps, 8),
             samples=_between(1, 200_000_000 // steps**2, 50_000),
             vertices=_between(1, 1_300_000_000 // steps**2, 2**18),
-            corners=_between(0, 20_000_000 // steps**2, 4096),
+            corners=_between(0, 20_000_000 // steps**2, 2048),
         )
         return dataclasses.replace(settings, **effort)
 

@@ -59,10 +59,12 @@ class Best:
         self._keep(k, u, values)
 
     def _keep(self, k: int, u: Array, values: Array) -> None:
-        heights = np.where(np.isnan(values), -np.inf, values)
-        for i in np.argsort(-heights, kind="stable")[:_KEPT].tolist():
-            if heights[i] > -np.inf:
-                self._found[k].append((float(heights[i]), tuple(u[i].tolist())))
+        found = self._found[k]
+        least = found[-1][0] if len(found) == _KEPT else -np.inf
+        # False where a run failed.
+        enough = np.flatnonzero(values >= least)
+        for i in enough[np.argsort(-values[enough], kind="stable")][:_KEPT].tolist():
+            found.append((float(values[i]), tuple(u[i].tolist())))
         self._found[k] = sorted(set(self._found[k]), reverse=True)[:_KEPT]
 
     @property

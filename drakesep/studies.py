@@ -220,7 +220,7 @@ def worst_case(
         on_progress=on_progress,
     )
     if folder is not None:
-        study.save(folder)
+        study.save_tables(folder)
     return study
 
 
@@ -277,7 +277,7 @@ def verify(
         afterwards=grow,
     )
     if folder is not None:
-        study.save(folder)
+        study.save_tables(folder)
     return study
 
 

@@ -45,9 +45,12 @@ class Verification(WorstCases):
     def save_tables(self, directory: str | Path) -> None:
         """Write the tables, as far as there are any, into a folder."""
         super().save_tables(directory)
-        if self.worst:
-            folder = Path(directory)
+        folder = Path(directory)
+        if self.flights:
             tables.write_csv(self.requirements, folder / "requirements.csv")
+            tables.write_csv(self.table_4, folder / "table_4.csv")
+        if self.single_growths:
+            tables.write_csv(self.tolerances, folder / "tolerances.csv")
 
     @property
     def passed(self) -> bool:
@@ -80,14 +83,10 @@ class Verification(WorstCases):
         self.growths = [(r, g) for (r, i), g in least.items() if i is None]
         self.single_growths = [(r, g) for (r, i), g in least.items() if i is not None]
 
-    def save(self, directory: str | Path) -> None:
-        """Write the tables, figures and motions into a folder."""
-        super().save(directory)
+    def save_runs(self, directory: str | Path) -> None:
+        """Write the figures and motions into a folder."""
+        super().save_runs(directory)
         folder = Path(directory)
-        tables.write_csv(self.requirements, folder / "requirements.csv")
-        tables.write_csv(self.table_4, folder / "table_4.csv")
-        if self.single_growths:
-            tables.write_csv(self.tolerances, folder / "tolerances.csv")
         for label, motion in self.motions.items():
             tables.write_csv(motion, folder / f"motion_{label}.csv")
 

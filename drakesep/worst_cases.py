@@ -2,6 +2,7 @@
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeAlias
@@ -194,8 +195,12 @@ class WorstCases:
             tables.write_csv(self.comparison, folder / "comparison.csv")
 
     def save(self, directory: str | Path) -> None:
-        """Write the tables and figures into a folder."""
+        """Write the tables, and what shows the runs, into a folder."""
         self.save_tables(directory)
+        self.save_runs(directory)
+
+    def save_runs(self, directory: str | Path) -> None:
+        """Write the figures into a folder."""
         folder = Path(directory)
         shown = [f for f in self.flights if f.run.motion is not None and _shown(f)]
         figures.save_figures(shown, self.case.limits, folder)
@@ -265,6 +270,10 @@ def as_flight(label: str, run: Run, case: Case, **found: object) -> Flight:
     return Flight(label=label, run=run, figures=figures_, **found)  # type: ignore[arg-type]
 
 
+def _nothing(*_: object) -> None:
+    """Do nothing."""
+
+
 def search(
     study: WorstCases,
     objectives: Sequence[Objective],
@@ -274,9 +283,11 @@ def search(
     output: Path | None,
     workers: int | None,
     on_progress: OnProgress | None,
-    afterwards: Callable[[Problem, SearchSettings], None] = lambda *_: None,
+    afterwards: Callable[[Problem, SearchSettings], None] = _nothing,
 ) -> None:
     """Fly the references of a study, search its worst cases and confirm them.
+
+    The tables are written as they grow, but not at the end.
 
     Args:
         study: that receives what is found.
@@ -314,6 +325,7 @@ def search(
         _fly_published(study, fleet)
         if output is not None:
             study.save_tables(output)
+        more: Callable[[], None] = _nothing
         if objectives:
             problem = Problem(
                 tolerances=case.tolerance_set,
@@ -330,7 +342,19 @@ def search(
             study.worst = worst
             if output is not None:
                 study.save_tables(output)
-            afterwards(problem, settings)
+            more = functools.partial(afterwards, problem, settings)
+        _save_runs_beside(study, output, more)
+
+
+def _save_runs_beside(
+    study: WorstCases, output: Path | None, more: Callable[[], None]
+) -> None:
+    """Draw the runs while more is found, which changes nothing about them."""
+    with ThreadPoolExecutor(1) as beside:
+        saved = None if output is None else beside.submit(study.save_runs, output)
+        more()
+    if saved is not None:
+        saved.result()
 
 
 def default_searches(

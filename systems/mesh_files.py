@@ -3,18 +3,21 @@
 import functools
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from drakesep.systems.checks import InputError, check_positive
 
 
+if TYPE_CHECKING:
+    import trimesh
+
 MESH_SUFFIXES = (".obj", ".stl")
 
 
-def read_mesh(file: str | Path) -> trimesh.Trimesh:
+def read_mesh(file: str | Path) -> "trimesh.Trimesh":
     """Return the closed mesh in a file, whose triangles face outward.
 
     Args:
@@ -28,7 +31,9 @@ def read_mesh(file: str | Path) -> trimesh.Trimesh:
 
 
 @functools.lru_cache(maxsize=64)
-def _read(path: Path, _: int) -> trimesh.Trimesh:
+def _read(path: Path, _: int) -> "trimesh.Trimesh":
+    import trimesh  # half a second, for the few cases that have meshes
+
     try:
         mesh = trimesh.load_mesh(path)
     except Exception as error:  # trimesh raises whatever its readers do
@@ -48,7 +53,7 @@ def _read(path: Path, _: int) -> trimesh.Trimesh:
     return mesh
 
 
-def encloses(mesh: trimesh.Trimesh, point: NDArray[np.float64]) -> bool:
+def encloses(mesh: "trimesh.Trimesh", point: NDArray[np.float64]) -> bool:
     """Return whether a point (3,) is inside a closed mesh, by its winding number.
 
     The sum of the solid angles of the triangles (van Oosterom and Strackee, "The solid

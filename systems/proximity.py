@@ -11,11 +11,10 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pydrake.geometry as drake
-import trimesh
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
 from drakesep.systems.checks import InputError
@@ -24,6 +23,9 @@ from drakesep.systems.least_distance import least_distance
 from drakesep.systems.mesh_files import encloses, read_mesh
 from drakesep.systems.run import Array
 
+
+if TYPE_CHECKING:
+    import trimesh
 
 FACET = 2.5e-5
 """By which a polygon misses the circle that it stands for, m."""
@@ -281,7 +283,7 @@ def place_of(element: Element) -> RigidTransform:
     return RigidTransform(RollPitchYaw(*element.rpy_BG), element.p_BoGo_B)
 
 
-def mesh_of(element: Element) -> trimesh.Trimesh:
+def mesh_of(element: Element) -> "trimesh.Trimesh":
     """Return the mesh of an element that is one, in the units of its file.
 
     Raises:
@@ -376,7 +378,7 @@ def _staves(cone: Cone) -> list[_Piece]:
     ]
 
 
-def _is_convex(mesh: trimesh.Trimesh) -> bool:
+def _is_convex(mesh: "trimesh.Trimesh") -> bool:
     """Return whether a mesh fills its hull.
 
     Not by the angles at its edges: those of a fine mesh of a shallow dish are all but
@@ -390,7 +392,7 @@ _DENT = 1e-7
 """Part of a hull's volume that a convex mesh may lack, by round-off."""
 
 
-def _mesh_pieces(mesh: trimesh.Trimesh, scale: float) -> list[_Piece]:
+def _mesh_pieces(mesh: "trimesh.Trimesh", scale: float) -> list[_Piece]:
     """Return the mesh itself if it is convex, else the triangles of its surface."""
     vertices = scale * np.asarray(mesh.vertices)
     if _is_convex(mesh):
