@@ -57,7 +57,7 @@ class SearchSettings:
     """That are affordable."""
     generations: int = 100
     """Of differential evolution."""
-    corners: int = 2048
+    corners: int = 4096
     """Drawn at random, where tolerances grow."""
     seed: int = 0
     """Of whatever is drawn at random."""
@@ -86,7 +86,7 @@ class SearchSettings:
             starts=_between(2, 3000 // steps, 8),
             samples=_between(1, 200_000_000 // steps**2, 50_000),
             vertices=_between(1, 1_300_000_000 // steps**2, 2**18),
-            corners=_between(0, 20_000_000 // steps**2, 2048),
+            corners=_between(0, 20_000_000 // steps**2, 4096),
         )
         return dataclasses.replace(settings, **effort)
 
