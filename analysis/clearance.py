@@ -92,19 +92,36 @@ class ClearanceAnalysis:
             ValueError: elements overlap at the start that are not said to touch.
             RuntimeError: the run failed.
         """
-        last = float(run.completed_trajectory.time[-1])
-        end = last if until is None else until
-        check_finite("until", end)
-        if not 0.0 < end <= last:
-            raise InputError(
-                f"until: must be above 0 and at most {last:g} s, got {end}"
-            )
-        measured = []
-        for names, one in self._along(run):
-            start = self._start(names, one)
-            # What has not parted by then is in contact all the time.
-            measured.append(one.minimum(start if start < end else 0.0, end))
-        return measured
+        end = _end(run, until)
+        return [
+            one.minimum(self._start_before(end, names, one), end)
+            for names, one in self._along(run)
+        ]
+
+    def smallest(
+        self, run: Run, *, until: float | None = None, first: Names | None = None
+    ) -> Clearance:
+        """Return how near the pair that comes nearest comes, sooner than all of them.
+
+        Args:
+            run: a completed run of the separation.
+            until: to this time, s; to the end of the run if None.
+            first: the pair to begin with; the others need only be shown not to come
+                nearer.
+
+        Raises:
+            ValueError: elements overlap at the start that are not said to touch.
+            RuntimeError: the run failed.
+        """
+        end = _end(run, until)
+        best: Clearance | None = None
+        along = sorted(self._along(run), key=lambda pair: pair[0] != first)
+        for names, one in along:
+            than = math.inf if best is None else best.minimum
+            start = self._start_before(end, names, one)
+            best = one.nearer(start, end, than) or best
+        assert best is not None
+        return best
 
     def over_time(self, run: Run) -> Array:
         """Return (n, k) how near each pair is at the n sample times of a run, m.
@@ -142,6 +159,11 @@ class ClearanceAnalysis:
             for names, ends in zip(self.names, self._bodies, strict=True)
         ]
 
+    def _start_before(self, end: float, names: Names, one: ClearanceOfPair) -> float:
+        start = self._start(names, one)
+        # What has not parted by then is in contact all the time.
+        return start if start < end else 0.0
+
     def _start(self, names: Names, one: ClearanceOfPair) -> float:
         """Return from when a pair is measured, s; infinite if it never parts."""
         if frozenset(names) in self._touching:
@@ -161,6 +183,15 @@ class ClearanceAnalysis:
                 "mm or one inside the other"
             )
         return 0.0
+
+
+def _end(run: Run, until: float | None) -> float:
+    last = float(run.completed_trajectory.time[-1])
+    end = last if until is None else until
+    check_finite("until", end)
+    if not 0.0 < end <= last:
+        raise InputError(f"until: must be above 0 and at most {last:g} s, got {end}")
+    return end
 
 
 def _warn_of_scale(body: Body, element: Element) -> None:

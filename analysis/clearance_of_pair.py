@@ -9,13 +9,16 @@ Stretches of time that this does not settle are halved.
 
 import heapq
 import itertools
+import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 
 from drakesep.analysis.element_pairs import Names
+from drakesep.systems.elements import Mesh
 from drakesep.systems.proximity import (
     TOUCHING,
     Nearest,
@@ -34,8 +37,10 @@ Array = NDArray[np.float64]
 
 ACCURACY = 5e-5
 """By which a smallest distance may miss that over continuous time, m."""
-_STRIDE = 4
-"""Samples from one look to the next, before stretches between them are settled."""
+_LOOKS = 12
+"""Moments that are looked at before the stretches between them are settled."""
+_POLISHED = 1e-6
+"""To which the time of a smallest distance is found, s."""
 _INSTANT = 1e-7
 """To which the time of a contact is found, s."""
 _APART = 1e-5
@@ -72,6 +77,19 @@ class Clearance:
     """None: they do not touch."""
 
 
+# What is known of a pair of pieces since it was measured: a row of numbers.
+_LOW, _RADIUS, _WIDTH = 0, 1, 15
+_N_A, _CENTRE_A, _CENTRE_B = slice(2, 5), slice(5, 8), slice(8, 11)
+_Q_AB = slice(11, 15)
+_ROOM = 64
+"""Rows to begin with."""
+
+
+class _Moment(NamedTuple):
+    time: float
+    nearest: Nearest
+
+
 class ClearanceOfPair:
     """Measures two elements along the path of their bodies.
 
@@ -87,13 +105,12 @@ class ClearanceOfPair:
         self._proximity, self._names, self._path = proximity, names, path
         self.time = path.time
         first, second = (proximity.roots[name] for name in names)
-        self._pairs: list[Pair] = [(first, second)]
-        self._set_centres()
-        count = len(self._pairs)
-        self._low = np.full(count, -np.inf)
-        self._n_A = np.zeros((count, 3))
-        self._centre_A = np.zeros((count, 3))
-        self._q_AB = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
+        self._meshes = any(
+            isinstance(proximity.elements[name].shape, Mesh) for name in names
+        )
+        self._pairs: list[Pair] = []
+        self._rows = np.empty((_ROOM, _WIDTH))
+        self._add((first, second))
 
     def at(self, t: float) -> Nearest:
         """Return how near the elements are at a time, s."""
@@ -102,6 +119,8 @@ class ClearanceOfPair:
     def overlap(self, t: float) -> bool:
         """Return whether they overlap, or one is inside the other, at a time, s."""
         pose = self._look(t)
+        if self._settle(t, t, TOUCHING) is None and not self._meshes:
+            return False
         nearest = self._nearest(pose)
         first, second = (self._proximity.elements[name] for name in self._names)
         p_AoCb_A = pose.R_AB @ nearest.p_BoCb_B + pose.p_AoBo_A
@@ -112,34 +131,66 @@ class ClearanceOfPair:
             or is_inside(second, p_BoCa_B)
         )
 
-    def minimum(
-        self, start: float, end: float, accuracy: float = ACCURACY
-    ) -> Clearance:
+    def minimum(self, start: float, end: float) -> Clearance:
         """Return how near they come between two times, s."""
-        inner = self.time[::_STRIDE]
-        inner = inner[(inner > start) & (inner < end)]
-        times = [start, *inner.tolist(), end]
-        time, best = start, self.at(start)
-        for t in times[1:]:
-            nearest = self.at(t)
-            if nearest.distance < best.distance:
-                time, best = t, nearest
+        found = self.nearer(start, end, math.inf)
+        assert found is not None
+        return found
+
+    def nearer(self, start: float, end: float, than: float) -> Clearance | None:
+        """Return how near they come between two times, s; None if not as near.
+
+        Args:
+            start: s.
+            end: s.
+            than: distance, m, below which they must come by more than `ACCURACY`.
+        """
+        times = np.linspace(start, end, _LOOKS).tolist()
+        best: _Moment | None = None
+        if math.isinf(than):
+            looked = [_Moment(t, self.at(t)) for t in times]
+            best = min(looked, key=lambda moment: moment.nearest.distance)
+            than = best.nearest.distance
         stack = list(itertools.pairwise(times))
-        while stack and best.distance > TOUCHING:
+        while stack and than > TOUCHING:
             a, b = stack.pop()
-            there = self._settle(a, b, best.distance - accuracy)
+            there = self._settle(a, b, than - ACCURACY)
             if there is None:
                 continue
             middle = 0.5 * (a + b)
-            if there.distance < best.distance:
-                time, best = middle, there
+            if there.distance < than:
+                best, than = _Moment(middle, there), there.distance
             stack += [(a, middle), (middle, b)]
+        if best is None:
+            return None
         contact = None
-        if best.distance <= TOUCHING + accuracy:
+        if best.nearest.distance <= TOUCHING + ACCURACY:
             contact = self._first_contact(start, end)
-        if contact is not None:
-            time = contact.time
-            best = self.at(time)._replace(distance=0.0)
+        if contact is None:
+            best = self._polished(best, start, end)
+        else:
+            touching = self.at(contact.time)._replace(distance=0.0)
+            best = _Moment(contact.time, touching)
+        return self._clearance(best, contact)
+
+    def _polished(self, best: _Moment, start: float, end: float) -> _Moment:
+        """Return the smallest distance near a moment that is all but it."""
+        i, j = np.searchsorted(self.time, [best.time, best.time])
+        low = max(start, float(self.time[max(i - 1, 0)]))
+        high = min(end, float(self.time[min(j + 1, len(self.time) - 1)]))
+        if low >= high:
+            return best
+        found = minimize_scalar(
+            lambda t: self.at(float(t)).distance,
+            bounds=(low, high),
+            method="bounded",
+            options={"xatol": _POLISHED},
+        )
+        there = _Moment(float(found.x), self.at(float(found.x)))
+        return min(best, there, key=lambda moment: moment.nearest.distance)
+
+    def _clearance(self, moment: _Moment, contact: Contact | None) -> Clearance:
+        time, best = moment
         return Clearance(
             first=self._names[0],
             second=self._names[1],
@@ -210,45 +261,53 @@ class ClearanceOfPair:
     def _measure(self, k: int, pose: Pose) -> Told:
         pair = self._pairs[k]
         told = self._proximity.measure(pair)
-        self._low[k], self._n_A[k] = told.low, told.n_A
-        self._centre_A[k] = pose.R_AB @ self._centre_B[k] + pose.p_AoBo_A
-        self._q_AB[k] = pose.q_AB
+        row = self._rows[k]
+        row[_LOW], row[_N_A], row[_Q_AB] = told.low, told.n_A, pose.q_AB
+        row[_CENTRE_A] = pose.R_AB @ row[_CENTRE_B] + pose.p_AoBo_A
         return told
 
     def _open(self, k: int) -> list[int]:
         """Put the children of a pair into its place, and return where they stand."""
-        children = split(self._pairs[k])
-        last = len(self._pairs)
-        self._pairs[k] = children[0]
-        self._pairs += children[1:]
-        more = len(children) - 1
-        for name in ("_low", "_n_A", "_centre_A", "_q_AB"):
-            kept = getattr(self, name)
-            setattr(
-                self, name, np.concatenate([kept, np.repeat(kept[k : k + 1], more, 0)])
-            )
-        self._set_centres()
-        # Where they were is not known yet.
-        new = [k, *range(last, last + more)]
-        self._low[new] = -np.inf
-        return new
+        first, *others = split(self._pairs[k])
+        self._put(k, first)
+        return [k, *(self._add(pair) for pair in others)]
 
-    def _set_centres(self) -> None:
-        self._centre_B = np.array([b.centre for _, b in self._pairs])
-        self._radius = np.array([b.radius for _, b in self._pairs])
+    def _add(self, pair: Pair) -> int:
+        """Add a pair, and return where it stands."""
+        k = len(self._pairs)
+        if k == len(self._rows):
+            self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
+        self._pairs.append(pair)
+        self._put(k, pair)
+        return k
+
+    def _put(self, k: int, pair: Pair) -> None:
+        """Put a pair somewhere; where it was is not known yet."""
+        self._pairs[k] = pair
+        row = self._rows[k]
+        row[:] = 0.0
+        row[_LOW] = -np.inf
+        row[_CENTRE_B], row[_RADIUS] = pair[1].centre, pair[1].radius
+
+    @property
+    def _known(self) -> Array:
+        """(k, 15) what is known of each pair."""
+        return self._rows[: len(self._pairs)]
 
     def _bounds(self, pose: Pose) -> Array:
         """Return (k,) what the distances are at least, as pieces have moved since.
 
         Of what overlaps nothing is known.
         """
-        moved = self._centre_B @ pose.R_AB.T + pose.p_AoBo_A - self._centre_A
-        along = np.einsum("ki,ki->k", moved, self._n_A)
-        cosine = np.minimum(np.abs(self._q_AB @ pose.q_AB), 1.0)
+        known = self._known
+        low = known[:, _LOW]
+        moved = known[:, _CENTRE_B] @ pose.R_AB.T + pose.p_AoBo_A - known[:, _CENTRE_A]
+        along = np.einsum("ki,ki->k", moved, known[:, _N_A])
+        cosine = np.minimum(np.abs(known[:, _Q_AB] @ pose.q_AB), 1.0)
         turned = 2.0 * np.arccos(cosine)
-        bounds = self._low + along - turned * self._radius
+        bounds = low + along - turned * known[:, _RADIUS]
         # Between shapes that touch, Drake's normal may be no number.
-        told = (self._low > TOUCHING) & np.isfinite(bounds)
+        told = (low > TOUCHING) & np.isfinite(bounds)
         return np.where(told, bounds, -np.inf)
 
     # Stretches of time.
@@ -256,24 +315,26 @@ class ClearanceOfPair:
     def _settle(self, a: float, b: float, limit: float) -> Nearest | None:
         """Return None if no distance goes below a limit between two times, s.
 
-        Else how near the elements are half-way.
+        Else how near the pieces are half-way that may go below it.
         """
         pose = self._look(0.5 * (a + b))
-        fresh: set[int] = set()
+        fresh: dict[int, Told] = {}
         while True:
             bounds = self._bounds(pose) - self._ways(pose, a, b)
             doubtful = np.flatnonzero(~(bounds >= limit)).tolist()
             for k in [k for k in doubtful if k in fresh]:
                 if not is_leaf(self._pairs[k]):
                     self._open(k)
-                    fresh.remove(k)
+                    del fresh[k]
             stale = [k for k in doubtful if k not in fresh]
             if not stale:
                 break
             for k in stale:
-                self._measure(k, pose)
-            fresh.update(stale)
-        return self._nearest(pose) if doubtful else None
+                fresh[k] = self._measure(k, pose)
+        if not doubtful:
+            return None
+        nearest = min(doubtful, key=lambda k: fresh[k].distance)
+        return nearest_of(self._pairs[nearest], fresh[nearest])
 
     def _ways(self, pose: Pose, a: float, b: float) -> Array:
         """Return (k,) how far pieces move from half-way between two times, at most.
@@ -282,9 +343,9 @@ class ClearanceOfPair:
         """
         half = 0.5 * (b - a)
         w, acceleration, bending = self._path.bounds(a, b)
-        arms = self._centre_B @ pose.R_AB.T
+        arms = self._known[:, _CENTRE_B] @ pose.R_AB.T
         velocities = pose.v_ABo_A + np.cross(pose.w_AB_A, arms)
-        speeds = np.abs(np.einsum("ki,ki->k", velocities, self._n_A))
+        speeds = np.abs(np.einsum("ki,ki->k", velocities, self._known[:, _N_A]))
         curving = acceleration + bending * np.linalg.norm(arms, axis=1)
-        ways = speeds * half + 0.5 * curving * half**2 + w * half * self._radius
+        ways = speeds * half + 0.5 * curving * half**2 + w * half * self._known[:, _RADIUS]
         return np.asarray(ways)
