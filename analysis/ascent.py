@@ -140,7 +140,8 @@ def ascend(
         def log(iteration: Iteration) -> None:
             untold.append((i, iteration))
 
-        return lambda ask: _Climb(starts[i], settings, exact, ask, log).run()
+        costly = evaluator.objectives[starts[i].objective].costly
+        return lambda ask: _Climb(starts[i], settings, exact, costly, ask, log).run()
 
     def answer(questions: list[_Question]) -> list[_Answer | None]:
         tell()  # here, where one thread at a time comes by
@@ -168,7 +169,8 @@ def slopes_at(
     def task(point: Start) -> Callable[[_Ask], Array]:
         def slopes(ask: _Ask) -> Array:
             exact = evaluator.exact(point.objective) and not settings.differences
-            climb = _Climb(point, settings, exact, ask)
+            costly = evaluator.objectives[point.objective].costly
+            climb = _Climb(point, settings, exact, costly, ask)
             try:
                 return climb.gradient(np.asarray(point.u, dtype=float))
             except _RunFailedError:
@@ -186,7 +188,16 @@ class _Question(NamedTuple):
     objective: int
     rows: Array
     """(r, n)."""
-    slopes: bool
+    kind: "_Kind"
+
+
+class _Kind(enum.Enum):
+    """What is asked for."""
+
+    VALUES = enum.auto()
+    NEAR = enum.auto()
+    """Values about the first row, which have its slope."""
+    SLOPES = enum.auto()
 
 
 class _Answer(NamedTuple):
@@ -208,15 +219,21 @@ def _answer(
 
     Slopes cost far more, and less for each the more there are of them.
     """
-    for_slopes = all(question.slopes for question in questions)
-    asked = [i for i, q in enumerate(questions) if q.slopes == for_slopes]
+    kind = next(
+        kind for kind in _Kind if any(question.kind is kind for question in questions)
+    )
+    asked = [i for i, question in enumerate(questions) if question.kind is kind]
     rows = np.concatenate([questions[i].rows for i in asked])
     which = [questions[i].objective for i in asked for _ in questions[i].rows]
     slopes = None
-    if for_slopes:
-        told, slopes = evaluator.slopes(rows, which)
-    else:
-        told = evaluator.one(rows, which)
+    match kind:
+        case _Kind.SLOPES:
+            told, slopes = evaluator.slopes(rows, which)
+        case _Kind.NEAR:
+            asked = asked[:1]
+            told = evaluator.near(questions[asked[0]].rows, which[0])
+        case _:
+            told = evaluator.one(rows, which)
     answers: list[_Answer | None] = [None] * len(questions)
     first = 0
     for i in asked:
@@ -254,6 +271,7 @@ class _Climb:
         start: Start,
         settings: AscentSettings,
         exact: bool,
+        costly: bool,
         ask: _Ask,
         tell: Callable[[Iteration], None] = lambda _: None,
     ):
@@ -261,6 +279,7 @@ class _Climb:
         self._set = start.tolerances
         self._settings = settings
         self._exact = exact
+        self._costly = costly
         self._ask = ask
         self._tell = tell
         self._evaluations = 0
@@ -309,9 +328,9 @@ class _Climb:
             }
         ]
 
-    def _evaluate(self, points: Array, slopes: bool = False) -> _Answer:
+    def _evaluate(self, points: Array, kind: _Kind = _Kind.VALUES) -> _Answer:
         rows = self._set.rows(points)
-        answer = self._ask(_Question(self._start.objective, rows, slopes))
+        answer = self._ask(_Question(self._start.objective, rows, kind))
         self._evaluations += len(points)
         if answer.failure:
             raise _RunFailedError(f"a run failed: {answer.failure}")
@@ -338,7 +357,7 @@ class _Climb:
 
     def _slopes_at(self, u: Array) -> Array:
         point = self._set.draw_back(u)
-        answer = self._evaluate(point[None], slopes=True)
+        answer = self._evaluate(point[None], _Kind.SLOPES)
         assert answer.slopes is not None
         self._keep(u, point, float(answer.values[0]))
         return np.asarray(answer.slopes[0] * self._set.box.tolerance)
@@ -349,7 +368,11 @@ class _Climb:
         point = self._set.draw_back(u)
         probes = self._probes(point)
         steps = probes - point
-        rises = self._evaluate(probes).values - value
+        if self._costly:
+            together = np.concatenate([point[None], probes])
+            rises = self._evaluate(together, _Kind.NEAR).values[1:] - value
+        else:
+            rises = self._evaluate(probes).values - value
         diagonal = np.diagonal(steps)
         if np.array_equal(steps, np.diag(diagonal)):
             slopes = np.zeros(len(point))

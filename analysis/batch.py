@@ -386,8 +386,9 @@ class Batch:
         """Return the runs of at most `_RUNS` rows."""
         flyable = rows.copy()
         flyable[list(failures)] = self.nominal
-        lanes = self._filled(flyable, _RUNS)
-        flown = _call(self._figures, lanes)
+        # In as many lanes as elsewhere: another number would be another program.
+        everywhere = self._filled(flyable, max(self._chunk, _RUNS))
+        flown = _call(self._figures, everywhere)
         reasons = {**self._why_not(flown), **failures}
         plans = [
             _Plan.of(self.separation, flown.landing, i, self._values(row))
@@ -396,7 +397,7 @@ class Batch:
         ]
         runs = {}
         if plans:
-            signals = self._sample_motion(lanes, plans)
+            signals = self._sample_motion(self._filled(flyable, _RUNS), plans)
             runs = {plan.row: plan.run(signals) for plan in plans}
         for i in range(len(rows)):
             if i not in runs:

@@ -347,5 +347,5 @@ class ClearanceOfPair:
         velocities = pose.v_ABo_A + np.cross(pose.w_AB_A, arms)
         speeds = np.abs(np.einsum("ki,ki->k", velocities, self._known[:, _N_A]))
         curving = acceleration + bending * np.linalg.norm(arms, axis=1)
-        ways = speeds * half + 0.5 * curving * half**2 + w * half * self._known[:, _RADIUS]
-        return np.asarray(ways)
+        turning = w * self._known[:, _RADIUS]
+        return np.asarray((speeds + turning) * half + 0.5 * curving * half**2)

@@ -27,6 +27,10 @@ _ENOUGH = 1e-8
 """Tolerance of one of many starts: maxima that differ by 1e-6 are told apart."""
 
 
+_COSTLY = 4
+"""Times as few starts for objectives that are costly."""
+
+
 def climb(
     problem: Problem, settings: SearchSettings, known: Known, on_progress: OnProgress
 ) -> Searched:
@@ -50,7 +54,7 @@ def climb_from_many(
     )
     settings = dataclasses.replace(settings, ascent=patience)
     climbed = any(candidate.search == "sqp" for candidate in known)
-    count = settings.starts - 1 if climbed else settings.starts
+    starts_of_all = settings.starts - 1 if climbed else settings.starts
     nominal = [] if climbed else [np.zeros(len(problem.tolerances))]
     starts = []
     for k in range(len(problem.evaluator.objectives)):
@@ -58,6 +62,8 @@ def climb_from_many(
             (c for c in known if c.objective == k and c.ascent is None),
             key=lambda c: -c.value,
         )
+        costly = problem.evaluator.objectives[k].costly
+        count = -(-starts_of_all // _COSTLY) if costly else starts_of_all
         best = [*nominal, *map(np.array, dict.fromkeys(c.u for c in mine))][:count]
         # The same for each objective: what others there are changes nothing.
         rng = np.random.default_rng(settings.seed)

@@ -3,6 +3,7 @@
 import contextlib
 import math
 import threading
+from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol, TypeAlias
 
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drakesep.analysis.batch import Batch
-from drakesep.analysis.objectives import Limits, Objective
+from drakesep.analysis.objectives import About, Limits, Objective
 from drakesep.systems.checks import InputError
 from drakesep.systems.run import Run, RunStatus
 
@@ -40,12 +41,27 @@ class Evaluator(Protocol):
         """Return whether `slopes` knows those of an objective."""
         ...
 
-    def all(self, rows: Array, on_progress: Progress | None = None) -> Evaluated:
-        """Return every objective at every row."""
+    def all(
+        self,
+        rows: Array,
+        on_progress: Progress | None = None,
+        of: Sequence[int] | None = None,
+    ) -> Evaluated:
+        """Return every objective at every row; NaN for those that are not asked for.
+
+        Args:
+            rows: (n, n_p) of the parameters, in SI.
+            on_progress: called now and then.
+            of: which objectives; all if None.
+        """
         ...
 
     def one(self, rows: Array, which: Sequence[int]) -> Evaluated:
         """Return one objective at each row: the which[i]-th at row i."""
+        ...
+
+    def near(self, rows: Array, k: int) -> Evaluated:
+        """Return an objective at the first row, and about it at the others."""
         ...
 
     def slopes(self, rows: Array, which: Sequence[int]) -> tuple[Evaluated, Array]:
@@ -75,6 +91,8 @@ class RunEvaluator:
         self._limits = limits
         self.names = tuple(names)
         self.objectives = tuple(objectives)
+        # What is asked for at a row and, a little later, about it.
+        self._last: OrderedDict[tuple[int, bytes], About] = OrderedDict()
 
     def exact(self, k: int) -> bool:
         """Return False: differences must do."""
@@ -118,17 +136,37 @@ class RunEvaluator:
                 values[i] = self._tell(which[i], run, rows[i])
         return Evaluated(values, failures)
 
+    def near(self, rows: Array, k: int) -> Evaluated:
+        """Return an objective at the first row, and about it at the others."""
+        values = np.full(len(rows), np.nan)
+        runs = self._fly(rows)
+        failures = {
+            i: run.message
+            for i, run in enumerate(runs)
+            if run.status is RunStatus.FAILED
+        }
+        if not failures:
+            about = self._about(k, runs[0], rows[0])
+            values[:] = [about.value, *map(about.near, runs[1:])]
+        return Evaluated(values, failures)
+
     def slopes(self, rows: Array, which: Sequence[int]) -> tuple[Evaluated, Array]:
         """Refuse."""
         raise TypeError("there are no derivatives run by run")
 
     def _tell(self, k: int, run: Run, row: Array) -> float:
+        return self._about(k, run, row).value
+
+    def _about(self, k: int, run: Run, row: Array) -> About:
         objective = self.objectives[k]
+        key = k, row.tobytes()
+        if key in self._last:
+            return self._last[key]
         point = ", ".join(
             f"{name} = {x:.9g}" for name, x in zip(self.names, row, strict=True)
         )
         try:
-            value = objective.of_run(run, self._limits)
+            about = objective.about(run, self._limits)
         except InputError:
             raise
         except Exception as error:  # whatever a user's function raises
@@ -136,17 +174,23 @@ class RunEvaluator:
                 f"objective {objective.name} must give a number for every run, got "
                 f"{type(error).__name__}: {error}, at {point}"
             ) from error
-        if not math.isfinite(value):
+        if not math.isfinite(about.value):
             raise InputError(
-                f"objective {objective.name} must be finite for every run, got {value} "
-                f"at {point}; let it return a number for such a run too, a low one if "
-                "the run is harmless"
+                f"objective {objective.name} must be finite for every run, got "
+                f"{about.value} at {point}; let it return a number for such a run too, "
+                "a low one if the run is harmless"
             )
-        return value
+        if objective.costly:
+            self._last[key] = about
+            if len(self._last) > _KEPT:
+                self._last.popitem(last=False)
+        return about
 
 
 _ROWS = 64
 """Between two tellings of progress."""
+_KEPT = 1024
+"""Answers to costly questions."""
 
 
 class BatchEvaluator:
@@ -180,19 +224,31 @@ class BatchEvaluator:
         """Return whether derivatives are to be had: of what figures alone tell."""
         return self._derivatives and self.objectives[k].of_figures_alone
 
-    def all(self, rows: Array, on_progress: Progress | None = None) -> Evaluated:
-        """Return every objective at every row."""
-        of_figures = [objective.of_figures_alone for objective in self.objectives]
+    def all(
+        self,
+        rows: Array,
+        on_progress: Progress | None = None,
+        of: Sequence[int] | None = None,
+    ) -> Evaluated:
+        """Return every objective at every row; NaN for those that are not asked for.
+
+        Args:
+            rows: (n, n_p) of the parameters, in SI.
+            on_progress: called now and then.
+            of: which objectives; all if None.
+        """
+        asked = range(len(self.objectives)) if of is None else of
+        of_figures = [k for k in asked if self.objectives[k].of_figures_alone]
+        others = [k for k in asked if not self.objectives[k].of_figures_alone]
         values = np.full((len(rows), len(self.objectives)), np.nan)
         failures: dict[int, str] = {}
-        if any(of_figures):
+        if of_figures:
             result = self._batch.run(rows, on_progress=on_progress)
             figures = result.metrics.to_numpy()
-            for k in np.flatnonzero(of_figures).tolist():
+            for k in of_figures:
                 values[:, k] = self.objectives[k].of_figures(figures)
             failures |= result.failures
-        if not all(of_figures):
-            others = np.flatnonzero(np.logical_not(of_figures)).tolist()
+        if others:
             told = self._of_runs.all(rows, on_progress, others)
             values[:, others] = told.values[:, others]
             failures |= told.failures
@@ -226,16 +282,25 @@ class BatchEvaluator:
             failures |= {int(index[i]): why for i, why in part.failures.items()}
         return Evaluated(values, failures)
 
+    def near(self, rows: Array, k: int) -> Evaluated:
+        """Return an objective at the first row, and about it at the others."""
+        if self.objectives[k].of_figures_alone:
+            return self.one(rows, [k] * len(rows))
+        return self._of_runs.near(rows, k)
+
     def prepare(self) -> None:
-        """Begin to compile the derivatives' program, beside whatever comes next."""
-        if any(map(self.exact, range(len(self.objectives)))):
-            self._preparing = threading.Thread(target=self._compile, daemon=True)
-            self._preparing.start()
+        """Begin to compile what climbs need, beside whatever comes next."""
+        self._preparing = threading.Thread(target=self._compile, daemon=True)
+        self._preparing.start()
 
     def _compile(self) -> None:
+        nominal = self._batch.nominal[None]
         # What goes wrong here goes wrong again where it is told of.
         with contextlib.suppress(Exception):
-            self._batch.jacobian(self._batch.nominal[None])
+            if any(map(self.exact, range(len(self.objectives)))):
+                self._batch.jacobian(nominal)
+            if not all(objective.of_figures_alone for objective in self.objectives):
+                self._batch.runs(nominal)
 
     def slopes(self, rows: Array, which: Sequence[int]) -> tuple[Evaluated, Array]:
         """Return one objective at each row, and its derivatives (n, n_p)."""

@@ -15,6 +15,7 @@ from drakesep.analysis.search import (
     Searched,
     SearchProgress,
     SearchSettings,
+    swept,
 )
 from drakesep.analysis.sweeps import Best
 
@@ -68,10 +69,12 @@ def evolve(
         )
         return answers
 
-    side_by_side([task(k) for k in range(m)], answer)
+    of = swept(problem)
+    side_by_side([task(k) for k in of], answer)
     return best.searched(
         f"differential evolution, at most {settings.generations} generations more of "
-        f"{_POPULATION * len(tolerances)}"
+        f"{_POPULATION * len(tolerances)}",
+        of,
     )
 
 

@@ -154,12 +154,14 @@ def _beginnings(
     own = np.array([limit.u for limit in limits]).reshape(len(limits), n)
     points = [own]
     searching = [i for i, limit in enumerate(limits) if limit.parameter is None]
+    asked = sorted({limit.objective for limit in limits})
     known = np.concatenate([np.unique(own, axis=0), set_.draw_back(corners)])
     for stage in _STAGES:
         if not searching:
             break
         factors = np.minimum(stage, caps)
-        told = problem.evaluator.all(set_.rows(set_.grown_points(known, factors)))
+        rows = set_.rows(set_.grown_points(known, factors))
+        told = problem.evaluator.all(rows, of=asked)
         values = np.where(np.isnan(told.values), -np.inf, told.values)
         for i in list(searching):
             column = values[:, limits[i].objective]

@@ -10,7 +10,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Literal, Self, TypeAlias
+from typing import Literal, NamedTuple, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,15 @@ Window: TypeAlias = tuple[float, float]
 """From when to when, s."""
 
 
+class About(NamedTuple):
+    """An objective at a run, and what it is like around."""
+
+    value: float
+    """Of the objective, in SI."""
+    near: "Callable[[Run], float]"
+    """Of runs all but equal: of the same value there, and the same slope."""
+
+
 class Objective(ABC):
     """A number for each run, to be maximised.
 
@@ -48,12 +57,17 @@ class Objective(ABC):
             motion is needed, and its derivatives are exact.
         figure: that it is, or less it; None if it is something else.
         sign: 1, or -1 if it is less its figure.
+        costly: whether it takes longer to tell than its run to fly: searches that fly
+            very many runs leave it out, beside others.
+        accuracy: by which it may miss, in SI.
     """
 
     name: str
     of_figures_alone: bool
     figure: str | None = None
     sign: float = 1.0
+    costly: bool = False
+    accuracy: float = 0.0
 
     def __call__(self, run: Run) -> float:
         """Return the objective of a completed run, with no limits of deviations."""
@@ -67,6 +81,17 @@ class Objective(ABC):
             run: a completed run.
             limits: (3,) of the deviations, as `metrics` takes them.
         """
+
+    def about(self, run: Run, limits: Limits) -> About:
+        """Return the objective of a completed run, and what it is like around.
+
+        Itself, unless something smoother or sooner told has the same slope.
+
+        Args:
+            run: a completed run.
+            limits: (3,) of the deviations, as `metrics` takes them.
+        """
+        return About(self.of_run(run, limits), lambda near: self.of_run(near, limits))
 
     def of_figures(self, figures: Array) -> Array:
         """Return the objective (...,) of figures (..., n_m), in the order of METRICS.
@@ -163,6 +188,7 @@ class _Together(Objective):
         self.name = name
         self._terms = tuple(terms)
         self.of_figures_alone = all(term.of_figures_alone for term in terms)
+        self.costly = any(term.costly for term in terms)
 
     def _each_of_figures(self, figures: Array) -> Array:
         return np.stack([term.of_figures(figures) for term in self._terms], axis=-1)
@@ -185,9 +211,19 @@ class _Sum(_Together):
             raise InputError(f"factors of a sum must be finite, got {factors}")
         super().__init__(terms, name or _written(terms, factors))
         self._factors = np.array(factors)
+        accuracies = [term.accuracy for term in terms]
+        self.accuracy = float(np.abs(self._factors) @ accuracies)
 
     def of_run(self, run: Run, limits: Limits) -> float:
         return float(self._factors @ self._each_of_run(run, limits))
+
+    def about(self, run: Run, limits: Limits) -> About:
+        each = [term.about(run, limits) for term in self._terms]
+
+        def near(other: Run) -> float:
+            return float(self._factors @ [one.near(other) for one in each])
+
+        return About(float(self._factors @ [one.value for one in each]), near)
 
     def of_figures(self, figures: Array) -> Array:
         return np.asarray(self._each_of_figures(figures) @ self._factors)
@@ -200,8 +236,16 @@ class _Sum(_Together):
 class _Largest(_Together):
     """The largest of objectives; where two are as large, the slope of the first."""
 
+    def __init__(self, terms: Sequence[Objective], name: str):
+        super().__init__(terms, name)
+        self.accuracy = max(term.accuracy for term in terms)
+
     def of_run(self, run: Run, limits: Limits) -> float:
         return max(self._each_of_run(run, limits))
+
+    def about(self, run: Run, limits: Limits) -> About:
+        each = [term.about(run, limits) for term in self._terms]
+        return max(each, key=lambda one: one.value)
 
     def of_figures(self, figures: Array) -> Array:
         return np.asarray(self._each_of_figures(figures).max(axis=-1))

@@ -22,6 +22,8 @@ class Requirement:
     sense: Literal["<=", ">="]
     limit: float
     """In SI."""
+    condition: str = ""
+    """When it holds, in words; always if empty."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -68,12 +70,18 @@ def assess(
 
     Args:
         requirements: to be judged.
-        runs: figures of each run, by its label.
+        runs: figures of each run, by its label; those that lack a figure say nothing
+            about it.
         nominal: label of the nominal run.
     """
     findings = []
     for requirement in requirements:
-        values = {label: figures[requirement.metric] for label, figures in runs.items()}
+        metric = requirement.metric
+        values = {
+            label: figures[metric]
+            for label, figures in runs.items()
+            if metric in figures
+        }
         label = min(values, key=lambda label: requirement.margin(values[label]))
         findings.append(
             Finding(

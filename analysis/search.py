@@ -91,6 +91,16 @@ class SearchSettings:
         return dataclasses.replace(settings, **effort)
 
 
+def swept(problem: Problem) -> list[int]:
+    """Return the objectives that searches of very many runs look for.
+
+    Not the costly ones, unless there are no others.
+    """
+    everything = list(range(len(problem.evaluator.objectives)))
+    cheap = [k for k in everything if not problem.evaluator.objectives[k].costly]
+    return cheap or everything
+
+
 def _between(least: int, value: int, most: int) -> int:
     return min(max(value, least), most)
 
@@ -134,6 +144,8 @@ class Searched:
     """How many runs failed, by their reason."""
     note: str
     """What was searched, in words."""
+    left_out: tuple[int, ...] = ()
+    """Objectives that it did not look for."""
 
     def best(self, objective: int) -> Candidate | None:
         """Return the best candidate of an objective; None if there is none."""

@@ -3,7 +3,7 @@
 A point is flown once for all objectives.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from drakesep.analysis.search import (
     Searched,
     SearchProgress,
     SearchSettings,
+    swept,
 )
 from drakesep.analysis.tolerance_set import ToleranceSet
 from drakesep.systems.checks import InputError
@@ -72,8 +73,9 @@ class Best:
         """Best values, by objective."""
         return {k: found[0][0] for k, found in enumerate(self._found) if found}
 
-    def searched(self, note: str) -> Searched:
-        """Return what was found."""
+    def searched(self, note: str, of: Sequence[int]) -> Searched:
+        """Return what was found of the objectives that were looked for."""
+        everything = range(len(self._found))
         return Searched(
             search=self.search,
             candidates=tuple(
@@ -84,6 +86,7 @@ class Best:
             points=self.points,
             failures=self.failures,
             note=note,
+            left_out=tuple(k for k in everything if k not in of),
         )
 
 
@@ -97,7 +100,7 @@ def sample(
     for first in range(0, total, _SWEEP):
         u = problem.tolerances.draw(min(_SWEEP, total - first), rng)
         _fly_all(problem, u, best, total, on_progress)
-    return best.searched(f"{total} random samples")
+    return best.searched(f"{total} random samples", swept(problem))
 
 
 def _fly_all(
@@ -112,7 +115,7 @@ def _fly_all(
             )
         )
 
-    told = problem.evaluator.all(problem.tolerances.rows(u), tell)
+    told = problem.evaluator.all(problem.tolerances.rows(u), tell, swept(problem))
     best.add(u, told.values, told.failures)
     return told.values
 
@@ -140,9 +143,10 @@ def sweep_vertices(
         note = f"all {2**n} vertices"
         if drawn_back:
             note += f", {drawn_back} of them drawn back into the set"
-        return best.searched(note)
+        return best.searched(note, swept(problem))
     held = _one_signed(problem, settings, known)
-    free = (held == 0.0).sum(axis=1)
+    of = swept(problem)
+    free = (held[of] == 0.0).sum(axis=1)
     total = int(sum(2.0**count for count in free))
     if total > settings.vertices:
         raise InputError(
@@ -151,7 +155,7 @@ def sweep_vertices(
             "Search by 'multistart' or 'evolution', disperse fewer parameters, or "
             "afford more"
         )
-    for k in range(m):
+    for k in of:
         for u, _ in _vertices(problem.tolerances, held[k]):
             told = problem.evaluator.one(problem.tolerances.rows(u), [k] * len(u))
             best.add_of(k, u, told.values)
@@ -163,7 +167,8 @@ def sweep_vertices(
             )
     return best.searched(
         f"{total} vertices in the {int(free.min())} to {int(free.max())} parameters "
-        f"whose slopes changed sign at {_PLACES} points, the others at the worse bound"
+        f"whose slopes changed sign at {_PLACES} points, the others at the worse bound",
+        of,
     )
 
 
@@ -176,8 +181,8 @@ def _one_signed(problem: Problem, settings: SearchSettings, known: Known) -> Arr
     rng = np.random.default_rng(settings.seed)
     points = problem.tolerances.draw(_PLACES, rng)
     points[0] = 0.0
-    signs = []
-    for k in range(len(problem.evaluator.objectives)):
+    signs = np.zeros((len(problem.evaluator.objectives), len(problem.tolerances)))
+    for k in swept(problem):
         mine = [np.array(c.u) for c in known if c.objective == k]
         starts = [
             Start(objective=k, tolerances=problem.tolerances, u=u)
@@ -186,8 +191,8 @@ def _one_signed(problem: Problem, settings: SearchSettings, known: Known) -> Arr
         slopes = slopes_at(starts, problem.evaluator, settings.ascent)
         sign = np.sign(slopes)
         sign[:, (sign == 0.0).all(axis=0)] = 1.0  # of no matter: either bound does
-        signs.append(np.where((sign == sign[0]).all(axis=0), sign[0], 0.0))
-    return np.array(signs)
+        signs[k] = np.where((sign == sign[0]).all(axis=0), sign[0], 0.0)
+    return signs
 
 
 def _vertices(tolerances: ToleranceSet, held: Array) -> Iterator[tuple[Array, int]]:

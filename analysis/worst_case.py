@@ -177,7 +177,11 @@ def _evidence(
     ended = (SearchStatus.CONVERGED, SearchStatus.STALLED)
     ends = [ascent.value for ascent in ascents if ascent.status in ended]
     best = {search.search: search.best(k) for search in done}
-    drawn = [search for search in done if search.search == "samples"]
+    drawn = [
+        search
+        for search in done
+        if search.search == "samples" and k not in search.left_out
+    ]
     samples = sum(search.points for search in drawn)
     failed = sum(sum(search.failures.values()) for search in drawn)
     there = sum(winner.value - end <= SAME * abs(winner.value) for end in ends)

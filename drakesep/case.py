@@ -98,6 +98,10 @@ class Case(Section):
         for quantity in quantities:
             if quantities.count(quantity) > 1:
                 raise CaseError(f"requirements: {quantity} must stand once")
+        if "clearance_mm" in quantities and not self.has_clearance:
+            raise CaseError(
+                "requirements: clearance_mm needs geometry on two bodies, got none"
+            )
         for limit in self.limits:
             if limit.sense == "<=" and limit.limit < 0.0:
                 raise CaseError(
@@ -160,10 +164,44 @@ class Case(Section):
     @property
     def requirement_objectives(self) -> tuple[Objective, ...]:
         """What leads out of each requirement, and the time to a deviation's limit."""
-        objectives = [o for limit in self.limits for o in towards(limit)]
+        objectives = [o for limit in self.limits for o in self.towards(limit)]
         if any(math.isfinite(limit) for limit in deviation_limits(self.limits)):
             objectives.append(lowest("deviation_within_limits_until"))
         return tuple(objectives)
+
+    def towards(self, requirement: Requirement) -> tuple[Objective, ...]:
+        """Return the objectives that lead out of a requirement."""
+        if requirement.metric == "clearance":
+            return (self.lowest_clearance(),)
+        return towards(requirement)
+
+    def lowest_clearance(self) -> Objective:
+        """Return the objective that makes the smallest distance small.
+
+        Over the time for which there is a requirement on it, else over the whole run.
+        """
+        # Here, since it takes long: a case is read without Drake.
+        from drakesep.analysis.lowest_clearance import LowestClearance
+
+        window = [
+            section.until_separation_mm
+            for section in self.requirements
+            if section.quantity == "clearance_mm"
+        ]
+        until = window[0] if window else None
+        return LowestClearance(
+            self.separation,
+            self.clearance.pairs,
+            touching=self.clearance.touching,
+            until_separation=(
+                None if until is None else unit_of("separation").to_si(until)
+            ),
+        )
+
+    @property
+    def has_clearance(self) -> bool:
+        """Whether elements of two bodies may come near each other."""
+        return bool(element_pairs(self.separation))
 
     @property
     def limits(self) -> tuple[Requirement, ...]:

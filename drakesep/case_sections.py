@@ -85,15 +85,23 @@ class RequirementSection(Section):
         "rate_after_separation_deg_s",
         "deviation_at_separation_deg",
         "longitudinal_speed_after_separation_m_s",
+        "clearance_mm",
     ]
     at_most: Limits | None = None
     at_least: Limits | None = None
+    until_separation_mm: Positive | None = None
+    """Of a clearance: how far B is to move along A's x axis until it holds no more."""
 
     @model_validator(mode="after")
     def _check_limits(self) -> Self:
         if (self.at_most is None) == (self.at_least is None):
             got = "none" if self.at_most is None else "both"
             raise ValueError(f"must have one of 'at_most' and 'at_least', got {got}")
+        of_clearance = _requirement_stem(self.quantity) == "clearance"
+        if of_clearance and self.at_least is None:
+            raise ValueError("a clearance must have 'at_least', got 'at_most'")
+        if not of_clearance and self.until_separation_mm is not None:
+            raise ValueError("until_separation_mm must stand with clearance_mm")
         axes = len(_requirement_axes(self.quantity))
         if len(self._limits) != axes:
             raise ValueError(
@@ -111,6 +119,9 @@ class RequirementSection(Section):
         """Return the requirements in SI, one for each axis."""
         sense: Literal["<=", ">="] = "<=" if self.at_least is None else ">="
         stem = _requirement_stem(self.quantity)
+        condition = ""
+        if self.until_separation_mm is not None:
+            condition = f"until {self.until_separation_mm:g} mm of separation"
         requirements = []
         for axis, value in zip(
             _requirement_axes(self.quantity), self._limits, strict=True
@@ -118,7 +129,10 @@ class RequirementSection(Section):
             metric = f"{stem}_{axis}" if axis else stem
             requirements.append(
                 Requirement(
-                    metric=metric, sense=sense, limit=unit_of(metric).to_si(value)
+                    metric=metric,
+                    sense=sense,
+                    limit=unit_of(metric).to_si(value),
+                    condition=condition,
                 )
             )
         return requirements
@@ -158,7 +172,9 @@ class PublishedSection(Section):
 
 
 def _requirement_stem(quantity: str) -> str:
-    return quantity.removesuffix("_deg_s").removesuffix("_deg").removesuffix("_m_s")
+    for suffix in ("_deg_s", "_deg", "_m_s", "_mm"):
+        quantity = quantity.removesuffix(suffix)
+    return quantity
 
 
 def _requirement_axes(quantity: str) -> tuple[str, ...]:

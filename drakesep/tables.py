@@ -242,9 +242,12 @@ def requirements_table(
         requirement = finding.requirement
         unit = unit_of(requirement.metric)
         stem, axis = split_axis(requirement.metric)
+        growth = of_all.get(requirement)
         rows.append(
             {
-                "requirement": stem.replace("_", " "),
+                "requirement": f"{stem} {requirement.condition}".replace(
+                    "_", " "
+                ).strip(),
                 "axis": axis,
                 "unit": unit.symbol,
                 "sense": requirement.sense,
@@ -253,8 +256,8 @@ def requirements_table(
                 "worst": unit.from_si(finding.worst),
                 "which_run": finding.run,
                 "margin": unit.from_si(finding.margin),
-                "growth_factor": of_all[requirement].factor if growths else math.nan,
-                "looked_up_to": of_all[requirement].most if growths else math.nan,
+                "growth_factor": math.nan if growth is None else growth.factor,
+                "looked_up_to": math.nan if growth is None else growth.most,
                 **_first_tolerance(requirement, single_growths, box),
                 "verdict": "met" if finding.met else "not met",
             }
@@ -268,11 +271,10 @@ def _first_tolerance(
     box: Box | None,
 ) -> dict[str, str | float]:
     """Return the tolerance that violates a requirement with the least growth."""
-    mine = [
-        growth
-        for r, growth in growths
-        if r == requirement and math.isfinite(growth.factor)
-    ]
+    mine = [growth for r, growth in growths if r == requirement]
+    if growths and not mine:
+        return {"first_tolerance": "", "its_growth_factor": math.nan}
+    mine = [growth for growth in mine if math.isfinite(growth.factor)]
     first = min(mine, key=lambda growth: growth.factor, default=None)
     if first is None or box is None or first.limit.parameter is None:
         return {"first_tolerance": "", "its_growth_factor": math.inf}

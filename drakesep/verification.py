@@ -8,7 +8,6 @@ import pandas as pd
 
 from drakesep import evidence_tables, tables
 from drakesep.analysis.growth import Growth, Limit, grow
-from drakesep.analysis.objectives import towards
 from drakesep.analysis.requirements import Finding, Requirement, assess
 from drakesep.analysis.search import Problem, SearchSettings
 from drakesep.analysis.worst_case import WorstCase
@@ -63,8 +62,8 @@ class Verification(WorstCases):
         limits = [
             (requirement, limit)
             for requirement in self.case.limits
-            for objective in towards(requirement)
-            if objective.name in worst
+            for objective in self.case.towards(requirement)
+            if objective.name in worst and not objective.costly
             for limit in _limits(
                 worst[objective.name], _bound(requirement), len(problem.tolerances)
             )

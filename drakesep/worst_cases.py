@@ -15,13 +15,12 @@ from drakesep.analysis.ascent import Iteration, SearchStatus, Start, slopes_at
 from drakesep.analysis.batch import Batch
 from drakesep.analysis.evaluators import BatchEvaluator, RunEvaluator
 from drakesep.analysis.fleet import Fleet
-from drakesep.analysis.metrics import metrics
+from drakesep.analysis.metrics import METRICS, metrics
 from drakesep.analysis.objectives import (
     OBJECTIVES,
     AnyObjective,
     Objective,
     as_objective,
-    towards,
 )
 from drakesep.analysis.requirements import deviation_limits
 from drakesep.analysis.search import (
@@ -48,6 +47,9 @@ DEFAULT_SEARCHES = ("samples", "vertices", "sqp", "multistart")
 DRAKE = "drake"
 """The search that flies Drake alone: SQP from the nominal, with differences."""
 
+CLEARANCE = "clearance"
+"""How near the nearest elements come: a figure of some runs only."""
+
 OnProgress: TypeAlias = Callable[["Progress"], None]
 
 _CONFIRMED = 1e-4
@@ -55,6 +57,8 @@ _CONFIRMED = 1e-4
 _WHOLE_RUN = 800
 """Steps of a run in Drake that costs what an objective of a whole run does on the
 batch engine, which samples its motion."""
+_COSTLY: Effort = {"starts": 16, "samples": 64, "vertices": 64}
+"""Where there are none but costly objectives, a fraction of a second each."""
 _LIGHT = 300
 """Steps of a Drake run up to which it is a light one: derivatives cost less than they
 save, and workers take longer to start than to fly."""
@@ -83,6 +87,8 @@ class WorstCases:
     """The worst case of each objective, with its evidence."""
     nominal_slopes: np.ndarray | None = field(default=None, repr=False)
     """(m, n) of the objectives at the nominal, with the scaled parameters."""
+    clearance: Objective | None = field(default=None, repr=False)
+    """That tells how near the nominal and published runs come; None if not asked."""
 
     @functools.cached_property
     def share_unphysical(self) -> float:
@@ -158,7 +164,7 @@ class WorstCases:
         left_out = set()
         values = {case.name: case.value for case in self.worst}
         for requirement in self.case.limits:
-            names = [objective.name for objective in towards(requirement)]
+            names = [o.name for o in self.case.towards(requirement)]
             known = [name for name in names if name in values]
             left_out |= set(known) - {max(known, key=values.__getitem__, default="")}
         frame = self.sensitivities
@@ -236,6 +242,9 @@ def choose_objectives(
     known = case_objectives(case)
     if wanted is None:
         return tuple(known.values())
+    if case.has_clearance:
+        clearance = case.lowest_clearance()
+        known.setdefault(clearance.name, clearance)
     listed = [wanted] if isinstance(wanted, str) or callable(wanted) else wanted
     if not listed:
         raise InputError("objectives: must be one or more, got none")
@@ -261,12 +270,23 @@ def choose_objectives(
     return tuple(chosen)
 
 
-def as_flight(label: str, run: Run, case: Case, **found: object) -> Flight:
-    """Return a run with its figures."""
-    completed = run.motion is not None
-    figures_ = metrics(run, deviation_limits(case.limits)) if completed else {}
-    if not completed:
+def as_flight(
+    label: str,
+    run: Run,
+    case: Case,
+    clearance: Objective | None = None,
+    **found: object,
+) -> Flight:
+    """Return a run with its figures, and how near it comes if that is asked for."""
+    figures_: dict[str, float] = {}
+    if run.motion is None:
         found["status"] = f"failed: {run.message}"
+    else:
+        limits = deviation_limits(case.limits)
+        figures_ |= metrics(run, limits)
+        if clearance is not None:
+            assert clearance.figure is not None
+            figures_[clearance.figure] = -clearance.of_run(run, limits)
     return Flight(label=label, run=run, figures=figures_, **found)  # type: ignore[arg-type]
 
 
@@ -312,8 +332,11 @@ def search(
     SearchSettings(**effort)  # refuses what is wrong before anything is flown
     case = study.case
     study.objectives = tuple(objectives)
+    study.clearance = study.clearance or next(
+        (o for o in objectives if o.figure == CLEARANCE), None
+    )
     nominal = Simulation(case.separation, case.integration).run({})
-    study.flights.append(as_flight(NOMINAL, nominal, case))
+    study.flights.append(as_flight(NOMINAL, nominal, case, study.clearance))
     if nominal.motion is None:
         raise RuntimeError(f"the nominal run failed: {nominal.message}")
     light = nominal.steps <= _LIGHT
@@ -331,10 +354,9 @@ def search(
                 tolerances=case.tolerance_set,
                 evaluator=batch or _drake(case, objectives, fleet),
             )
-            whole_runs = not all(o.of_figures_alone for o in objectives)
-            steps = max(nominal.steps, _WHOLE_RUN if whole_runs else 0)
-            settings = SearchSettings.affordable(steps, **effort)
-            names = searches or default_searches(len(case.box), settings, light=light)
+            settings = _affordable(objectives, nominal.steps, effort)
+            several = light and not all(o.costly for o in objectives)
+            names = searches or default_searches(len(case.box), settings, light=several)
             names = ["sqp"] if alone else names
             worst = _find(study, problem, names, settings, output, on_progress)
             study.nominal_slopes = _slopes_at_nominal(problem)
@@ -357,12 +379,30 @@ def _save_runs_beside(
         saved.result()
 
 
+def _affordable(
+    objectives: Sequence[Objective], steps: int, effort: Effort
+) -> SearchSettings:
+    """Return how hard to search, by what takes longest of what searches fly."""
+    if all(o.costly for o in objectives):
+        chosen: Effort = {**_COSTLY, **effort}  # type: ignore[typeddict-item]
+        return SearchSettings.affordable(steps, **chosen)
+    whole_runs = any(not (o.of_figures_alone or o.costly) for o in objectives)
+    return SearchSettings.affordable(
+        max(steps, _WHOLE_RUN if whole_runs else 0), **effort
+    )
+
+
 def default_searches(
     parameters: int, settings: SearchSettings, *, light: bool
 ) -> tuple[str, ...]:
     """Return the searches of a study that is not told which.
 
     Vertices, while all are affordable; else differential evolution, if runs are light.
+
+    Args:
+        parameters: how many are dispersed.
+        settings: what is affordable.
+        light: whether very many runs are.
     """
     instead = ("evolution",) if light else ()
     wide = ("vertices",) if 2**parameters <= settings.vertices else instead
@@ -401,7 +441,9 @@ def _fly_published(study: WorstCases, fleet: Fleet) -> None:
     case = study.case
     variations = [case.published_values(published) for published in case.published]
     for published, run in zip(case.published, fleet.fly(variations), strict=True):
-        flight = as_flight(published.label, run, case, published=published)
+        flight = as_flight(
+            published.label, run, case, study.clearance, published=published
+        )
         study.flights.append(flight)
 
 
@@ -476,18 +518,18 @@ def _confirmed(study: WorstCases, found: WorstCase, run: Run, points: int) -> Fl
         f"worst_{found.name}",
         run,
         study.case,
+        objective if objective is study.clearance else None,
         objective=found.name,
         evaluations=points,
         status="confirmed",
     )
     if run.status is RunStatus.FAILED:
         return flight
-    in_drake = _value(objective, flight, study.case)
-    nominal = _value(objective, study.flights[0], study.case)
+    in_drake = _value(study, objective, flight)
+    nominal = _value(study, objective, study.flights[0])
     status = flight.status
-    if not abs(in_drake - found.value) <= _CONFIRMED * max(
-        abs(found.value), abs(nominal)
-    ):
+    within = _CONFIRMED * max(abs(found.value), abs(nominal)) + objective.accuracy
+    if not abs(in_drake - found.value) <= within:
         status = (
             f"failed: Drake gives {in_drake:.9g} where the search found "
             f"{found.value:.9g} (SI)"
@@ -495,7 +537,10 @@ def _confirmed(study: WorstCases, found: WorstCase, run: Run, points: int) -> Fl
     return replace(flight, status=status, objective_in_drake=in_drake)
 
 
-def _value(objective: Objective, flight: Flight, case: Case) -> float:
+def _value(study: WorstCases, objective: Objective, flight: Flight) -> float:
     if objective.of_figures_alone:
-        return float(objective.of_figures(np.array(list(flight.figures.values()))))
-    return objective.of_run(flight.run, deviation_limits(case.limits))
+        figures_ = np.array([flight.figures[name] for name in METRICS])
+        return float(objective.of_figures(figures_))
+    if objective is study.clearance:
+        return -flight.figures[CLEARANCE]
+    return objective.of_run(flight.run, deviation_limits(study.case.limits))

@@ -8,7 +8,7 @@ clearance.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
+from scipy.interpolate import CubicHermiteSpline, PPoly
 
 from drakesep.systems.motion_laws import body_state
 from drakesep.systems.run import Array, Trajectory
@@ -78,6 +78,18 @@ class RelativePath:
         R = np.array(rotation_matrix(tuple(q.tolist()))).reshape(3, 3)
         _, *w = multiply(tuple(q_dot), conjugate(tuple(q)))
         return Pose(q, R, x[4:], 2.0 * np.array(w), x_dot[4:])
+
+    def time_apart(self, distance: float) -> float:
+        """Return when B's origin has first moved so far along A's x axis, s.
+
+        Infinite if it never does.
+
+        Args:
+            distance: from where it is at first, m.
+        """
+        along = PPoly(self._spline.c[:, :, 4], self.time)
+        reached = along.solve(float(along(self.time[0])) + distance, extrapolate=False)
+        return float(np.nanmin(reached, initial=np.inf))
 
     def bounds(self, start: float, end: float) -> tuple[float, float, float]:
         """Return bounds on the motion between two times.

@@ -1,6 +1,5 @@
 """When a run is sampled, and where its motion has kinks. No Drake here."""
 
-import itertools
 import math
 from collections.abc import Mapping
 
@@ -68,15 +67,15 @@ def sample_times(
         for a in separation.attachments
         if a.spring
     ]
-    times = [0.0]
-    for t0, t1 in itertools.pairwise(knots.tolist()):
-        middle = 0.5 * (t0 + t1)
-        k = int(np.searchsorted(breaks, middle))
-        longest = (breaks[k] - breaks[k - 1]) / _ROWS_PER_STRETCH
-        for start, end in pushes:
-            if start < middle < end:
-                longest = min(longest, (end - start) / _ROWS_PER_PUSH)
-        # A hair less: round-off must not add a row.
-        intervals = math.ceil((t1 - t0) / longest - 1e-9)
-        times += np.linspace(t0, t1, intervals + 1)[1:].tolist()
-    return np.array(times)
+    middle = 0.5 * (knots[:-1] + knots[1:])
+    longest = np.diff(breaks)[np.searchsorted(breaks, middle) - 1] / _ROWS_PER_STRETCH
+    for start, end in pushes:
+        pushing = (start < middle) & (middle < end)
+        closer = np.minimum(longest, (end - start) / _ROWS_PER_PUSH)
+        longest = np.where(pushing, closer, longest)
+    # A hair less: round-off must not add a row.
+    intervals = np.ceil(np.diff(knots) / longest - 1e-9).astype(int)
+    first = np.repeat(np.cumsum(intervals) - intervals, intervals)
+    number = np.arange(len(first)) - first
+    steps = np.repeat(np.diff(knots) / intervals, intervals)
+    return np.append(np.repeat(knots[:-1], intervals) + number * steps, knots[-1])

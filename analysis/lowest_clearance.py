@@ -1,0 +1,117 @@
+"""How near elements come as an objective: the worst clearance over tolerances.
+
+The smallest distance over pairs and times has a kink wherever another pair or time
+becomes the smallest, and is known to some tens of micrometres: too coarse for
+differences. Its slope is that of the distance between the two nearest points, as they
+are fixed in their bodies, along their common normal and at the time of the smallest
+(the envelope theorem): where both are best, a change of either is of second order.
+"""
+
+import functools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from drakesep.analysis.clearance import ClearanceAnalysis
+from drakesep.analysis.clearance_of_pair import ACCURACY, Clearance
+from drakesep.analysis.element_pairs import Names, element_pairs, owners_of
+from drakesep.analysis.objectives import About, Limits, Objective
+from drakesep.systems.checks import check_positive
+from drakesep.systems.model import Separation
+from drakesep.systems.relative_path import RelativePath
+from drakesep.systems.run import Run
+
+
+class LowestClearance(Objective):
+    """Less the smallest distance between elements: 0, the highest, at contact."""
+
+    figure = "clearance"
+    sign = -1.0
+    of_figures_alone = False
+    costly = True
+    accuracy = ACCURACY
+
+    def __init__(
+        self,
+        separation: Separation,
+        pairs: Sequence[Sequence[str]] | None = None,
+        *,
+        touching: Sequence[Sequence[str]] = (),
+        until_separation: float | None = None,
+        name: str = "lowest_clearance",
+    ):
+        """Prepare.
+
+        Args:
+            separation: whose bodies have elements.
+            pairs: of elements; if None, all of different bodies that do not touch while
+                mated: those that do begin at no distance.
+            touching: those that touch or overlap while mated.
+            until_separation: how far B is to move along A's x axis until the distances
+                do not matter any more, m; to the end of the run if None.
+            name: in tables.
+
+        Raises:
+            ValueError: a pair names no element or two of one body, or the separation is
+                not positive.
+        """
+        if until_separation is not None:
+            check_positive("until_separation", until_separation)
+        if pairs is None:
+            apart = set(map(frozenset, element_pairs(separation, touching)))
+            pairs = [p for p in element_pairs(separation) if frozenset(p) not in apart]
+        self.name = name
+        self._until_separation = until_separation
+        self._separation, self._touching = separation, touching
+        self._pairs = element_pairs(separation, pairs)
+        self._owners = owners_of(separation)
+        # That of the first run which is measured: most often the nominal.
+        self._first: Names | None = None
+
+    @functools.cached_property
+    def _analysis(self) -> ClearanceAnalysis:
+        # Once it is needed: cutting elements into pieces takes its time.
+        return ClearanceAnalysis(self._separation, self._pairs, touching=self._touching)
+
+    def nearest(self, run: Run) -> Clearance:
+        """Return how near the nearest pair comes in a completed run."""
+        found = self._analysis.smallest(run, until=self._end(run), first=self._first)
+        self._first = self._first or (found.first, found.second)
+        return found
+
+    def of_run(self, run: Run, limits: Limits) -> float:
+        """Return less the smallest distance in a completed run, m."""
+        return -self.nearest(run).minimum
+
+    def about(self, run: Run, limits: Limits) -> About:
+        """Return the objective, and how far its two nearest points are apart around."""
+        found = self.nearest(run)
+        A, B = self._owners[found.first], self._owners[found.second]
+        ends_there = found.time >= self._end(run)
+        first, second = np.array(found.p_AoCa_A), np.array(found.p_BoCb_B)
+
+        def second_from_first(other: Run) -> np.ndarray:
+            time = self._end(other) if ends_there else found.time
+            pose = RelativePath(other.completed_trajectory, A, B).at(time)
+            return np.asarray(pose.p_AoBo_A + pose.R_AB @ second - first)
+
+        apart = second_from_first(run)
+        length = float(np.linalg.norm(apart))
+        # Shapes that touch have no normal, and no clearance to lose.
+        n_A = apart / length if found.contact is None and length > 0.0 else 0.0 * apart
+        rest = found.minimum - float(n_A @ apart)
+        return About(
+            -found.minimum,
+            lambda other: -float(n_A @ second_from_first(other)) - rest,
+        )
+
+    def _end(self, run: Run) -> float:
+        """Return until when distances matter, s."""
+        trajectory = run.completed_trajectory
+        last = float(trajectory.time[-1])
+        if self._until_separation is None:
+            return last
+        A, B = run.separation.A, run.separation.B
+        reached = RelativePath(trajectory, A, B).time_apart(self._until_separation)
+        return min(reached, last) if math.isfinite(reached) else last
