@@ -50,6 +50,7 @@ _OPTIONS = {
     "cpu": {
         # As fast, and compiled in half the time.
         "xla_cpu_use_fusion_emitters": False,
+        "xla_backend_optimization_level": 1,
         "xla_cpu_prefer_vector_width": 512,
     }
 }
