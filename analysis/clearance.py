@@ -129,9 +129,19 @@ class ClearanceAnalysis:
         Raises:
             RuntimeError: the run failed.
         """
-        time = run.completed_trajectory.time.tolist()
+        return self.at_times(run, run.completed_trajectory.time)
+
+    def at_times(self, run: Run, times: Array) -> Array:
+        """Return (n, k) how near each pair is at n times (n,), s, of a run, m.
+
+        Raises:
+            RuntimeError: the run failed.
+        """
         return np.array(
-            [[one.at(t).distance for t in time] for _, one in self._along(run)]
+            [
+                [one.at(t).distance for t in np.asarray(times).tolist()]
+                for _, one in self._along(run)
+            ]
         ).T
 
     def nearest(self, run: Run, times: Sequence[float]) -> list[NearestPair]:

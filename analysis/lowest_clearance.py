@@ -20,13 +20,17 @@ from drakesep.analysis.objectives import About, Limits, Objective
 from drakesep.systems.checks import check_positive
 from drakesep.systems.model import Separation
 from drakesep.systems.relative_path import RelativePath
-from drakesep.systems.run import Run
+from drakesep.systems.run import Array, Run
+
+
+CLEARANCE = "clearance"
+"""The figure: how near the nearest elements come, m; of some runs only."""
 
 
 class LowestClearance(Objective):
     """Less the smallest distance between elements: 0, the highest, at contact."""
 
-    figure = "clearance"
+    figure = CLEARANCE
     sign = -1.0
     of_figures_alone = False
     costly = True
@@ -105,6 +109,28 @@ class LowestClearance(Objective):
             -found.minimum,
             lambda other: -float(n_A @ second_from_first(other)) - rest,
         )
+
+    def approach(self, run: Run, count: int = 60) -> tuple[Clearance, Array, Array]:
+        """Return how near the nearest pair is while distances matter.
+
+        Args:
+            run: a completed run.
+            count: of moments.
+
+        Returns:
+            The pair at its nearest; (n,) how far B has moved along A's x axis, m; and
+            (n,) the distances, m.
+        """
+        found = self.nearest(run)
+        times = np.append(np.linspace(0.0, self._end(run), count), found.time)
+        times.sort()
+        A, B = run.separation.A, run.separation.B
+        path = RelativePath(run.completed_trajectory, A, B)
+        x = np.array([path.at(t).p_AoBo_A[0] for t in times.tolist()])
+        pair = ClearanceAnalysis(
+            self._separation, [(found.first, found.second)], touching=self._touching
+        )
+        return found, x - x[0], pair.at_times(run, times)[:, 0]
 
     def _end(self, run: Run) -> float:
         """Return until when distances matter, s."""

@@ -1,10 +1,10 @@
 """Whether any random sample of VEGA's tolerances comes nearer than the worst clearance.
 
-Each sample is flown on the batch engine. A body that has moved by a distance against the
-nominal run, at the same place along A's x axis, is as near as there, less that distance,
-at least (elements are rigid); samples which that does not settle are measured. Prints
-what the search found and after how long, how many samples were measured, and the nearest
-of them.
+Each sample is flown on the batch engine, and held against the nominal run at the same
+place along A's x axis: bodies are rigid, so that a pair is at least as near as there,
+less the way that any point of B has moved. Samples that this does not settle are
+measured. Prints what the search found and after how long, how many samples were
+measured, and the nearest of them.
 
     python benchmarks/worst_clearance.py [--samples 100000]
 """

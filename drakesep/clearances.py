@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from drakesep import figures, tables
+from drakesep import clearance_figures, tables
 from drakesep.analysis.clearance import ClearanceAnalysis
 from drakesep.analysis.clearance_of_pair import Clearance
 from drakesep.analysis.element_pairs import owners_of
@@ -117,11 +117,14 @@ class Clearances:
         return all(one.contact is None for one in self.found)
 
     def save(self, directory: str | Path) -> None:
-        """Write the tables and the figure into a folder."""
+        """Write the tables and the figures into a folder."""
         folder = writable_folder(directory)
         tables.write_csv(self.summary, folder / "clearance_summary.csv")
         tables.write_csv(self.over_time, folder / "clearance.csv")
-        figures.save_clearance(self._time, self.separation, self._curves, folder)
+        clearance_figures.save_clearance(
+            self._time, self.separation, self._curves, folder
+        )
+        clearance_figures.save_swept(self.run, folder)
 
     @property
     def _curves(self) -> dict[str, tuple[Array, Clearance]]:

@@ -1,6 +1,6 @@
 """Pictures of the motion, after the paper's Figs. 6 and 7, and of sensitivities."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,10 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from drakesep.analysis.clearance_of_pair import Clearance
 from drakesep.analysis.metrics import ANGLES, AXES
 from drakesep.analysis.requirements import Requirement
-from drakesep.systems.run import Array
 from drakesep.tables import Flight
 from drakesep.units import unit_of
 
@@ -44,10 +42,10 @@ _ROTATION = (
 
 # Okabe and Ito's colours, told apart by the colour-blind; dashes tell apart curves
 # that coincide. Published runs stay in the background.
-_COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
-_DASHES = ((0, ()), (0, (6, 2)), (0, (2, 2)), (0, (6, 2, 1, 2)), (0, (1, 1)))
+COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
+DASHES = ((0, ()), (0, (6, 2)), (0, (2, 2)), (0, (6, 2, 1, 2)), (0, (1, 1)))
 _PUBLISHED = ("#757575", "#A6A6A6", "#CCCCCC")
-_LIMIT = "#B00020"
+LIMIT = "#B00020"
 
 
 def save_figures(
@@ -107,7 +105,7 @@ def _draw(axes: Axes, row: _Row, i: int, flights: Sequence[Flight]) -> None:
     counts = {True: 0, False: 0}
     for flight in flights:
         published = flight.published is not None
-        colours = _PUBLISHED if published else _COLOURS
+        colours = _PUBLISHED if published else COLOURS
         k = counts[published]
         counts[published] += 1
         motion = flight.run.completed_motion
@@ -115,7 +113,7 @@ def _draw(axes: Axes, row: _Row, i: int, flights: Sequence[Flight]) -> None:
             motion.time,
             getattr(motion, row.quantity)[:, i] * unit.per_si,
             color=colours[k % len(colours)],
-            linestyle="-" if published else _DASHES[k % len(_DASHES)],
+            linestyle="-" if published else DASHES[k % len(DASHES)],
             linewidth=2.4 if published else 1.5,
             zorder=1 if published else 2,
             label=flight.label,
@@ -136,63 +134,8 @@ def _draw_limit(axes: Axes, requirement: Requirement) -> None:
     if requirement.sense == "<=" and data.min() < -0.2 * limit:
         sides.append(-limit)
     for side in sides:
-        axes.axhline(side, color=_LIMIT, linestyle=(0, (8, 3)), linewidth=1.2)
+        axes.axhline(side, color=LIMIT, linestyle=(0, (8, 3)), linewidth=1.2)
     axes.set_gid("limited")
-
-
-def save_clearance(
-    time: Array,
-    separation: Array,
-    curves: Mapping[str, tuple[Array, Clearance]],
-    folder: Path,
-) -> None:
-    """Write clearance.png into a folder."""
-    figure = clearance_figure(time, separation, curves)
-    figure.savefig(folder / "clearance.png", dpi=130)
-
-
-def clearance_figure(
-    time: Array, separation: Array, curves: Mapping[str, tuple[Array, Clearance]]
-) -> Figure:
-    """Return how near pairs are, over time and over the distance of separation.
-
-    Args:
-        time: (n,) s.
-        separation: (n,) how far B has moved along A's x axis, m.
-        curves: (n,) distances, m, and the smallest, by the name of the pair.
-    """
-    mm = unit_of("clearance").per_si
-    figure = Figure(figsize=(12, 5.2), layout="constrained")
-    panels = figure.subplots(1, 2, sharey=True)
-    # Contact has no place on a scale of powers: it is drawn at the lower edge.
-    least = min(_positive(distances).min() for distances, _ in curves.values())
-    floor = 0.5 * mm * float(least)
-    for axes, x in zip(panels, (time, separation * mm), strict=True):
-        for i, (name, (distances, one)) in enumerate(curves.items()):
-            colour = _COLOURS[i % len(_COLOURS)]
-            dashes = _DASHES[i // len(_COLOURS) % len(_DASHES)]
-            shown = np.maximum(mm * distances, floor)
-            axes.plot(x, shown, color=colour, linestyle=dashes, label=name)
-            axes.plot(
-                np.interp(one.time, time, x),
-                max(mm * one.minimum, floor),
-                marker="o" if one.contact is None else "X",
-                color=colour,
-                markersize=6 if one.contact is None else 10,
-            )
-        axes.set_yscale("log")
-        axes.grid(alpha=0.3, which="both")
-    panels[0].set_xlabel("time (s)")
-    panels[1].set_xlabel("separation (mm)")
-    panels[0].set_ylabel("distance (mm)")
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
-    figure.suptitle("Distances between elements; dots: smallest, crosses: contact")
-    return figure
-
-
-def _positive(distances: Array) -> Array:
-    return distances[distances > 0.0] if (distances > 0.0).any() else np.ones(1)
 
 
 _BARS = 8

@@ -27,6 +27,7 @@ from drakesep.worst_cases import (
     as_flight,
     choose_objectives,
     search,
+    the_clearance,
 )
 
 
@@ -256,8 +257,8 @@ def verify(
     if not study.case.limits:
         raise InputError("requirements: a case to verify must have some, got none")
     folder = _cleared(output)
-    # Without dispersions, the nominal and the published runs are all there is.
-    objectives = choose_objectives(study.case, None) if study.case.dispersions else ()
+    objectives = choose_objectives(study.case, None)
+    study.clearance = the_clearance(objectives)
 
     def grow(problem: Problem, settings: SearchSettings) -> None:
         light = (
@@ -268,7 +269,8 @@ def verify(
 
     search(
         study,
-        objectives,
+        # Without dispersions, the nominal and the published runs are all there is.
+        objectives if study.case.dispersions else (),
         searches=searches,
         effort=effort,
         output=folder,

@@ -10,11 +10,12 @@ from typing import TypeAlias
 import numpy as np
 import pandas as pd
 
-from drakesep import evidence_tables, figures, tables
+from drakesep import clearance_figures, evidence_tables, figures, tables
 from drakesep.analysis.ascent import Iteration, SearchStatus, Start, slopes_at
 from drakesep.analysis.batch import Batch
 from drakesep.analysis.evaluators import BatchEvaluator, RunEvaluator
 from drakesep.analysis.fleet import Fleet
+from drakesep.analysis.lowest_clearance import CLEARANCE, LowestClearance
 from drakesep.analysis.metrics import METRICS, metrics
 from drakesep.analysis.objectives import (
     OBJECTIVES,
@@ -46,9 +47,6 @@ DEFAULT_SEARCHES = ("samples", "vertices", "sqp", "multistart")
 """Chance, then the corners, then uphill from the nominal and from the best of those."""
 DRAKE = "drake"
 """The search that flies Drake alone: SQP from the nominal, with differences."""
-
-CLEARANCE = "clearance"
-"""How near the nearest elements come: a figure of some runs only."""
 
 OnProgress: TypeAlias = Callable[["Progress"], None]
 
@@ -87,7 +85,7 @@ class WorstCases:
     """The worst case of each objective, with its evidence."""
     nominal_slopes: np.ndarray | None = field(default=None, repr=False)
     """(m, n) of the objectives at the nominal, with the scaled parameters."""
-    clearance: Objective | None = field(default=None, repr=False)
+    clearance: LowestClearance | None = field(default=None, repr=False)
     """That tells how near the nominal and published runs come; None if not asked."""
 
     @functools.cached_property
@@ -212,6 +210,28 @@ class WorstCases:
         figures.save_figures(shown, self.case.limits, folder)
         if self.worst:
             figures.save_tornado(self._nearest_sensitivities, folder)
+        if self._approaches:
+            limits = [r.limit for r in self.case.limits if r.metric == CLEARANCE]
+            limit = limits[0] if limits else None
+            clearance_figures.save_approaches(self._approaches, limit, folder)
+
+    @functools.cached_property
+    def _approaches(self) -> list[clearance_figures.Approach]:
+        """Of the nominal run and of the worst clearance, if it was looked for."""
+        if self.clearance is None:
+            return []
+        approaches = []
+        for flight in self.flights:
+            if flight.objective not in (None, self.clearance.name) or (
+                flight.run.motion is None or flight.published is not None
+            ):
+                continue
+            found, x, distances = self.clearance.approach(flight.run)
+            pair = f"{found.first} to {found.second}".replace("_", " ")
+            approaches.append(
+                clearance_figures.Approach(flight.label, pair, x, distances)
+            )
+        return approaches
 
 
 def _of_paper(flight: Flight) -> bool:
@@ -270,11 +290,16 @@ def choose_objectives(
     return tuple(chosen)
 
 
+def the_clearance(objectives: Sequence[Objective]) -> LowestClearance | None:
+    """Return the first of objectives that is a clearance; None if there is none."""
+    return next((o for o in objectives if isinstance(o, LowestClearance)), None)
+
+
 def as_flight(
     label: str,
     run: Run,
     case: Case,
-    clearance: Objective | None = None,
+    clearance: LowestClearance | None = None,
     **found: object,
 ) -> Flight:
     """Return a run with its figures, and how near it comes if that is asked for."""
@@ -285,8 +310,7 @@ def as_flight(
         limits = deviation_limits(case.limits)
         figures_ |= metrics(run, limits)
         if clearance is not None:
-            assert clearance.figure is not None
-            figures_[clearance.figure] = -clearance.of_run(run, limits)
+            figures_[CLEARANCE] = clearance.nearest(run).minimum
     return Flight(label=label, run=run, figures=figures_, **found)  # type: ignore[arg-type]
 
 
@@ -332,9 +356,7 @@ def search(
     SearchSettings(**effort)  # refuses what is wrong before anything is flown
     case = study.case
     study.objectives = tuple(objectives)
-    study.clearance = study.clearance or next(
-        (o for o in objectives if o.figure == CLEARANCE), None
-    )
+    study.clearance = study.clearance or the_clearance(objectives)
     nominal = Simulation(case.separation, case.integration).run({})
     study.flights.append(as_flight(NOMINAL, nominal, case, study.clearance))
     if nominal.motion is None:
@@ -384,7 +406,7 @@ def _affordable(
 ) -> SearchSettings:
     """Return how hard to search, by what takes longest of what searches fly."""
     if all(o.costly for o in objectives):
-        chosen: Effort = {**_COSTLY, **effort}  # type: ignore[typeddict-item]
+        chosen: Effort = {**_COSTLY, **effort}
         return SearchSettings.affordable(steps, **chosen)
     whole_runs = any(not (o.of_figures_alone or o.costly) for o in objectives)
     return SearchSettings.affordable(
@@ -518,7 +540,7 @@ def _confirmed(study: WorstCases, found: WorstCase, run: Run, points: int) -> Fl
         f"worst_{found.name}",
         run,
         study.case,
-        objective if objective is study.clearance else None,
+        study.clearance if objective is study.clearance else None,
         objective=found.name,
         evaluations=points,
         status="confirmed",

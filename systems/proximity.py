@@ -108,7 +108,7 @@ class Proximity:
             ValueError: a mesh is missing, empty or not closed.
         """
         self.elements = {element.name: element for element in (*on_A, *on_B)}
-        self.roots = {name: _tree(element) for name, element in self.elements.items()}
+        self.roots = {name: tree_of(element) for name, element in self.elements.items()}
         self._scene = drake.SceneGraph()
         self._source = self._scene.RegisterSource("elements")
         self._B = self._scene.RegisterFrame(self._source, drake.GeometryFrame("B"))
@@ -225,6 +225,13 @@ def split(pair: Pair) -> list[Pair]:
     return [(a, child) for child in b.children]
 
 
+def leaves_of(node: Node) -> list[Node]:
+    """Return the pieces that a node holds; itself if it is one."""
+    if not node.children:
+        return [node]
+    return [leaf for child in node.children for leaf in leaves_of(child)]
+
+
 def is_inside(element: Element, p_BoQ_B: Array) -> bool:
     """Return whether a point of its body is inside an element measured by its surface.
 
@@ -239,7 +246,7 @@ def is_inside(element: Element, p_BoQ_B: Array) -> bool:
 # Trees of pieces.
 
 
-def _tree(element: Element) -> Node:
+def tree_of(element: Element) -> Node:
     """Return the pieces of an element, with boxes around more and more of them."""
     pieces = pieces_of(element)
 

@@ -109,10 +109,11 @@ def test_requirements_of_table_1_are_met(vega_verification):
     requirements = vega_verification.requirements
     assert vega_verification.passed
     assert (requirements["verdict"] == "met").all()
-    assert requirements["limit"].tolist() == pytest.approx(
+    of_paper = requirements[requirements["unit"] != "mm"]
+    assert of_paper["limit"].tolist() == pytest.approx(
         [1.5, 1.5, 1.5, 1.5, 1.0, 1.0, 0.5]
     )
-    assert (requirements["margin"] > 0.4).all()
+    assert (of_paper["margin"] > 0.4).all()
 
 
 def test_table_4_in_its_own_form(vega_verification):
@@ -156,11 +157,14 @@ def test_tables_on_disk_read_back_exactly(vega_verification):
         assert header == list(frame.columns)
         for column in frame.select_dtypes("float"):
             i = header.index(column)
-            assert [float(row[i]) for row in rows] == frame[column].tolist(), column
+            read = [float(row[i] or math.nan) for row in rows]
+            np.testing.assert_array_equal(read, frame[column], err_msg=column)
 
 
 def test_nothing_found_beats_the_worst(vega_verification):
     """No vertex, no random sample, no start; and Drake has the same values.
+
+    Sweeps leave out the clearance; see benchmarks/worst_clearance.py.
 
     Drake at its default accuracy, 1e-6, is within 1e-7 deg/s of itself at a hundredth,
     and within 3e-5 of the relative rates' sums.
@@ -168,20 +172,30 @@ def test_nothing_found_beats_the_worst(vega_verification):
     evidence = vega_verification.evidence.set_index("objective")
     for name, row in evidence.iterrows():
         side = -1.0 if str(name).endswith("_down") or "lowest" in str(name) else 1.0
-        for search in ("sqp", "multistart", "vertices", "samples"):
+        swept = () if name == "lowest_clearance" else ("vertices", "samples")
+        for search in ("sqp", "multistart", *swept):
             slack = 1e-12 * abs(row["worst"])
             assert side * row[search] <= side * row["worst"] + slack, (name, search)
         assert abs(row["difference"]) < 1e-6 * max(abs(row["worst"]), 0.1)
-    assert (evidence["fraction_beyond_at_95_percent"] < 6e-5).all()
+    fractions = evidence["fraction_beyond_at_95_percent"]
+    assert (fractions.drop("lowest_clearance") < 6e-5).all()
+    assert fractions["lowest_clearance"] == 1.0
 
 
 def test_worst_cases_are_maxima_of_first_order(vega_verification):
-    """All in corners, but where the end of separation has a kink: equal push times."""
+    """All in corners, but where there are kinks.
+
+    The end of separation has one at equal push times, a clearance where other parts of
+    round walls, which are polygons, come nearest.
+    """
     evidence = vega_verification.evidence.set_index("objective")
     kinked = evidence["at_bounds"] < 18
     smooth = evidence[~kinked]
     assert (smooth["optimality_residual"] < 1e-9).all()
-    assert set(evidence.index[kinked]) <= {"deviation_at_separation_roll_down"}
+    assert set(evidence.index[kinked]) <= {
+        "deviation_at_separation_roll_down",
+        "lowest_clearance",
+    }
 
 
 def test_each_requirement_has_its_worst_case(vega_verification):
@@ -200,7 +214,8 @@ def test_tolerances_may_grow(vega_verification):
     requirements = vega_verification.requirements
     rates = requirements["growth_factor"].iloc[:3]
     assert rates.tolist() == pytest.approx([2.31, 2.95, 2.85], abs=0.02)
-    assert (requirements["growth_factor"] > 1.0).all()
+    assert (requirements["growth_factor"].iloc[:7] > 1.0).all()
+    assert math.isnan(requirements["growth_factor"].iloc[7])  # not looked for
     simulation = Simulation(vega_verification.case.separation)
     for requirement, growth in vega_verification.growths[:3]:
         run = simulation.run(growth.values)

@@ -10,6 +10,7 @@ from separations import generic_pair
 
 from drakesep.analysis.dispersions import Box
 from drakesep.analysis.ellipsoid import Ellipsoid
+from drakesep.analysis.objectives import of_run
 from drakesep.analysis.search import Problem, SearchSettings
 from drakesep.analysis.searches import SEARCHES
 from drakesep.analysis.sweeps import sweep_vertices
@@ -104,7 +105,7 @@ def test_vertices_beyond_what_is_affordable_are_refused():
     A = rng.standard_normal((40, 40))
 
     class FortyOfThem:
-        objectives = (None,)
+        objectives = (of_run(lambda run: 0.0),)
         names = tuple(f"p{i}" for i in range(40))
 
         def exact(self, k):

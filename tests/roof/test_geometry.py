@@ -22,7 +22,7 @@ def write(tmp_path):
 
     def write(on_lv, on_payload, **clearance):
         data = copy.deepcopy(VEGA)
-        del data["dispersions"], data["published"]
+        del data["dispersions"], data["published"], data["requirements"]
         data["bodies"]["launch_vehicle"]["geometry"] = on_lv
         data["bodies"]["payload"]["geometry"] = on_payload
         data["clearance"] = clearance
@@ -141,3 +141,32 @@ def test_case_without_geometry(write, clearance):
     code, _, err = clearance(write({}, LUG))
     assert code == 2
     assert "bodies: a clearance needs geometry on two of them" in err
+
+
+def test_requirement_on_clearance(write, tmp_path):
+    path = write(POST, LUG)
+    data = YAML(typ="safe").load(path)
+
+    def load(**requirement):
+        data["requirements"] = [{"quantity": "clearance_mm", **requirement}]
+        with path.open("w") as file:
+            YAML(typ="safe").dump(data, file)
+        return load_case(path)
+
+    case = load(at_least=30, until_separation_mm=500)
+    [limit] = case.limits
+    assert (limit.metric, limit.sense, limit.limit) == ("clearance", ">=", 0.03)
+    assert limit.condition == "until 500 mm of separation"
+    assert [o.name for o in case.requirement_objectives] == ["lowest_clearance"]
+    with pytest.raises(CaseError, match="a clearance must have 'at_least'"):
+        load(at_most=30)
+    with pytest.raises(CaseError, match="until_separation_mm"):
+        load(at_least=30, until_separation_mm=0)
+    with pytest.raises(CaseError, match="must stand with clearance_mm"):
+        load(quantity="longitudinal_speed_after_separation_m_s", at_least=1, **UNTIL)
+    data["bodies"]["payload"]["geometry"] = {}
+    with pytest.raises(CaseError, match="clearance_mm needs geometry on two bodies"):
+        load(at_least=30)
+
+
+UNTIL = {"until_separation_mm": 500}
