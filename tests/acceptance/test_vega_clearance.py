@@ -78,10 +78,10 @@ def test_worst_clearance(vega_verification):
 def test_slopes_of_the_clearance(vega, vega_batch):
     """Those of the nearest points, against differences of the rim in flown runs.
 
-    Polygons miss bore and rim by `FACET` each. The nozzle is 1.3 mm off the axis: around
-    it, that moves the nearest point by sqrt(4 FACET / 1.3 mm), 0.28 rad, at most, but
-    the slope along the radius to second order only. Differences of a twentieth of the
-    tolerances see the curvature and the steps of time, some 3 %.
+    Polygons miss bore and rim by `FACET` each. The nozzle is 1.3 mm off the axis: that
+    moves the nearest point around it by sqrt(4 FACET / 1.3 mm), 0.28 rad, at most, but
+    changes the slope along the radius to second order only. Differences of a twentieth
+    of the tolerances see the curvature and the steps of time, some 3 %.
     """
     objective = vega.lowest_clearance()
     limits = deviation_limits(vega.limits)
