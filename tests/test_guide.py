@@ -99,16 +99,19 @@ def test_objectives_of_the_page_on_worst_cases(capsys):
 
 def test_clearance_from_python(capsys):
     run(containing("drakesep.clearance("), capsys)
+    run(containing("LowestClearance("), capsys)
 
 
 def test_geometry_of_the_page_on_clearance(tmp_path):
     """What it shows can be read; the ring stands for what it leaves out."""
-    geometry, chosen = blocks(CLEARANCE, "yaml")
+    geometry, chosen, required = blocks(CLEARANCE, "yaml")
     shown = YAML(typ="safe").load(geometry)["bodies"]["payload"]["geometry"]
     data = YAML(typ="safe").load(builtin_cases()["vega"])
     ring = data["bodies"]["launch_vehicle"]["geometry"]
     data["bodies"]["payload"]["geometry"] |= shown
     assert set(shown) == {"nozzle", "antenna", "tank"}
+    [requirement] = YAML(typ="safe").load(required)["requirements"]
+    assert requirement in data["requirements"]
     chosen = YAML(typ="safe").load(chosen)
     ring["flange"] = ring["adapter_ring"]
     data["bodies"]["payload"]["geometry"]["flange"] = ring.pop("flange")
