@@ -215,7 +215,7 @@ _Ask: TypeAlias = Callable[[_Question], _Answer]
 def _answer(
     questions: Sequence[_Question], evaluator: Evaluator
 ) -> list[_Answer | None]:
-    """Answer questions for values; those for slopes when there are no others.
+    """Answer all questions for values; if there are none, one about a row, or slopes.
 
     Slopes cost far more, and less for each the more there are of them.
     """
@@ -223,6 +223,8 @@ def _answer(
         kind for kind in _Kind if any(question.kind is kind for question in questions)
     )
     asked = [i for i, question in enumerate(questions) if question.kind is kind]
+    if kind is _Kind.NEAR:
+        asked = asked[:1]
     rows = np.concatenate([questions[i].rows for i in asked])
     which = [questions[i].objective for i in asked for _ in questions[i].rows]
     slopes = None
@@ -230,8 +232,7 @@ def _answer(
         case _Kind.SLOPES:
             told, slopes = evaluator.slopes(rows, which)
         case _Kind.NEAR:
-            asked = asked[:1]
-            told = evaluator.near(questions[asked[0]].rows, which[0])
+            told = evaluator.near(rows, which[0])
         case _:
             told = evaluator.one(rows, which)
     answers: list[_Answer | None] = [None] * len(questions)

@@ -103,19 +103,21 @@ class ClearanceAnalysis:
     ) -> Clearance:
         """Return how near the pair that comes nearest comes, sooner than all of them.
 
+        Of pairs that come as near, to the accuracy of a clearance, any.
+
         Args:
             run: a completed run of the separation.
             until: to this time, s; to the end of the run if None.
-            first: the pair to begin with; the others need only be shown not to come
-                nearer.
+            first: the pair to begin with, best the nearest: of the others, that they
+                are not is sooner shown.
 
         Raises:
             ValueError: elements overlap at the start that are not said to touch.
             RuntimeError: the run failed.
         """
         end = _end(run, until)
-        best: Clearance | None = None
         along = sorted(self._along(run), key=lambda pair: pair[0] != first)
+        best: Clearance | None = None
         for names, one in along:
             than = math.inf if best is None else best.minimum
             start = self._start_before(end, names, one)

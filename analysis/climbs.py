@@ -16,6 +16,7 @@ from drakesep.analysis.search import (
     Searched,
     SearchProgress,
     SearchSettings,
+    swept,
 )
 
 
@@ -27,8 +28,8 @@ _ENOUGH = 1e-8
 """Tolerance of one of many starts: maxima that differ by 1e-6 are told apart."""
 
 
-_COSTLY = 4
-"""Times as few starts for objectives that are costly."""
+_BESIDE = 4
+"""Times as few starts for what is costly, beside others."""
 
 
 def climb(
@@ -62,8 +63,8 @@ def climb_from_many(
             (c for c in known if c.objective == k and c.ascent is None),
             key=lambda c: -c.value,
         )
-        costly = problem.evaluator.objectives[k].costly
-        count = -(-starts_of_all // _COSTLY) if costly else starts_of_all
+        beside = k not in swept(problem)
+        count = -(-starts_of_all // _BESIDE) if beside else starts_of_all
         best = [*nominal, *map(np.array, dict.fromkeys(c.u for c in mine))][:count]
         # The same for each objective: what others there are changes nothing.
         rng = np.random.default_rng(settings.seed)
@@ -108,8 +109,11 @@ def _climb(
     for ascent in ascents:
         if ascent.status is SearchStatus.FAILED:
             failures[ascent.message] = failures.get(ascent.message, 0) + 1
-    origin = "the nominal" if search == "sqp" else f"{len(points[0])} more starts"
-    exact = all(map(problem.evaluator.exact, range(len(points))))
+    counts = sorted({len(mine) for mine in points}, reverse=True)
+    origin = "the nominal"
+    if search != "sqp":
+        origin = " or ".join(map(str, counts)) + " more starts"
+    exact = any(map(problem.evaluator.exact, range(len(points))))
     return Searched(
         search=search,
         candidates=tuple(

@@ -39,6 +39,27 @@ def element_pairs(
     return list({frozenset(pair): pair for pair in reversed(checked)}.values())[::-1]
 
 
+def pairs_apart(
+    separation: Separation,
+    wanted: Sequence[Sequence[str]] | None,
+    touching: Sequence[Sequence[str]],
+) -> list[Names]:
+    """Return the pairs that are wanted; if None, all that do not touch while mated.
+
+    Args:
+        separation: whose bodies have elements.
+        wanted: names of two elements each.
+        touching: names of two elements each.
+
+    Raises:
+        ValueError: one does not name two elements of different bodies.
+    """
+    if wanted is not None:
+        return element_pairs(separation, wanted)
+    together = set(map(frozenset, element_pairs(separation, touching)))
+    return [p for p in element_pairs(separation) if frozenset(p) not in together]
+
+
 def _checked(names: Sequence[str], owners: Mapping[str, str]) -> Names:
     if isinstance(names, str) or len(names) != 2:
         raise InputError(f"pair: must name two elements, got {names!r}")

@@ -114,8 +114,10 @@ class RunEvaluator:
         asked = range(len(self.objectives)) if of is None else of
         values = np.full((len(rows), len(self.objectives)), np.nan)
         failures: dict[int, str] = {}
-        for first in range(0, len(rows), _ROWS):
-            part = rows[first : first + _ROWS]
+        costly = any(self.objectives[k].costly for k in asked)
+        size = 1 if costly else _ROWS
+        for first in range(0, len(rows), size):
+            part = rows[first : first + size]
             for i, run in enumerate(self._fly(part), first):
                 if run.status is RunStatus.FAILED:
                     failures[i] = run.message
@@ -290,7 +292,8 @@ class BatchEvaluator:
 
     def prepare(self) -> None:
         """Begin to compile what climbs need, beside whatever comes next."""
-        self._preparing = threading.Thread(target=self._compile, daemon=True)
+        # No daemon: a process that ends within the compiler does so with a crash.
+        self._preparing = threading.Thread(target=self._compile)
         self._preparing.start()
 
     def _compile(self) -> None:

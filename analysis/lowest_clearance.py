@@ -15,9 +15,9 @@ import numpy as np
 
 from drakesep.analysis.clearance import ClearanceAnalysis
 from drakesep.analysis.clearance_of_pair import ACCURACY, Clearance
-from drakesep.analysis.element_pairs import Names, element_pairs, owners_of
+from drakesep.analysis.element_pairs import Names, owners_of, pairs_apart
 from drakesep.analysis.objectives import About, Limits, Objective
-from drakesep.systems.checks import check_positive
+from drakesep.systems.checks import InputError, check_positive
 from drakesep.systems.model import Separation
 from drakesep.systems.relative_path import RelativePath
 from drakesep.systems.run import Array, Run
@@ -28,7 +28,13 @@ CLEARANCE = "clearance"
 
 
 class LowestClearance(Objective):
-    """Less the smallest distance between elements: 0, the highest, at contact."""
+    """Less the smallest distance between elements: 0, the highest, at contact.
+
+    Attributes:
+        first: the pair to begin with, best that which is the nearest in most runs; None
+            for the first there is. Of pairs that come as near, to the accuracy, it
+            decides which is told.
+    """
 
     figure = CLEARANCE
     sign = -1.0
@@ -62,16 +68,17 @@ class LowestClearance(Objective):
         """
         if until_separation is not None:
             check_positive("until_separation", until_separation)
-        if pairs is None:
-            apart = set(map(frozenset, element_pairs(separation, touching)))
-            pairs = [p for p in element_pairs(separation) if frozenset(p) not in apart]
         self.name = name
         self._until_separation = until_separation
         self._separation, self._touching = separation, touching
-        self._pairs = element_pairs(separation, pairs)
+        self._pairs = pairs_apart(separation, pairs, touching)
         self._owners = owners_of(separation)
-        # That of the first run which is measured: most often the nominal.
-        self._first: Names | None = None
+        self.first: Names | None = None
+        if not self._pairs:
+            raise InputError(
+                "pairs: must have one of two bodies that does not touch while mated, "
+                "got none"
+            )
 
     @functools.cached_property
     def _analysis(self) -> ClearanceAnalysis:
@@ -79,10 +86,12 @@ class LowestClearance(Objective):
         return ClearanceAnalysis(self._separation, self._pairs, touching=self._touching)
 
     def nearest(self, run: Run) -> Clearance:
-        """Return how near the nearest pair comes in a completed run."""
-        found = self._analysis.smallest(run, until=self._end(run), first=self._first)
-        self._first = self._first or (found.first, found.second)
-        return found
+        """Return how near the nearest pair comes in a completed run.
+
+        Raises:
+            ValueError: B does not move as far as the window goes.
+        """
+        return self._analysis.smallest(run, until=self._end(run), first=self.first)
 
     def of_run(self, run: Run, limits: Limits) -> float:
         """Return less the smallest distance in a completed run, m."""
@@ -110,18 +119,19 @@ class LowestClearance(Objective):
             lambda other: -float(n_A @ second_from_first(other)) - rest,
         )
 
-    def approach(self, run: Run, count: int = 60) -> tuple[Clearance, Array, Array]:
+    def approach(
+        self, run: Run, found: Clearance, count: int = 60
+    ) -> tuple[Array, Array]:
         """Return how near the nearest pair is while distances matter.
 
         Args:
             run: a completed run.
+            found: what is nearest in it.
             count: of moments.
 
         Returns:
-            The pair at its nearest; (n,) how far B has moved along A's x axis, m; and
-            (n,) the distances, m.
+            (n,) how far B has moved along A's x axis, m; and (n,) the distances, m.
         """
-        found = self.nearest(run)
         times = np.append(np.linspace(0.0, self._end(run), count), found.time)
         times.sort()
         A, B = run.separation.A, run.separation.B
@@ -130,7 +140,7 @@ class LowestClearance(Objective):
         pair = ClearanceAnalysis(
             self._separation, [(found.first, found.second)], touching=self._touching
         )
-        return found, x - x[0], pair.at_times(run, times)[:, 0]
+        return x - x[0], pair.at_times(run, times)[:, 0]
 
     def _end(self, run: Run) -> float:
         """Return until when distances matter, s."""
@@ -139,5 +149,13 @@ class LowestClearance(Objective):
         if self._until_separation is None:
             return last
         A, B = run.separation.A, run.separation.B
-        reached = RelativePath(trajectory, A, B).time_apart(self._until_separation)
-        return min(reached, last) if math.isfinite(reached) else last
+        path = RelativePath(trajectory, A, B)
+        reached = path.time_apart(self._until_separation)
+        if math.isinf(reached):
+            moved = path.at(last).p_AoBo_A - path.at(0.0).p_AoBo_A
+            raise InputError(
+                "until_separation: must be reached by the end of every run, got "
+                f"{self._until_separation:g} m where {B} moves {moved[0]:.3g} m along "
+                f"{A}'s x axis in {last:g} s"
+            )
+        return min(reached, last)

@@ -76,6 +76,8 @@ class Best:
     def searched(self, note: str, of: Sequence[int]) -> Searched:
         """Return what was found of the objectives that were looked for."""
         everything = range(len(self._found))
+        if len(of) < len(everything):
+            note += f", for {len(of)} of {len(everything)} objectives"
         return Searched(
             search=self.search,
             candidates=tuple(

@@ -29,9 +29,10 @@ Array = NDArray[np.float64]
 
 STEP = 1e-3
 """Between places of the nominal run that samples are held against, m."""
-SLACK = 2e-4
-"""What interpolation between places and between samples may miss, m: both are of second
-order, with accelerations of 6 m/s^2 and steps of 10 ms."""
+SLACK = 1e-3
+"""What interpolation between places and between samples may miss, m. In time it is of
+second order, 0.1 mm with 6 m/s^2 and steps of 10 ms; a distance of 34 mm to an edge
+bends by 0.5 mm over the 12 mm that B moves between samples."""
 
 
 class Screen:
@@ -103,20 +104,22 @@ def main() -> None:
     screen = Screen(nominal, case, until)
     tolerances = case.tolerance_set
     rng = np.random.default_rng(asked.seed)
-    measured, nearest, beyond = 0, np.inf, 0
+    measured, nearest, beyond, least = 0, np.inf, 0, np.inf
     start = time.perf_counter()
     for first in range(0, asked.samples, 1000):
         count = min(1000, asked.samples - first)
         for run in batch.runs(tolerances.rows(tolerances.draw(count, rng))):
-            if screen(run) > -worst.value:
+            bound = screen(run)
+            least = min(least, bound)
+            if bound > -worst.value:
                 continue
             distance = objective.nearest(run).minimum
             measured, nearest = measured + 1, min(nearest, distance)
             beyond += distance < -worst.value
         print(
-            f"\r{first + count} samples, {measured} measured, nearest "
-            f"{1e3 * nearest:.3f} mm, {beyond} nearer than the worst, "
-            f"{time.perf_counter() - start:.0f} s",
+            f"\r{first + count} samples, none below {1e3 * least:.3f} mm by how far "
+            f"it strays; {measured} measured, nearest {1e3 * nearest:.3f} mm, "
+            f"{beyond} nearer than the worst, {time.perf_counter() - start:.0f} s",
             end="",
             flush=True,
         )

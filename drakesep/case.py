@@ -10,7 +10,7 @@ from typing import Self
 from pydantic import Field, model_validator
 
 from drakesep.analysis.dispersions import Box
-from drakesep.analysis.element_pairs import element_pairs
+from drakesep.analysis.element_pairs import element_pairs, pairs_apart
 from drakesep.analysis.objectives import Objective, lowest, towards
 from drakesep.analysis.requirements import Requirement, deviation_limits
 from drakesep.analysis.tolerance_set import ToleranceSet
@@ -100,7 +100,8 @@ class Case(Section):
                 raise CaseError(f"requirements: {quantity} must stand once")
         if "clearance_mm" in quantities and not self.has_clearance:
             raise CaseError(
-                "requirements: clearance_mm needs geometry on two bodies, got none"
+                "requirements: clearance_mm needs geometry on two bodies that does not "
+                "touch while mated, got none"
             )
         for limit in self.limits:
             if limit.sense == "<=" and limit.limit < 0.0:
@@ -201,7 +202,8 @@ class Case(Section):
     @property
     def has_clearance(self) -> bool:
         """Whether elements of two bodies may come near each other."""
-        return bool(element_pairs(self.separation))
+        of = self.clearance
+        return bool(pairs_apart(self.separation, of.pairs, of.touching))
 
     @property
     def limits(self) -> tuple[Requirement, ...]:

@@ -100,6 +100,10 @@ class RequirementSection(Section):
         of_clearance = _requirement_stem(self.quantity) == "clearance"
         if of_clearance and self.at_least is None:
             raise ValueError("a clearance must have 'at_least', got 'at_most'")
+        if of_clearance and min(self._limits, default=0.0) <= 0.0:
+            raise ValueError(  # at contact it is 0, however deep
+                f"at_least of a clearance must be > 0, got {self._limits[0]:g}"
+            )
         if not of_clearance and self.until_separation_mm is not None:
             raise ValueError("until_separation_mm must stand with clearance_mm")
         axes = len(_requirement_axes(self.quantity))

@@ -11,7 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from drakesep.analysis.clearance_of_pair import Clearance
+from drakesep.analysis.element_pairs import Names
 from drakesep.figures import COLOURS, DASHES, LIMIT
+from drakesep.systems.elements import Element
 from drakesep.systems.proximity import Node, farthest, leaves_of, tree_of
 from drakesep.systems.relative_path import RelativePath
 from drakesep.systems.run import Array, Run
@@ -139,24 +141,40 @@ _MANY = 64
 _STAYS = "#8C8C8C"
 
 
-def save_swept(run: Run, folder: Path) -> None:
-    """Write swept.png into a folder, if both bodies of the pair have geometry."""
-    separation = run.separation
-    pair = [b for b in separation.bodies if b.name in (separation.A, separation.B)]
-    if all(body.elements for body in pair):
-        swept_figure(run).savefig(folder / "swept.png", dpi=130)
+def save_swept(run: Run, pairs: Sequence[Names], folder: Path) -> None:
+    """Write swept.png into a folder, if elements of A and B are in the pairs."""
+    stays, moves = _in_pairs(run, pairs)
+    if stays and moves:
+        swept_figure(run, pairs).savefig(folder / "swept.png", dpi=130)
 
 
-def swept_figure(run: Run) -> Figure:
+def _in_pairs(
+    run: Run, pairs: Sequence[Names]
+) -> tuple[tuple[Element, ...], tuple[Element, ...]]:
+    """Return the elements of A and of B that are in pairs."""
+    names = {name for pair in pairs for name in pair}
+    bodies = {body.name: body for body in run.separation.bodies}
+    of_A, of_B = bodies[run.separation.A], bodies[run.separation.B]
+    return (
+        tuple(e for e in of_A.elements if e.name in names),
+        tuple(e for e in of_B.elements if e.name in names),
+    )
+
+
+def swept_figure(run: Run, pairs: Sequence[Names]) -> Figure:
     """Return the space that elements of B sweep, as seen from A, along A's axes.
 
     From the mated place until no element of B is beside one of A any more.
+
+    Args:
+        run: a completed run.
+        pairs: names of elements; those of A and B among them are drawn.
     """
+    on_A, on_B = _in_pairs(run, pairs)
     separation = run.separation
     path = RelativePath(run.completed_trajectory, separation.A, separation.B)
-    bodies = {body.name: body for body in separation.bodies}
-    stays = [tree_of(element) for element in bodies[separation.A].elements]
-    moves = {e.name: tree_of(e) for e in bodies[separation.B].elements}
+    stays = [tree_of(element) for element in on_A]
+    moves = {element.name: tree_of(element) for element in on_B}
     clear = path.time_apart(_until_clear(stays, list(moves.values()), path))
     times = np.linspace(0.0, min(clear, float(path.time[-1])), _MOMENTS)
     figure = Figure(figsize=(14, 4.4), layout="constrained")

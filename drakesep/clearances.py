@@ -124,7 +124,7 @@ class Clearances:
         clearance_figures.save_clearance(
             self._time, self.separation, self._curves, folder
         )
-        clearance_figures.save_swept(self.run, folder)
+        clearance_figures.save_swept(self.run, self._analysis.names, folder)
 
     @property
     def _curves(self) -> dict[str, tuple[Array, Clearance]]:

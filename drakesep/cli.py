@@ -313,7 +313,8 @@ def verify(
         raise typer.Exit(FAILED)
     console.print(
         "[bold green]Every requirement is met[/] in all "
-        f"{len(study.flights)} runs flown in Drake, the worst cases of each among them."
+        f"{len(study.flights)} runs flown in Drake, the worst cases of each among them"
+        + ("; clearance in those that have one." if study.clearance else ".")
     )
 
 

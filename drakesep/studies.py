@@ -70,7 +70,7 @@ _RESULTS = (
     *("worst_cases.csv", "history.csv", "comparison.csv", "requirements.csv"),
     *("table_4.csv", "evidence.csv", "searches.csv", "candidates.csv"),
     *("worst_points.csv", "sensitivities.csv", "tolerances.csv"),
-    *("translation.png", "rotation.png", "tornado.png"),
+    *("translation.png", "rotation.png", "tornado.png", "worst_clearance.png"),
 )
 
 
@@ -220,8 +220,6 @@ def worst_case(
         workers=workers,
         on_progress=on_progress,
     )
-    if folder is not None:
-        study.save_tables(folder)
     return study
 
 
@@ -278,8 +276,6 @@ def verify(
         on_progress=on_progress,
         afterwards=grow,
     )
-    if folder is not None:
-        study.save_tables(folder)
     return study
 
 

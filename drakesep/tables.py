@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from drakesep.analysis.ascent import Iteration
+from drakesep.analysis.clearance_of_pair import Clearance
 from drakesep.analysis.dispersions import Box
 from drakesep.analysis.growth import Growth
 from drakesep.analysis.metrics import ANGLES, AXES
@@ -41,6 +42,8 @@ class Flight:
     """The publication that it comes from."""
     objective_in_drake: float | None = None
     """Of the objective whose worst case it is, in SI; None if the run failed."""
+    nearest: Clearance | None = field(default=None, repr=False)
+    """How near its elements come; None if that was not asked for."""
 
 
 def unit_of_objective(objective: Objective) -> Unit:

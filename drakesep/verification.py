@@ -45,7 +45,8 @@ class Verification(WorstCases):
         """Write the tables, as far as there are any, into a folder."""
         super().save_tables(directory)
         folder = Path(directory)
-        if self.flights:
+        # No verdict before the worst cases are known.
+        if self.worst or (self.flights and not self.case.dispersions):
             tables.write_csv(self.requirements, folder / "requirements.csv")
             tables.write_csv(self.table_4, folder / "table_4.csv")
         if self.single_growths:

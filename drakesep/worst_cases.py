@@ -55,7 +55,7 @@ _CONFIRMED = 1e-4
 _WHOLE_RUN = 800
 """Steps of a run in Drake that costs what an objective of a whole run does on the
 batch engine, which samples its motion."""
-_COSTLY: Effort = {"starts": 16, "samples": 64, "vertices": 64}
+_COSTLY: Effort = {"samples": 64, "vertices": 64}
 """Where there are none but costly objectives, a fraction of a second each."""
 _LIGHT = 300
 """Steps of a Drake run up to which it is a light one: derivatives cost less than they
@@ -222,11 +222,10 @@ class WorstCases:
             return []
         approaches = []
         for flight in self.flights:
-            if flight.objective not in (None, self.clearance.name) or (
-                flight.run.motion is None or flight.published is not None
-            ):
+            found = flight.nearest
+            if found is None or flight.published is not None:
                 continue
-            found, x, distances = self.clearance.approach(flight.run)
+            x, distances = self.clearance.approach(flight.run, found)
             pair = f"{found.first} to {found.second}".replace("_", " ")
             approaches.append(
                 clearance_figures.Approach(flight.label, pair, x, distances)
@@ -310,7 +309,8 @@ def as_flight(
         limits = deviation_limits(case.limits)
         figures_ |= metrics(run, limits)
         if clearance is not None:
-            figures_[CLEARANCE] = clearance.nearest(run).minimum
+            found["nearest"] = nearest = clearance.nearest(run)
+            figures_[CLEARANCE] = nearest.minimum
     return Flight(label=label, run=run, figures=figures_, **found)  # type: ignore[arg-type]
 
 
@@ -330,8 +330,6 @@ def search(
     afterwards: Callable[[Problem, SearchSettings], None] = _nothing,
 ) -> None:
     """Fly the references of a study, search its worst cases and confirm them.
-
-    The tables are written as they grow, but not at the end.
 
     Args:
         study: that receives what is found.
@@ -359,6 +357,9 @@ def search(
     study.clearance = study.clearance or the_clearance(objectives)
     nominal = Simulation(case.separation, case.integration).run({})
     study.flights.append(as_flight(NOMINAL, nominal, case, study.clearance))
+    nearest = study.flights[0].nearest
+    if study.clearance is not None and nearest is not None:
+        study.clearance.first = nearest.first, nearest.second
     if nominal.motion is None:
         raise RuntimeError(f"the nominal run failed: {nominal.message}")
     light = nominal.steps <= _LIGHT
@@ -397,7 +398,8 @@ def _save_runs_beside(
     with ThreadPoolExecutor(1) as beside:
         saved = None if output is None else beside.submit(study.save_runs, output)
         more()
-    if saved is not None:
+    if output is not None and saved is not None:
+        study.save_tables(output)  # whatever becomes of the pictures
         saved.result()
 
 
@@ -406,7 +408,7 @@ def _affordable(
 ) -> SearchSettings:
     """Return how hard to search, by what takes longest of what searches fly."""
     if all(o.costly for o in objectives):
-        chosen: Effort = {**_COSTLY, **effort}
+        chosen: Effort = _COSTLY | effort
         return SearchSettings.affordable(steps, **chosen)
     whole_runs = any(not (o.of_figures_alone or o.costly) for o in objectives)
     return SearchSettings.affordable(

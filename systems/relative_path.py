@@ -101,7 +101,8 @@ class RelativePath:
         """
         i = int(np.searchsorted(self.time, start, side="right")) - 1
         j = int(np.searchsorted(self.time, end, side="left"))
-        mine = slice(max(i, 0), max(j, i + 1))
+        i = min(max(i, 0), len(self._turning) - 1)
+        mine = slice(i, max(j, i + 1))
         turning = float(self._turning[mine].max())
         bending = float(self._bending[mine].max())
         # R is of second degree in the quaternion.

@@ -48,20 +48,24 @@ def test_its_value_is_the_smallest_distance_and_its_slope_that_of_the_points():
         assert abs(later - about.value) < 0.01 * abs(change)
 
 
-def closing(speed, drop=0.8):
+def closing(speed, drop=0.8, more=()):
     """B moves away along x and comes nearer along y, all the time."""
     motion = straight(TIME, (0.0, 2.0, 0.0), (speed, -drop, 0.0))
-    return run_of(motion, [ROCK], [BALL])
+    return run_of(motion, [ROCK], [*more, BALL])
 
 
-def test_where_it_ends_a_window_its_slope_has_the_windows():
+FAR = Element(name="far_ball", shape=Sphere(radius=0.1), p_BoGo_B=(0.0, 5.0, 0.0))
+
+
+@pytest.mark.parametrize("more", [(), (FAR,)])
+def test_where_it_ends_a_window_its_slope_has_the_windows(more):
     """Nearest at the end of the window, when B has moved 0.3 m: at 0.3 / speed."""
 
     def distance(speed):
         t = 0.3 / speed
         return math.hypot(0.3, 2.0 - 0.8 * t) - 0.3
 
-    run = closing(1.5)
+    run = closing(1.5, more=more)
     objective = LowestClearance(run.separation, until_separation=0.3)
     about = objective.about(run, NO_LIMITS)
     assert about.value == pytest.approx(-distance(1.5), abs=EXACT)
@@ -69,10 +73,10 @@ def test_where_it_ends_a_window_its_slope_has_the_windows():
     slope = (about.near(closing(1.5 + h)) - about.near(closing(1.5 - h))) / (2.0 * h)
     truth = -(distance(1.5 + h) - distance(1.5 - h)) / (2.0 * h)
     assert slope == pytest.approx(truth, rel=1e-5)
-    # One that is never reached is no window.
+    # One that is never reached is an error, not a window.
     far = LowestClearance(run.separation, until_separation=9.0)
-    whole = ClearanceAnalysis(run.separation).of(run)[0].minimum
-    assert far.of_run(run, NO_LIMITS) == pytest.approx(-whole, abs=EXACT)
+    with pytest.raises(ValueError, match=r"until_separation: .* upper moves 1.5 m"):
+        far.of_run(run, NO_LIMITS)
 
 
 def test_time_apart():
@@ -103,14 +107,18 @@ def test_elements_that_touch_while_mated_are_left_out_unless_named():
     left = LowestClearance(run.separation, touching=touching)
     assert left(run) == pytest.approx(-(2.7 - 0.2), abs=EXACT)
     named = LowestClearance(run.separation, touching, touching=touching)
-    assert -0.1 < named(run) <= 0.0
+    # From the first sample at which they have parted, 1/8 s.
+    assert named(run) == pytest.approx(-(math.hypot(0.125, 0.3) - 0.3), abs=EXACT)
+    with pytest.raises(ValueError, match=r"pairs: must have one .* got none"):
+        LowestClearance(fly_by(0.5).separation, touching=touching)
 
 
 @pytest.mark.parametrize("first", [None, ("rock", "far_ball"), ("rock", "near_ball")])
 def test_the_nearest_of_several_pairs_whichever_comes_first(first):
     near = Element(name="near_ball", shape=Sphere(radius=0.1))
     far = Element(name="far_ball", shape=Sphere(radius=0.1), p_BoGo_B=(0.0, 0.4, 0.0))
-    run = run_of(straight(TIME, (-0.8, 0.5, 0), (2.0, 0, 0)), [ROCK], [far, near])
+    motion = straight(TIME, (-0.8, 0.5, 0.0), (2.0, 0.0, 0.0))
+    run = run_of(motion, [ROCK], [far, near])
     analysis = ClearanceAnalysis(run.separation)
     found = analysis.smallest(run, first=first)
     assert (found.first, found.second) == ("rock", "near_ball")

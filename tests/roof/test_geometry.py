@@ -160,6 +160,8 @@ def test_requirement_on_clearance(write, tmp_path):
     assert [o.name for o in case.requirement_objectives] == ["lowest_clearance"]
     with pytest.raises(CaseError, match="a clearance must have 'at_least'"):
         load(at_most=30)
+    with pytest.raises(CaseError, match="at_least of a clearance must be > 0, got 0"):
+        load(at_least=0)
     with pytest.raises(CaseError, match="until_separation_mm"):
         load(at_least=30, until_separation_mm=0)
     with pytest.raises(CaseError, match="must stand with clearance_mm"):
