@@ -44,10 +44,8 @@ class Screen:
         path = RelativePath(nominal.completed_trajectory, self._A, self._B)
         end = path.time_apart(until + 0.05)
         times = np.linspace(0.0, end, int((until + 0.05) / STEP))
-        poses = [path.at(t) for t in times.tolist()]
-        self._x = np.array([pose.p_AoBo_A[0] for pose in poses])
-        self._p = np.array([pose.p_AoBo_A for pose in poses])
-        self._R = np.array([pose.R_AB for pose in poses])
+        self._R, self._p = path.places(times)
+        self._x = self._p[:, 0]
         elements = {e.name: e for b in separation.bodies for e in b.elements}
         analysis = ClearanceAnalysis(separation, case.clearance.pairs)
         self.bounds: dict[str, tuple[Array, Array]] = {}
@@ -65,9 +63,7 @@ class Screen:
         path = RelativePath(trajectory, self._A, self._B)
         end = path.time_apart(self._until)
         times = np.append(trajectory.time[trajectory.time < end], end)
-        poses = [path.at(t) for t in times.tolist()]
-        p = np.array([pose.p_AoBo_A for pose in poses])
-        R = np.array([pose.R_AB for pose in poses])
+        R, p = path.places(times)
         at = np.interp(p[:, 0], self._x, np.arange(len(self._x)))
         i = np.minimum(at.astype(int), len(self._x) - 2)
         part = at - i

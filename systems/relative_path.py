@@ -79,6 +79,17 @@ class RelativePath:
         _, *w = multiply(tuple(q_dot), conjugate(tuple(q)))
         return Pose(q, R, x[4:], 2.0 * np.array(w), x_dot[4:])
 
+    def places(self, times: Array) -> tuple[Array, Array]:
+        """Return (n, 3, 3) orientations R_AB and (n, 3) places p_AoBo_A, m, of B in A.
+
+        Args:
+            times: (n,) s.
+        """
+        x = self._spline(times)
+        q = x[:, :4] / np.linalg.norm(x[:, :4], axis=1)[:, None]
+        R = np.stack(rotation_matrix(tuple(q.T)), axis=1)
+        return R.reshape(-1, 3, 3), x[:, 4:]
+
     def time_apart(self, distance: float) -> float:
         """Return when B's origin has first moved so far along A's x axis, s.
 

@@ -92,6 +92,19 @@ def test_time_apart():
     assert back.time_apart(0.16) == pytest.approx(0.2, abs=1e-9)
 
 
+def test_places_are_those_of_the_poses():
+    angle = 0.7 * TIME
+    motion = straight(
+        TIME, (0.1, 0.2, 0.3), (1.0, -2.0, 0.5), angle=angle, rate=0.7 + 0.0 * TIME
+    )
+    path = RelativePath(motion, "lower", "upper")
+    times = np.array([0.0, 0.31, 1.0])
+    R, p = path.places(times)
+    for t, R_AB, p_AB in zip(times.tolist(), R, p, strict=True):
+        np.testing.assert_allclose(R_AB, path.at(t).R_AB, atol=1e-15)
+        np.testing.assert_allclose(p_AB, path.at(t).p_AoBo_A, atol=1e-15)
+
+
 def test_contact_is_the_worst_there_is_and_has_no_slope():
     run = fly_by(0.25)
     about = LowestClearance(run.separation).about(run, NO_LIMITS)
