@@ -55,7 +55,7 @@ _CONFIRMED = 1e-4
 _WHOLE_RUN = 800
 """Steps of a run in Drake that costs what an objective of a whole run does on the
 batch engine, which samples its motion."""
-_COSTLY: Effort = {"samples": 64, "vertices": 64}
+_COSTLY: Effort = {"samples": 32, "vertices": 32}
 """Where there are none but costly objectives, a fraction of a second each."""
 _LIGHT = 300
 """Steps of a Drake run up to which it is a light one: derivatives cost less than they
