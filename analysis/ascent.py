@@ -135,13 +135,10 @@ def ascend(
         untold.clear()
 
     def task(i: int) -> Callable[[_Ask], Ascent]:
-        exact = evaluator.exact(starts[i].objective) and not settings.differences
-
         def log(iteration: Iteration) -> None:
             untold.append((i, iteration))
 
-        costly = evaluator.objectives[starts[i].objective].costly
-        return lambda ask: _Climb(starts[i], settings, exact, costly, ask, log).run()
+        return lambda ask: _Climb(starts[i], settings, evaluator, ask, log).run()
 
     def answer(questions: list[_Question]) -> list[_Answer | None]:
         tell()  # here, where one thread at a time comes by
@@ -168,9 +165,7 @@ def slopes_at(
 
     def task(point: Start) -> Callable[[_Ask], Array]:
         def slopes(ask: _Ask) -> Array:
-            exact = evaluator.exact(point.objective) and not settings.differences
-            costly = evaluator.objectives[point.objective].costly
-            climb = _Climb(point, settings, exact, costly, ask)
+            climb = _Climb(point, settings, evaluator, ask)
             try:
                 return climb.gradient(np.asarray(point.u, dtype=float))
             except _RunFailedError:
@@ -271,16 +266,15 @@ class _Climb:
         self,
         start: Start,
         settings: AscentSettings,
-        exact: bool,
-        costly: bool,
+        evaluator: Evaluator,
         ask: _Ask,
         tell: Callable[[Iteration], None] = lambda _: None,
     ):
         self._start = start
         self._set = start.tolerances
         self._settings = settings
-        self._exact = exact
-        self._costly = costly
+        self._exact = evaluator.exact(start.objective) and not settings.differences
+        self._costly = evaluator.objectives[start.objective].costly
         self._ask = ask
         self._tell = tell
         self._evaluations = 0

@@ -136,7 +136,7 @@ class LowestClearance(Objective):
         times.sort()
         A, B = run.separation.A, run.separation.B
         path = RelativePath(run.completed_trajectory, A, B)
-        x = np.array([path.at(t).p_AoBo_A[0] for t in times.tolist()])
+        x = path.places(times)[1][:, 0]
         pair = ClearanceAnalysis(
             self._separation, [(found.first, found.second)], touching=self._touching
         )
@@ -152,10 +152,11 @@ class LowestClearance(Objective):
         path = RelativePath(trajectory, A, B)
         reached = path.time_apart(self._until_separation)
         if math.isinf(reached):
-            moved = path.at(last).p_AoBo_A - path.at(0.0).p_AoBo_A
+            _, (start, end) = path.places(np.array([0.0, last]))
+            moved = float(end[0] - start[0])
             raise InputError(
                 "until_separation: must be reached by the end of every run, got "
-                f"{self._until_separation:g} m where {B} moves {moved[0]:.3g} m along "
-                f"{A}'s x axis in {last:g} s"
+                f"{self._until_separation:g} m where {B} moves {moved:.3g} m "
+                f"along {A}'s x axis in {last:g} s"
             )
-        return min(reached, last)
+        return reached

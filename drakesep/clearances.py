@@ -49,7 +49,8 @@ class Clearances:
     @functools.cached_property
     def separation(self) -> Array:
         """(n,) how far B's origin has moved along A's x axis, m."""
-        return np.array([self._separation(t) for t in self._time])
+        x: Array = self._path.places(self._time)[1][:, 0]
+        return x - self._mated_place
 
     @property
     def _time(self) -> Array:

@@ -396,9 +396,10 @@ def _save_runs_beside(
 ) -> None:
     """Draw the runs while more is found, which changes nothing about them."""
     with ThreadPoolExecutor(1) as beside:
-        saved = None if output is None else beside.submit(study.save_runs, output)
+        if output is not None:
+            saved = beside.submit(study.save_runs, output)
         more()
-    if output is not None and saved is not None:
+    if output is not None:
         study.save_tables(output)  # whatever becomes of the pictures
         saved.result()
 
