@@ -3,7 +3,7 @@
 import math
 import warnings
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,8 @@ from drakesep.analysis.element_pairs import Names, element_pairs, owners_of
 from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.elements import Element, Mesh
 from drakesep.systems.model import Body, Separation
-from drakesep.systems.proximity import Nearest, Proximity, mesh_of
+from drakesep.systems.pieces import mesh_of
+from drakesep.systems.proximity import Nearest, Proximity
 from drakesep.systems.relative_path import RelativePath
 from drakesep.systems.run import Run
 
@@ -24,6 +25,10 @@ _SMALLEST, _LARGEST = 1e-3, 15.0
 """Size of a mesh over its body's radius of gyration, beyond which it is doubted."""
 PARTED = 1e-3
 """Distance from which elements that touch while mated are measured, m."""
+
+
+_Along: TypeAlias = tuple[Names, ClearanceOfPair]
+"""A pair of elements, along the path of their bodies."""
 
 
 class NearestPair(NamedTuple):
@@ -98,9 +103,7 @@ class ClearanceAnalysis:
             for names, one in self._along(run)
         ]
 
-    def smallest(
-        self, run: Run, *, until: float | None = None, first: Names | None = None
-    ) -> Clearance:
+    def smallest(self, run: Run, *, until: float | None = None) -> Clearance:
         """Return how near the pair that comes nearest comes, sooner than all of them.
 
         Of pairs that come as near, to the accuracy of a clearance, any.
@@ -108,15 +111,14 @@ class ClearanceAnalysis:
         Args:
             run: a completed run of the separation.
             until: to this time, s; to the end of the run if None.
-            first: the pair to begin with, best the nearest: of the others, that they
-                are not is sooner shown.
 
         Raises:
             ValueError: elements overlap at the start that are not said to touch.
             RuntimeError: the run failed.
         """
         end = _end(run, until)
-        along = sorted(self._along(run), key=lambda pair: pair[0] != first)
+        # That pairs are not the nearest is sooner shown once that one is known.
+        along = _nearest_first(self._along(run), 0.5 * end)
         best: Clearance | None = None
         for names, one in along:
             than = math.inf if best is None else best.minimum
@@ -133,16 +135,25 @@ class ClearanceAnalysis:
         """
         return self.at_times(run, run.completed_trajectory.time)
 
-    def at_times(self, run: Run, times: Array) -> Array:
+    def at_times(
+        self, run: Run, times: Array, *, of: Sequence[Names] | None = None
+    ) -> Array:
         """Return (n, k) how near each pair is at n times (n,), s, of a run, m.
+
+        Args:
+            run: a completed run of the separation.
+            times: (n,) s.
+            of: which of the pairs in `names`; all if None.
 
         Raises:
             RuntimeError: the run failed.
         """
+        asked = self.names if of is None else of
+        along = dict(self._along(run))
         return np.array(
             [
-                [one.at(t).distance for t in np.asarray(times).tolist()]
-                for _, one in self._along(run)
+                [along[names].at(t).distance for t in np.asarray(times).tolist()]
+                for names in asked
             ]
         ).T
 
@@ -163,7 +174,7 @@ class ClearanceAnalysis:
             for here in found
         ]
 
-    def _along(self, run: Run) -> list[tuple[Names, ClearanceOfPair]]:
+    def _along(self, run: Run) -> list[_Along]:
         trajectory = run.completed_trajectory
         paths = {ends: RelativePath(trajectory, *ends) for ends in self._proximities}
         return [
@@ -195,6 +206,16 @@ class ClearanceAnalysis:
                 "mm or one inside the other"
             )
         return 0.0
+
+
+def _nearest_first(along: Sequence[_Along], t: float) -> list[_Along]:
+    """Return pairs with the one before all others that is nearest at a time, s."""
+    first, than = along[0], math.inf
+    for pair in along:
+        nearest = pair[1].at_below(t, than)
+        if nearest is not None:
+            first, than = pair, nearest.distance
+    return [first, *(pair for pair in along if pair is not first)]
 
 
 def _end(run: Run, until: float | None) -> float:

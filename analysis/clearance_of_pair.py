@@ -118,6 +118,10 @@ class ClearanceOfPair:
         """Return how near the elements are at a time, s."""
         return self._nearest(self._look(t))
 
+    def at_below(self, t: float, limit: float) -> Nearest | None:
+        """Return how near they are at a time, s; None if not below a limit, m."""
+        return self._nearest_below(self._look(t), limit)
+
     def overlap(self, t: float) -> bool:
         """Return whether they overlap, or one is inside the other, at a time, s."""
         pose = self._look(t)
@@ -241,7 +245,13 @@ class ClearanceOfPair:
         return pose
 
     def _nearest(self, pose: Pose) -> Nearest:
-        """Return the nearest pair of pieces of elements as they are placed.
+        """Return the nearest pair of pieces of elements as they are placed."""
+        nearest = self._nearest_below(pose, math.inf)
+        assert nearest is not None
+        return nearest
+
+    def _nearest_below(self, pose: Pose, limit: float) -> Nearest | None:
+        """Return the nearest pair of pieces, None if none is nearer than a limit, m.
 
         What may be nearest is measured, from the least bound up; a box that is nearest
         gives way to what is in it.
@@ -251,7 +261,9 @@ class ClearanceOfPair:
         ]
         heapq.heapify(heap)
         while True:
-            _, k, told = heapq.heappop(heap)
+            bound, k, told = heapq.heappop(heap)
+            if bound >= limit:
+                return None
             if told is None:
                 told = self._measure(k, pose)
                 bound = told.distance if is_leaf(self._pairs[k]) else told.low

@@ -1,16 +1,15 @@
 """What tells a search the objectives at points: the batch engine, or run by run."""
 
-import contextlib
 import math
-import threading
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
+from concurrent import futures
 from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drakesep.analysis.batch import Batch
+from drakesep.analysis.batch import Batch, BatchResult
 from drakesep.analysis.objectives import About, Limits, Objective
 from drakesep.systems.checks import InputError
 from drakesep.systems.run import Run, RunStatus
@@ -193,6 +192,8 @@ _ROWS = 64
 """Between two tellings of progress."""
 _KEPT = 1024
 """Answers to costly questions."""
+_COMPILERS = 2
+"""Programs that are compiled beside each other."""
 
 
 class BatchEvaluator:
@@ -216,7 +217,7 @@ class BatchEvaluator:
                 where runs take many steps.
         """
         self._derivatives = derivatives
-        self._preparing: threading.Thread | None = None
+        self._preparing: futures.Future[BatchResult] | None = None
         self._batch = batch
         self.names = batch.names
         self.objectives = tuple(objectives)
@@ -291,24 +292,23 @@ class BatchEvaluator:
         return self._of_runs.near(rows, k)
 
     def prepare(self) -> None:
-        """Begin to compile what climbs need, beside whatever comes next."""
-        # No daemon: a process that ends within the compiler does so with a crash.
-        self._preparing = threading.Thread(target=self._compile)
-        self._preparing.start()
-
-    def _compile(self) -> None:
+        """Begin to compile what searches need, beside whatever comes next."""
         nominal = self._batch.nominal[None]
-        # What goes wrong here goes wrong again where it is told of.
-        with contextlib.suppress(Exception):
-            if any(map(self.exact, range(len(self.objectives)))):
-                self._batch.jacobian(nominal)
-            if not all(objective.of_figures_alone for objective in self.objectives):
-                self._batch.runs(nominal)
+        # What goes wrong here goes wrong again where it is told of. No daemons: a
+        # process that ends within the compiler does so with a crash.
+        pool = futures.ThreadPoolExecutor(_COMPILERS)
+        if any(objective.of_figures_alone for objective in self.objectives):
+            pool.submit(self._batch.run, nominal)
+        if any(map(self.exact, range(len(self.objectives)))):
+            self._preparing = pool.submit(self._batch.jacobian, nominal)
+        if not all(objective.of_figures_alone for objective in self.objectives):
+            pool.submit(self._batch.runs, nominal)
+        pool.shutdown(wait=False)
 
     def slopes(self, rows: Array, which: Sequence[int]) -> tuple[Evaluated, Array]:
         """Return one objective at each row, and its derivatives (n, n_p)."""
         if self._preparing is not None:
-            self._preparing.join()
+            futures.wait([self._preparing])
         result = self._batch.jacobian(rows)
         assert result.jacobian is not None
         figures = result.metrics.to_numpy()

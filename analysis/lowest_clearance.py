@@ -15,7 +15,7 @@ import numpy as np
 
 from drakesep.analysis.clearance import ClearanceAnalysis
 from drakesep.analysis.clearance_of_pair import ACCURACY, Clearance
-from drakesep.analysis.element_pairs import Names, owners_of, pairs_apart
+from drakesep.analysis.element_pairs import owners_of, pairs_apart
 from drakesep.analysis.objectives import About, Limits, Objective
 from drakesep.systems.checks import InputError, check_positive
 from drakesep.systems.model import Separation
@@ -28,13 +28,7 @@ CLEARANCE = "clearance"
 
 
 class LowestClearance(Objective):
-    """Less the smallest distance between elements: 0, the highest, at contact.
-
-    Attributes:
-        first: the pair to begin with, best that which is the nearest in most runs; None
-            for the first there is. Of pairs that come as near, to the accuracy, it
-            decides which is told.
-    """
+    """Less the smallest distance between elements: 0, the highest, at contact."""
 
     figure = CLEARANCE
     sign = -1.0
@@ -73,7 +67,6 @@ class LowestClearance(Objective):
         self._separation, self._touching = separation, touching
         self._pairs = pairs_apart(separation, pairs, touching)
         self._owners = owners_of(separation)
-        self.first: Names | None = None
         if not self._pairs:
             raise InputError(
                 "pairs: must have one of two bodies that does not touch while mated, "
@@ -91,7 +84,7 @@ class LowestClearance(Objective):
         Raises:
             ValueError: B does not move as far as the window goes.
         """
-        return self._analysis.smallest(run, until=self._end(run), first=self.first)
+        return self._analysis.smallest(run, until=self._end(run))
 
     def of_run(self, run: Run, limits: Limits) -> float:
         """Return less the smallest distance in a completed run, m."""
@@ -137,10 +130,8 @@ class LowestClearance(Objective):
         A, B = run.separation.A, run.separation.B
         path = RelativePath(run.completed_trajectory, A, B)
         x = path.places(times)[1][:, 0]
-        pair = ClearanceAnalysis(
-            self._separation, [(found.first, found.second)], touching=self._touching
-        )
-        return x - x[0], pair.at_times(run, times)[:, 0]
+        pair = found.first, found.second
+        return x - x[0], self._analysis.at_times(run, times, of=[pair])[:, 0]
 
     def _end(self, run: Run) -> float:
         """Return until when distances matter, s."""

@@ -23,7 +23,8 @@ from drakesep.analysis import ClearanceAnalysis
 from drakesep.systems import Simulation
 from drakesep.systems.elements import Capsule, Element, Mesh
 from drakesep.systems.model import Separation
-from drakesep.systems.proximity import Proximity, pieces_of
+from drakesep.systems.pieces import pieces_of
+from drakesep.systems.proximity import Proximity
 
 
 ROUNDS = 3

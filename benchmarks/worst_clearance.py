@@ -20,7 +20,7 @@ from drakesep import Case, load_case, worst_case
 from drakesep.analysis.batch import Batch
 from drakesep.analysis.clearance import ClearanceAnalysis
 from drakesep.analysis.lowest_clearance import LowestClearance
-from drakesep.systems.proximity import pieces_of
+from drakesep.systems.pieces import pieces_of
 from drakesep.systems.relative_path import RelativePath
 from drakesep.systems.run import Run
 

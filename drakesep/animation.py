@@ -18,7 +18,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 
 from drakesep.analysis.clearance import ClearanceAnalysis
 from drakesep.systems.elements import Box, Capsule, Cone, Element, Mesh, Sphere
-from drakesep.systems.proximity import Z_TO_X, mesh_of, place_of
+from drakesep.systems.pieces import Z_TO_X, mesh_of, place_of
 from drakesep.systems.relative_path import RelativePath
 from drakesep.systems.run import Array, Run
 

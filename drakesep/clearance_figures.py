@@ -14,7 +14,7 @@ from drakesep.analysis.clearance_of_pair import Clearance
 from drakesep.analysis.element_pairs import Names
 from drakesep.figures import COLOURS, DASHES, LIMIT
 from drakesep.systems.elements import Element
-from drakesep.systems.proximity import Node, farthest, leaves_of, tree_of
+from drakesep.systems.pieces import Node, farthest, leaves_of, tree_of
 from drakesep.systems.relative_path import RelativePath
 from drakesep.systems.run import Array, Run
 from drakesep.units import unit_of

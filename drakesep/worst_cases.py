@@ -356,17 +356,15 @@ def search(
     study.objectives = tuple(objectives)
     study.clearance = study.clearance or the_clearance(objectives)
     nominal = Simulation(case.separation, case.integration).run({})
-    study.flights.append(as_flight(NOMINAL, nominal, case, study.clearance))
-    nearest = study.flights[0].nearest
-    if study.clearance is not None and nearest is not None:
-        study.clearance.first = nearest.first, nearest.second
     if nominal.motion is None:
         raise RuntimeError(f"the nominal run failed: {nominal.message}")
     light = nominal.steps <= _LIGHT
     batch = None
     if objectives and not alone:
+        # First of all: its programs are compiled beside what comes next.
         batch = _batch(case, objectives, derivatives=light)
         workers = 1 if light and workers is None else workers
+    study.flights.append(as_flight(NOMINAL, nominal, case, study.clearance))
     with Fleet(case.separation, case.integration, workers=workers) as fleet:
         _fly_published(study, fleet)
         if output is not None:

@@ -9,7 +9,7 @@ from drakesep.analysis.ascent import Start, slopes_at
 from drakesep.analysis.clearance_of_pair import ACCURACY
 from drakesep.analysis.evaluators import BatchEvaluator
 from drakesep.analysis.requirements import deviation_limits
-from drakesep.systems.proximity import FACET
+from drakesep.systems.pieces import FACET
 from drakesep.systems.relative_path import RelativePath
 
 

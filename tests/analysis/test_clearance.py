@@ -13,7 +13,7 @@ from drakesep.analysis.clearance import ClearanceAnalysis
 from drakesep.analysis.clearance_of_pair import ACCURACY
 from drakesep.systems.checks import InputError
 from drakesep.systems.elements import Box, Capsule, Cone, Element, Mesh, Sphere
-from drakesep.systems.proximity import FACET
+from drakesep.systems.pieces import FACET
 
 
 COARSE = np.linspace(0.0, 1.0, 9)

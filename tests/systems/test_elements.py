@@ -11,13 +11,8 @@ from pydrake.math import RollPitchYaw
 
 from drakesep.systems.checks import InputError
 from drakesep.systems.elements import Box, Capsule, Cone, Element, Mesh, Sphere
-from drakesep.systems.proximity import (
-    FACET,
-    TOUCHING,
-    Proximity,
-    nearest_of,
-    pieces_of,
-)
+from drakesep.systems.pieces import FACET, pieces_of
+from drakesep.systems.proximity import TOUCHING, Proximity, nearest_of
 
 
 BAD = st.one_of(
