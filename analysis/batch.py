@@ -138,6 +138,7 @@ class Batch:
         _check_names(names, nominal)
         _check_limits(deviation_limits)
         _check_released(separation)
+        _check_free(separation)
         check_positive("tolerance", tolerance)
         _keep_programs()
         platform = jax.default_backend()
@@ -505,6 +506,14 @@ def _check_released(separation: Separation) -> None:
                 f"{a.name} must let go at a time or at an angle: it waits for a "
                 "command, which a batch does not have"
             )
+
+
+def _check_free(separation: Separation) -> None:
+    if separation.recontact is not None:
+        raise InputError(
+            "recontact: must be None, since a batch knows no contact forces; leave it "
+            "out, or fly Drake run by run (the search 'drake')"
+        )
 
 
 def _call(program: Callable[..., Any], *lanes: Array) -> Any:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drakesep.analysis.clearance_of_pair import Clearance, ClearanceOfPair
-from drakesep.analysis.element_pairs import Names, element_pairs, owners_of
 from drakesep.systems.checks import InputError, check_finite
+from drakesep.systems.element_pairs import Names, element_pairs, owners_of
 from drakesep.systems.elements import Element, Mesh
 from drakesep.systems.model import Body, Separation
 from drakesep.systems.pieces import mesh_of

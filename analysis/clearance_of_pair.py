@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from drakesep.analysis.element_pairs import Names
+from drakesep.systems.element_pairs import Names
 from drakesep.systems.elements import Mesh
 from drakesep.systems.proximity import (
     TOUCHING,

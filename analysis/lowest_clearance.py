@@ -15,9 +15,9 @@ import numpy as np
 
 from drakesep.analysis.clearance import ClearanceAnalysis
 from drakesep.analysis.clearance_of_pair import ACCURACY, Clearance
-from drakesep.analysis.element_pairs import owners_of, pairs_apart
 from drakesep.analysis.objectives import About, Limits, Objective
 from drakesep.systems.checks import InputError, check_positive
+from drakesep.systems.element_pairs import owners_of, pairs_apart
 from drakesep.systems.model import Separation
 from drakesep.systems.relative_path import RelativePath
 from drakesep.systems.run import Array, Run

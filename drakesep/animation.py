@@ -13,12 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pydrake.geometry as drake
-import trimesh
 from pydrake.math import RigidTransform, RotationMatrix
 
 from drakesep.analysis.clearance import ClearanceAnalysis
-from drakesep.systems.elements import Box, Capsule, Cone, Element, Mesh, Sphere
-from drakesep.systems.pieces import Z_TO_X, mesh_of, place_of
+from drakesep.systems.illustration import colour_of, illustration_of
 from drakesep.systems.relative_path import RelativePath
 from drakesep.systems.run import Array, Run
 
@@ -27,12 +25,8 @@ _FRAMES = 30
 """In a second of the animation."""
 _PUSH, _NEAR, _REST = 4.0, 5.0, 3.0
 """Seconds of the animation for the push, until bodies are well apart, and after."""
-_SECTIONS = 96
-"""Sides of a round wall as it is drawn."""
 _BAR = 0.005
 """Radius of the bar between nearest points, m."""
-# Okabe and Ito's colours, as in the figures; walls let one see through.
-_COLOURS = ((0.45, 0.45, 0.5), (0.0, 0.45, 0.7), (0.9, 0.62, 0.0), (0.0, 0.62, 0.45))
 _NEAREST = drake.Rgba(0.84, 0.1, 0.1, 1.0)
 
 
@@ -103,8 +97,10 @@ def _animate(
     separation = run.separation
     for i, body in enumerate(separation.bodies):
         for element in body.elements:
-            colour = _COLOURS[i % len(_COLOURS)]
-            _draw(meshcat, f"{root}/{body.name}/{element.name}", element, colour)
+            shape, X_BG = illustration_of(element)
+            path = f"{root}/{body.name}/{element.name}"
+            meshcat.SetObject(path, shape, drake.Rgba(*colour_of(element, i)))
+            meshcat.SetTransform(path, X_BG)
     meshcat.SetObject(f"{root}/bar", drake.Cylinder(_BAR, 1.0), _NEAREST)
     for end in ("first", "second"):
         meshcat.SetObject(f"{root}/{end}", drake.Sphere(2.0 * _BAR), _NEAREST)
@@ -165,54 +161,6 @@ def _draw_bar(meshcat: Any, root: str, ends: Sequence[Array], at: float) -> None
     meshcat.SetProperty(f"{root}/bar", "scale", [1.0, 1.0, max(length, 1e-6)], at)
     for end, point in zip(("first", "second"), ends, strict=True):
         meshcat.SetTransform(f"{root}/{end}", RigidTransform(point), at)
-
-
-# Shapes.
-
-
-def _draw(
-    meshcat: Any, path: str, element: Element, colour: tuple[float, float, float]
-) -> None:
-    X_BG = place_of(element)
-    shape = element.shape
-    hollow = isinstance(shape, Cone) and shape.thickness is not None
-    rgba = drake.Rgba(*colour, 0.45 if hollow else 1.0)
-    match shape:
-        case Box():
-            meshcat.SetObject(path, drake.Box(*shape.size), rgba)
-        case Sphere():
-            meshcat.SetObject(path, drake.Sphere(shape.radius), rgba)
-        case Capsule():
-            meshcat.SetObject(path, drake.Capsule(shape.radius, shape.length), rgba)
-            X_BG = X_BG @ Z_TO_X
-        case Cone():
-            _draw_mesh(meshcat, path, _revolved(shape), 1.0, rgba)
-            X_BG = X_BG @ Z_TO_X
-        case Mesh():
-            _draw_mesh(meshcat, path, mesh_of(element), shape.scale, rgba)
-    meshcat.SetTransform(path, X_BG)
-
-
-def _draw_mesh(
-    meshcat: Any, path: str, mesh: trimesh.Trimesh, scale: float, rgba: Any
-) -> None:
-    vertices, faces = scale * np.asarray(mesh.vertices), np.asarray(mesh.faces)
-    meshcat.SetTriangleMesh(
-        path, vertices.T, faces.T, rgba, side=meshcat.SideOfFaceToRender.kDoubleSide
-    )
-
-
-def _revolved(cone: Cone) -> trimesh.Trimesh:
-    """Return the surface of a cone along z."""
-    half = 0.5 * cone.length
-    aft, fore = (cone.radius_aft, -half), (cone.radius_fore, half)
-    if cone.thickness is None:
-        profile = [(0.0, -half), aft, fore, (0.0, half)]
-    else:
-        inner_aft = (cone.radius_aft - cone.thickness, -half)
-        inner_fore = (cone.radius_fore - cone.thickness, half)
-        profile = [inner_aft, aft, fore, inner_fore, inner_aft]
-    return trimesh.creation.revolve(np.array(profile), sections=_SECTIONS)
 
 
 # The panel.

@@ -10,7 +10,6 @@ from typing import Self
 from pydantic import Field, model_validator
 
 from drakesep.analysis.dispersions import Box
-from drakesep.analysis.element_pairs import element_pairs, pairs_apart
 from drakesep.analysis.objectives import Objective, lowest, towards
 from drakesep.analysis.requirements import Requirement, deviation_limits
 from drakesep.analysis.tolerance_set import ToleranceSet
@@ -25,11 +24,13 @@ from drakesep.case_sections import (
     RequirementSection,
     RunSection,
 )
-from drakesep.geometry_sections import ClearanceSection
+from drakesep.geometry_sections import ClearanceSection, RecontactSection
 from drakesep.section import Name, Positive, Section
 from drakesep.systems.checks import InputError, check_finite, unknown
+from drakesep.systems.element_pairs import element_pairs, pairs_apart
 from drakesep.systems.model import Separation
 from drakesep.systems.parameters import parameters, with_values
+from drakesep.systems.recontact import Recontact
 from drakesep.systems.settings import Integration
 from drakesep.units import unit_of, with_unit
 
@@ -57,6 +58,8 @@ class Case(Section):
     requirements: list[RequirementSection] = Field(default_factory=list)
     clearance: ClearanceSection = ClearanceSection()
     """Which of the bodies' geometry is measured."""
+    recontact: RecontactSection | None = None
+    """Whether it pushes where it touches; measured alone if None."""
     run: RunSection
     published: list[PublishedSection] = Field(default_factory=list)
 
@@ -134,8 +137,15 @@ class Case(Section):
             loads=tuple(load.in_si(name) for name, load in self.loads.items()),
             initial=self.before_separation.in_si(),
             orbit=None if self.orbit is None else self.orbit.in_si(),
+            recontact=self._recontact,
             duration=self.run.duration_s,
         )
+
+    @property
+    def _recontact(self) -> Recontact | None:
+        if self.recontact is None:
+            return None
+        return self.recontact.in_si(self.clearance.touching)
 
     @property
     def integration(self) -> Integration:

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from drakesep.analysis.clearance_of_pair import Clearance
-from drakesep.analysis.element_pairs import Names
 from drakesep.figures import COLOURS, DASHES, LIMIT
+from drakesep.systems.element_pairs import Names
 from drakesep.systems.elements import Element
 from drakesep.systems.pieces import Node, farthest, leaves_of, tree_of
 from drakesep.systems.relative_path import RelativePath

@@ -11,10 +11,10 @@ import pandas as pd
 from drakesep import clearance_figures, tables
 from drakesep.analysis.clearance import ClearanceAnalysis
 from drakesep.analysis.clearance_of_pair import Clearance
-from drakesep.analysis.element_pairs import owners_of
 from drakesep.case import Case
 from drakesep.folder import writable_folder
 from drakesep.systems.checks import InputError
+from drakesep.systems.element_pairs import owners_of
 from drakesep.systems.relative_path import RelativePath
 from drakesep.systems.run import Array, Run
 from drakesep.units import unit_of, with_unit

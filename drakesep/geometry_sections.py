@@ -13,6 +13,7 @@ from drakesep.shape_sections import (
     SphereSection,
 )
 from drakesep.systems.elements import Box, Capsule, Cone, Element, Mesh, Shape, Sphere
+from drakesep.systems.recontact import Recontact
 from drakesep.units import unit_of
 
 
@@ -100,6 +101,23 @@ def _check_pair(value: Any) -> Any:
 
 
 ElementNames = Annotated[tuple[str, str], Strict(False), BeforeValidator(_check_pair)]
+
+
+class RecontactSection(Section):
+    """Forces between bodies that touch again after they have parted."""
+
+    stiffness_N_m: Positive
+    dissipation_s_m: NotNegative = 0.0
+    friction: NotNegative = 0.0
+
+    def in_si(self, touching: list[ElementNames]) -> Recontact:
+        """Return it, without the elements that touch while mated."""
+        return Recontact(
+            stiffness=self.stiffness_N_m,
+            dissipation=self.dissipation_s_m,
+            friction=self.friction,
+            without=tuple(touching),
+        )
 
 
 class ClearanceSection(Section):

@@ -16,10 +16,13 @@ from .parameters import parameters as parameters
 from .parameters import with_values as with_values
 from .pushers import DisplacementSpring as DisplacementSpring
 from .pushers import Spring as Spring
+from .recontact import Recontact as Recontact
 from .run import Motion as Motion
 from .run import Run as Run
 from .run import RunStatus as RunStatus
 from .run import Trajectory as Trajectory
+from .scene import register_contact as register_contact
+from .scene import register_illustration as register_illustration
 from .separation_elements import SeparationElements as SeparationElements
 from .separation_system import SeparationSystem as SeparationSystem
 from .separation_system import set_mass_properties as set_mass_properties

@@ -24,6 +24,7 @@ from drakesep.systems.inertia import Inertia, check_inertia
 from drakesep.systems.joints import Joint
 from drakesep.systems.load_tables import Load
 from drakesep.systems.pushers import DisplacementSpring, Spring
+from drakesep.systems.recontact import Recontact
 
 
 STACK = "before_separation"
@@ -187,6 +188,8 @@ class Separation:
     initial: InitialMotion = InitialMotion()
     orbit: Orbit | None = None
     """None: free of gravity."""
+    recontact: Recontact | None = None
+    """None: elements are measured and feel no force."""
     duration: float
     """Length of the run from t = 0, s."""
 
@@ -196,6 +199,7 @@ class Separation:
         self._check_names()
         self._check_bodies_named()
         self._check_bodies_attached()
+        self._check_recontact()
         base = self.body(self.A)
         if any((*base.p_ABo, *base.rpy_AB)):
             raise InputError(
@@ -264,6 +268,14 @@ class Separation:
         for body in self.bodies:
             if body.name not in attached:
                 raise InputError(f"{body.name}: must be attached, got no attachment")
+
+    def _check_recontact(self) -> None:
+        shaped = [body.name for body in self.bodies if body.elements]
+        if self.recontact is not None and len(shaped) < 2:
+            raise InputError(
+                "recontact: needs geometry on two bodies, got "
+                f"{' and '.join(shaped) or 'none'}"
+            )
 
     def body(self, name: str) -> Body:
         """Return the body of this name."""

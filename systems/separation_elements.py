@@ -193,5 +193,7 @@ def _structure(separation: Separation) -> dict[str, object]:
             for x in separation.loads
         ),
         "pair": (separation.A, separation.B),
+        "recontact": separation.recontact
+        and (separation.recontact, tuple(body.elements for body in separation.bodies)),
         "gravity": "of an orbit" if separation.orbit else "none",
     }

@@ -3,16 +3,21 @@
 import math
 
 from pydrake.common.eigen_geometry import Quaternion
+from pydrake.geometry import SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialVelocity
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import RotationalInertia, SpatialInertia
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 
+from drakesep.systems.checks import InputError
+from drakesep.systems.element_pairs import owners_of
 from drakesep.systems.geometry import mated_motion
 from drakesep.systems.model import Body, Separation
+from drakesep.systems.scene import register_contact, register_illustration
 from drakesep.systems.separation_elements import SeparationElements
 from drakesep.systems.state_layout import state_layout
+from drakesep.systems.vectors import Vector
 
 
 class SeparationSystem(Diagram):
@@ -22,7 +27,8 @@ class SeparationSystem(Diagram):
     into a Context with `set_separation`, so that a run is varied without a rebuild.
 
     The plant is continuous and its world is the freely falling W. Subsystems: ``plant``
-    and ``elements``, a `SeparationElements`.
+    and ``elements``, a `SeparationElements`; and, if the separation has recontact or is
+    to be seen, ``scene_graph`` with the bodies' geometry.
 
     Input ports:
         trigger: (1,) commands the release of all attachments when it rises above 0.5;
@@ -36,20 +42,43 @@ class SeparationSystem(Diagram):
     Output ports:
         plant_state: state of the plant; q and v of each body, in the order of
             `Separation.bodies`.
+        geometry_query: Drake's QueryObject, for a MeshcatVisualizer say; if there is a
+            scene graph.
+        contact_results: Drake's ContactResults; if the separation has recontact.
         All of those of `SeparationElements` but ``wrenches``.
     """
 
-    def __init__(self, separation: Separation, *, external_wrenches: bool = False):
+    def __init__(
+        self,
+        separation: Separation,
+        *,
+        external_wrenches: bool = False,
+        illustrated: bool = False,
+    ):
         """Build the diagram.
 
         Args:
             separation: the bodies, attachments, springs and loads.
             external_wrenches: whether to have that input port, which must then be
                 connected.
+            illustrated: whether the bodies' geometry is to be seen.
+
+        Raises:
+            ValueError: elements that push each other overlap while mated, or a mesh
+                cannot be read.
         """
         super().__init__()
         builder = DiagramBuilder()
-        plant = builder.AddNamedSystem("plant", make_plant(separation))
+        plant = builder.AddNamedSystem("plant", _plant_of_bodies(separation))
+        pushing = separation.recontact is not None
+        scene = None
+        if illustrated or pushing:
+            scene = builder.AddNamedSystem("scene_graph", SceneGraph())
+            plant.RegisterAsSourceForSceneGraph(scene)
+        if illustrated:
+            register_illustration(plant, separation)
+        self._element_of = register_contact(plant, scene, separation) if pushing else {}
+        plant.Finalize()
         layout = state_layout(plant, [body.name for body in separation.bodies])
         elements = builder.AddNamedSystem(
             "elements",
@@ -76,11 +105,22 @@ class SeparationSystem(Diagram):
             port = elements.get_output_port(i)
             if port.get_name() != "wrenches":
                 builder.ExportOutput(port, port.get_name())
+        if scene is not None:
+            poses = scene.get_source_pose_port(plant.get_source_id())
+            builder.Connect(plant.get_geometry_pose_output_port(), poses)
+            query = scene.get_query_output_port()
+            builder.ExportOutput(query, "geometry_query")
+            if pushing:
+                builder.Connect(query, plant.get_geometry_query_input_port())
+                contacts = plant.get_contact_results_output_port()
+                builder.ExportOutput(contacts, "contact_results")
         builder.BuildInto(self)
 
         self.plant: MultibodyPlant = plant
         self.elements: SeparationElements = elements
         self.layout = layout
+        self._order = {name: i for i, name in enumerate(owners_of(separation))}
+        self._check_mated(separation)
 
     def set_separation(self, context: Context, separation: Separation) -> None:
         """Write the numbers and the initial state of a separation into a Context.
@@ -99,6 +139,39 @@ class SeparationSystem(Diagram):
         set_mass_properties(self.plant, plant_context, separation)
         set_mated_motion(self.plant, plant_context, separation)
 
+    def contact_forces(self, context: Context) -> dict[tuple[str, str], Vector]:
+        """Return the force between each two elements that touch, N, by their names.
+
+        On the second, in W; nothing if the separation has no recontact.
+
+        Args:
+            context: of this diagram.
+        """
+        if not self._element_of:
+            return {}
+        results = self.GetOutputPort("contact_results").Eval(context)
+        forces: dict[tuple[str, str], Vector] = {}
+        for k in range(results.num_point_pair_contacts()):
+            contact = results.point_pair_contact_info(k)
+            pair = contact.point_pair()
+            first, second = (self._element_of[x] for x in (pair.id_A, pair.id_B))
+            force = contact.contact_force()
+            if self._order[first] > self._order[second]:
+                first, second, force = second, first, -force
+            before = forces.get((first, second), (0.0, 0.0, 0.0))
+            x, y, z = before + force
+            forces[first, second] = (float(x), float(y), float(z))
+        return forces
+
+    def _check_mated(self, separation: Separation) -> None:
+        context = self.CreateDefaultContext()
+        self.set_separation(context, separation)
+        for first, second in self.contact_forces(context):
+            raise InputError(
+                f"recontact: {first} and {second} must be apart while mated, or be "
+                "listed as touching, which then do not push each other; got an overlap"
+            )
+
     def is_release_due(self, context: Context) -> bool:
         """Return whether an attachment holds that has turned by its release angle."""
         return self.elements.is_release_due(
@@ -116,11 +189,16 @@ def spatial_inertia(body: Body) -> SpatialInertia:
 
 def make_plant(separation: Separation) -> MultibodyPlant:
     """Return the continuous plant of a separation's bodies, free in W."""
+    plant = _plant_of_bodies(separation)
+    plant.Finalize()
+    return plant
+
+
+def _plant_of_bodies(separation: Separation) -> MultibodyPlant:
     plant = MultibodyPlant(time_step=0.0)
     for body in separation.bodies:
         plant.AddRigidBody(body.name, spatial_inertia(body))
     plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, 0.0])
-    plant.Finalize()
     return plant
 
 

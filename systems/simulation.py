@@ -106,9 +106,8 @@ class Simulation:
         recorder = Recorder(
             system,
             context,
-            kinks_within_steps=any(
-                isinstance(spring, DisplacementSpring) for spring in separation.springs
-            ),
+            kinks_within_steps=separation.recontact is not None
+            or any(isinstance(s, DisplacementSpring) for s in separation.springs),
         )
         by_angle = any(math.isfinite(a.release_angle) for a in separation.attachments)
 

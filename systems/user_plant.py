@@ -66,9 +66,15 @@ def add_separation(
 
     Raises:
         ValueError: the plant is discrete or not finalized, has no such body or one of
-            another mass, or its input port for spatial forces is taken.
+            another mass, its input port for spatial forces is taken, or the separation
+            has recontact.
     """
     _check_plant(builder, plant)
+    if separation.recontact is not None:
+        raise InputError(
+            "recontact: must be None here: contact is the plant's own; before it is "
+            "finalized, register_contact gives it the geometry"
+        )
     found = list(bodies or (_find(plant, body.name) for body in separation.bodies))
     _check_bodies(plant, found, separation)
     count = len(found)

@@ -1,0 +1,79 @@
+"""The bodies' elements in a plant's scene: to be seen, and to push where they touch."""
+
+from typing import Any
+
+import pydrake.geometry as drake
+from pydrake.multibody.plant import ContactModel, CoulombFriction, MultibodyPlant
+
+from drakesep.systems.element_pairs import element_pairs
+from drakesep.systems.illustration import colour_of, illustration_of
+from drakesep.systems.model import Separation
+from drakesep.systems.pieces import pieces_of
+
+
+def register_illustration(plant: MultibodyPlant, separation: Separation) -> None:
+    """Give the bodies of a plant the looks of their elements.
+
+    Args:
+        plant: source of a SceneGraph, not finalized, with bodies of their names.
+        separation: whose bodies have elements.
+
+    Raises:
+        ValueError: a mesh is missing, empty or not closed.
+    """
+    for i, body in enumerate(separation.bodies):
+        link = plant.GetBodyByName(body.name)
+        for element in body.elements:
+            shape, X_BG = illustration_of(element)
+            plant.RegisterVisualGeometry(
+                link, X_BG, shape, element.name, colour_of(element, i)
+            )
+
+
+def register_contact(
+    plant: MultibodyPlant, scene: drake.SceneGraph, separation: Separation
+) -> dict[Any, str]:
+    """Let elements of different bodies push each other where they touch.
+
+    Elements are cut into the convex pieces of `drakesep.systems.pieces`: Drake would
+    take the hull of what is hollow.
+
+    Args:
+        plant: continuous, source of the scene, not finalized, with bodies of their
+            names.
+        scene: of the plant.
+        separation: with `Separation.recontact`.
+
+    Returns:
+        The element of each of Drake's geometries, by its id.
+
+    Raises:
+        ValueError: a pair names no elements of two bodies, or a mesh cannot be read.
+    """
+    contact = separation.recontact
+    assert contact is not None
+    without = element_pairs(separation, contact.without)
+    properties = drake.ProximityProperties()
+    drake.AddContactMaterial(
+        # Of two alike in series, each is twice as stiff as both together.
+        point_stiffness=2.0 * contact.stiffness,
+        dissipation=contact.dissipation,
+        friction=CoulombFriction(contact.friction, contact.friction),
+        properties=properties,
+    )
+    plant.set_contact_model(ContactModel.kPoint)
+    mine: dict[str, list[Any]] = {}
+    for body in separation.bodies:
+        link = plant.GetBodyByName(body.name)
+        for element in body.elements:
+            mine[element.name] = [
+                plant.RegisterCollisionGeometry(
+                    link, piece.X_BS, piece.shape, f"{element.name}_{k}", properties
+                )
+                for k, piece in enumerate(pieces_of(element))
+            ]
+    filters = scene.collision_filter_manager()
+    for pair in without:
+        first, second = (drake.GeometrySet(mine[name]) for name in pair)
+        filters.Apply(drake.CollisionFilterDeclaration().ExcludeBetween(first, second))
+    return {geometry: name for name, pieces in mine.items() for geometry in pieces}
