@@ -63,6 +63,9 @@ class Simulated:
         tables.write_csv(self.summary, folder / "summary.csv")
         if self.completed:
             tables.write_csv(self.motion, folder / "motion.csv")
+            if self.flight.run.separation.recontact is not None:
+                contacts = tables.contacts_table(self.flight.run)
+                tables.write_csv(contacts, folder / "contacts.csv")
             figures.save_figures([self.flight], self.case.limits, folder)
 
 

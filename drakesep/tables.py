@@ -84,6 +84,27 @@ def motion_table(motion: Motion) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
+def contacts_table(run: Run) -> pd.DataFrame:
+    """Return the forces between elements that touch again: a row for each step."""
+    frames = [
+        pd.DataFrame(
+            {
+                with_unit("time"): contact.time,
+                "first": contact.first,
+                "second": contact.second,
+                with_unit("force"): np.linalg.norm(contact.force, axis=1),
+                **{
+                    with_unit(f"force_{axis}"): contact.force[:, i]
+                    for i, axis in enumerate(AXES)
+                },
+            }
+        )
+        for contact in run.contacts
+    ]
+    empty = pd.DataFrame(columns=[with_unit("time"), "first", "second"])
+    return pd.concat(frames or [empty], ignore_index=True)
+
+
 def flights_table(flights: Iterable[Flight], names: Sequence[str]) -> pd.DataFrame:
     """Return a row for each run: parameters, figures, and how it was found.
 

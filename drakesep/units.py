@@ -57,6 +57,7 @@ _OF_QUANTITY = {
     "cg": "mm",
     "inertia": "kg_m2",
     "force_max": "N",
+    "force": "N",
     "stroke": "mm",
     "tilt": "deg",
     "damping": "N_s_m",

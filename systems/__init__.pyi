@@ -17,6 +17,7 @@ from .parameters import with_values as with_values
 from .pushers import DisplacementSpring as DisplacementSpring
 from .pushers import Spring as Spring
 from .recontact import Recontact as Recontact
+from .run import ContactForces as ContactForces
 from .run import Motion as Motion
 from .run import Run as Run
 from .run import RunStatus as RunStatus

@@ -1,6 +1,7 @@
 """Parts of bodies that may come near each other: their shapes and places.
 
-They have no mass and feel no force: they are there to be measured and to be seen.
+They have no mass, and feel no force unless `Separation.recontact` asks for it: they are
+there to be measured and to be seen.
 Frozen records in SI, free of Drake, as those of `drakesep.systems.model`.
 """
 

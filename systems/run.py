@@ -54,6 +54,18 @@ class Trajectory:
         return self.states[:, self.names.index(body)]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContactForces:
+    """How two elements push each other, at the integration steps at which they do."""
+
+    first: str
+    second: str
+    time: Array
+    """(n,), s."""
+    force: Array
+    """(n, 3) on the second, in W, N."""
+
+
 class RunStatus(enum.Enum):
     """How a run ended."""
 
@@ -81,6 +93,8 @@ class Run:
     """When each attachment let go, s, by its name."""
     stroke_ends: Mapping[str, float] = field(default_factory=dict)
     """When each spring reached its stroke, s, by its name."""
+    contacts: tuple[ContactForces, ...] = ()
+    """Of elements that touch again, if the separation has recontact."""
     steps: int = 0
     """Integration steps taken."""
     evaluations: int = 0

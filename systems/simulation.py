@@ -9,6 +9,7 @@ from pydrake.systems.framework import Context, EventStatus
 from scipy.optimize import brentq
 
 from drakesep.systems import motion_laws, spring_laws
+from drakesep.systems.contact_log import ContactLog
 from drakesep.systems.geometry import pad_on_B
 from drakesep.systems.model import Attachment, Separation
 from drakesep.systems.motion_analysis import Measured
@@ -22,6 +23,9 @@ from drakesep.systems.settings import Integration
 
 
 _FIRST_STEP = 1e-3
+_RECONTACT_STEP = 5e-3
+"""The largest where elements may push each other, s: in free flight error control would
+step over a contact."""
 
 
 class Simulation:
@@ -54,7 +58,8 @@ class Simulation:
         self._system.set_separation(context, separation)
         simulator = self._make_simulator(context)
         try:
-            recorder, releases = self._advance(simulator, context, separation)
+            contacts = ContactLog(self._system, context)
+            recorder, releases = self._advance(simulator, context, separation, contacts)
             ends = _find_stroke_ends(self._system, separation, recorder, releases)
             breaks = find_breaks(separation, releases, ends)
             motion, trajectory = _sample(
@@ -76,6 +81,7 @@ class Simulation:
             breaks=breaks,
             releases=releases,
             stroke_ends=ends,
+            contacts=contacts.forces,
             steps=integrator.get_num_steps_taken(),
             evaluations=integrator.get_num_derivative_evaluations(),
         )
@@ -83,12 +89,15 @@ class Simulation:
     def _make_simulator(self, context: Context) -> Simulator:
         # New for every run: a used integrator remembers its last step size.
         context.SetAccuracy(self.integration.accuracy)
+        max_step = self.integration.max_step
+        if self.separation.recontact is not None:
+            max_step = min(max_step, _RECONTACT_STEP)
         simulator = Simulator(self._system, context)
         ApplySimulatorConfig(
             SimulatorConfig(
                 integration_scheme=self.integration.scheme,
                 accuracy=self.integration.accuracy,
-                max_step_size=self.integration.max_step,
+                max_step_size=max_step,
                 use_error_control=True,
             ),
             simulator,
@@ -98,7 +107,11 @@ class Simulation:
         return simulator
 
     def _advance(
-        self, simulator: Simulator, context: Context, separation: Separation
+        self,
+        simulator: Simulator,
+        context: Context,
+        separation: Separation,
+        contacts: ContactLog,
     ) -> tuple[Recorder, dict[str, float]]:
         """Fly to the end; return what was recorded, and when attachments let go, s."""
         system = self._system
@@ -113,6 +126,7 @@ class Simulation:
 
         def monitor(_: Context) -> EventStatus:
             recorder.note()
+            contacts.note()
             if by_angle and system.is_release_due(context):
                 return EventStatus.ReachedTermination(system, "release by angle")
             return EventStatus.DidNothing()

@@ -102,9 +102,13 @@ def test_clearance_from_python(capsys):
     run(containing("LowestClearance("), capsys)
 
 
+def test_seen_in_a_diagram(capsys):
+    run(containing("illustrated=True"), capsys)
+
+
 def test_geometry_of_the_page_on_clearance(tmp_path):
     """What it shows can be read; the ring stands for what it leaves out."""
-    geometry, chosen, required = blocks(CLEARANCE, "yaml")
+    geometry, chosen, required, recontact = blocks(CLEARANCE, "yaml")
     shown = YAML(typ="safe").load(geometry)["bodies"]["payload"]["geometry"]
     data = YAML(typ="safe").load(builtin_cases()["vega"])
     ring = data["bodies"]["launch_vehicle"]["geometry"]
@@ -115,7 +119,8 @@ def test_geometry_of_the_page_on_clearance(tmp_path):
     chosen = YAML(typ="safe").load(chosen)
     ring["flange"] = ring["adapter_ring"]
     data["bodies"]["payload"]["geometry"]["flange"] = ring.pop("flange")
-    case = Case.model_validate(data | chosen)
+    case = Case.model_validate(data | chosen | YAML(typ="safe").load(recontact))
+    assert case.separation.recontact.without == (("flange", "adapter_ring"),)
     assert case.clearance.pairs == [
         ("nozzle", "adapter_ring"),
         ("antenna", "adapter_wall"),

@@ -171,4 +171,35 @@ def test_requirement_on_clearance(write, tmp_path):
         load(at_least=30)
 
 
+def test_recontact(write, capsys, monkeypatch, tmp_path):
+    """A lug that hits a post on its way out leaves its force behind."""
+    lug = {"lug": {"sphere": {"radius_mm": 30}, "position_mm": [-400, 30, 0]}}
+    post = {"post": {"sphere": {"radius_mm": 30}, "position_mm": [-100, 0, 0]}}
+    path = write(post, lug)
+    data = YAML(typ="safe").load(path)
+    folder = tmp_path / "results"
+
+    def simulate(**recontact):
+        data["recontact"] = {"stiffness_N_m": 1.0e5, **recontact}
+        with path.open("w") as file:
+            YAML(typ="safe").dump(data, file)
+        return run(capsys, monkeypatch, "simulate", path, "-o", folder)
+
+    code, _, _ = simulate()
+    assert code == 0
+    contacts = pd.read_csv(folder / "contacts.csv")
+    assert set(contacts["first"]) == {"post"}
+    assert (contacts["force_N"] > 0.0).all()
+    # The lug is beside the post and comes from behind it.
+    assert (contacts["force_y_N"] > 0.0).any()
+    assert (contacts["force_x_N"] < 0.0).any()
+    code, _, error = simulate(friction=-1)
+    assert code == 2
+    assert "recontact" in error
+    data["bodies"]["payload"]["geometry"]["lug"]["position_mm"] = [-100, 30, 0]
+    code, _, error = simulate()
+    assert code == 2
+    assert "post and lug must be apart while mated" in error
+
+
 UNTIL = {"until_separation_mm": 500}

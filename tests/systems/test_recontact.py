@@ -64,7 +64,8 @@ def fly(separation, integration=FINE):
 @pytest.mark.parametrize("dissipation", [0.0, 3.0])
 def test_bounce(dissipation):
     separation = pair([LOWER], [UPPER], dissipation=dissipation)
-    motion = fly(separation).motion
+    run = fly(separation)
+    motion = run.motion
     m = [body.mass for body in separation.bodies]
     reduced = m[0] * m[1] / (m[0] + m[1])
     speed = 400.0 / m[1] * 0.2
@@ -87,8 +88,16 @@ def test_bounce(dissipation):
         # Half a sine of 104 ms, sampled every 10.
         depth = speed * math.sqrt(reduced / STIFFNESS)
         assert -GAP - x.min() == pytest.approx(depth, rel=0.012)
+        # At steps: 2 ms of 104.
+        [contact] = run.contacts
+        assert (contact.first, contact.second) == ("lower_ball", "upper_ball")
+        peak = speed * math.sqrt(reduced * STIFFNESS)
+        assert contact.force[:, 0].max() == pytest.approx(peak, rel=1e-3)
+        assert np.ptp(contact.time) == pytest.approx(
+            math.pi * math.sqrt(reduced / STIFFNESS), abs=4e-3
+        )
     # What one body gains the other loses: the CG of both moves as the load says.
-    trajectory = fly(separation).trajectory
+    trajectory = run.trajectory
     momentum = sum(
         body.mass * trajectory.of(body.name)[-1, 10] for body in separation.bodies
     )

@@ -5,11 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 from flying import momentum, simulator_of, start
+from pydrake.geometry import Meshcat, MeshcatVisualizer, Role
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, Gain, Integrator
 from separations import FREE, generic_pair
 
+from drakesep.systems.elements import Capsule, Cone, Element, Sphere
 from drakesep.systems.inertia import inertia_matrix
 from drakesep.systems.model import Body, InitialMotion
 from drakesep.systems.separation_system import SeparationSystem, spatial_inertia
@@ -224,3 +226,48 @@ def test_fixed_steps_find_the_release():
     speed = system.GetOutputPort("relative_velocity").Eval(context)
     # strokes end within steps of 10 ms; stepping over the release would miss 0.07
     assert speed == pytest.approx(expected.relative_velocity[-1], abs=5e-4)
+
+
+def test_illustrated():
+    """The scene shows elements where the plant has their bodies, and pushes nobody."""
+    lower, upper = SEPARATION.bodies
+    wall = Cone(radius_aft=0.6, radius_fore=0.5, length=0.4, thickness=0.02)
+    shown = dataclasses.replace(
+        SEPARATION,
+        bodies=(
+            dataclasses.replace(lower, elements=(Element(name="wall", shape=wall),)),
+            dataclasses.replace(
+                upper,
+                elements=(
+                    Element(name="tank", shape=Sphere(radius=0.3)),
+                    Element(name="mast", shape=Capsule(radius=0.1, length=1.0)),
+                ),
+            ),
+        ),
+    )
+    builder = DiagramBuilder()
+    system = builder.AddSystem(SeparationSystem(shown, illustrated=True))
+    meshcat = Meshcat()
+    MeshcatVisualizer.AddToBuilder(
+        builder, system.GetOutputPort("geometry_query"), meshcat
+    )
+    diagram = builder.Build()
+    context = diagram.CreateDefaultContext()
+    inner = system.GetMyMutableContextFromRoot(context)
+    system.set_separation(inner, shown)
+    context.SetAccuracy(1e-6)
+    Simulator(diagram, context).AdvanceTo(0.5)
+
+    query = system.GetOutputPort("geometry_query").Eval(inner)
+    inspector = query.inspector()
+    assert inspector.NumGeometriesWithRole(Role.kProximity) == 0
+    plant = system.plant
+    seen = {}
+    for i in inspector.GetAllGeometryIds(Role.kIllustration):
+        seen[inspector.GetName(i).rpartition("::")[2]] = query.GetPoseInWorld(i)
+    assert sorted(seen) == ["mast", "tank", "wall"]
+    tank = plant.GetBodyByName("upper").EvalPoseInWorld(
+        plant.GetMyContextFromRoot(context)
+    )
+    assert seen["tank"].IsNearlyEqualTo(tank, 1e-12)
+    assert meshcat.HasPath("/drake/visualizer/upper")
