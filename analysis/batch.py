@@ -511,8 +511,8 @@ def _check_released(separation: Separation) -> None:
 def _check_free(separation: Separation) -> None:
     if separation.recontact is not None:
         raise InputError(
-            "recontact: must be None, since a batch knows no contact forces; leave it "
-            "out, or fly Drake run by run (the search 'drake')"
+            "recontact: the batch engine knows no contact forces; leave recontact out, "
+            "or let Drake fly run by run: --search drake"
         )
 
 

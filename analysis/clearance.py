@@ -200,10 +200,11 @@ class ClearanceAnalysis:
                 math.inf,
             )
         if one.overlap(0.0):
+            distance = 1e3 * one.at(0.0).distance
             raise InputError(
                 f"geometry: {names[0]} and {names[1]} must be apart while mated, or be "
-                f"listed as touching; got a distance of {1e3 * one.at(0.0).distance:g} "
-                "mm or one inside the other"
+                f"listed as touching; got a distance of {distance:.3f} mm, or one "
+                "inside the other"
             )
         return 0.0
 
@@ -239,6 +240,6 @@ def _warn_of_scale(body: Body, element: Element) -> None:
         warnings.warn(
             f"{element.name}: mesh is {extent:.3g} m across on a body of radius of "
             f"gyration {size:.3g} m; check scale, metres in a unit of the file, now "
-            f"{mesh.scale:g}",
+            f"{mesh.scale:g} (0.001 for a file in mm)",
             stacklevel=3,
         )

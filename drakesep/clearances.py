@@ -88,7 +88,13 @@ class Clearances:
         bodies = owners_of(self.run.separation)
         roles = {e.name: e.role for b in self.run.separation.bodies for e in b.elements}
         rows = []
-        for one in sorted(self.found, key=lambda one: one.minimum):
+        touching = set(map(frozenset, self.case.clearance.touching))
+
+        def parted(one: Clearance) -> bool:
+            return frozenset((one.first, one.second)) in touching
+
+        # Of those the distance only says that they have left each other.
+        for one in sorted(self.found, key=lambda one: (parted(one), one.minimum)):
             row: dict[str, object] = {}
             for side, name in (("first", one.first), ("second", one.second)):
                 row |= {
@@ -108,7 +114,8 @@ class Clearances:
             at["contact_time"] = np.nan if touch is None else touch.time
             at["closing_speed"] = np.nan if touch is None else touch.closing_speed
             row |= tables.in_units(at)
-            row["status"] = "clear" if touch is None else "contact"
+            left = "parted" if parted(one) else "clear"
+            row["status"] = left if touch is None else "contact"
             rows.append(row)
         return pd.DataFrame(rows)
 

@@ -99,7 +99,7 @@ def simulate(
     changes: ChangesOption = None,
     output: OutputOption = None,
 ) -> None:
-    """Fly a case once: motion.csv, summary.csv and figures."""
+    """Fly a case once: motion.csv, summary.csv, figures; contacts.csv if any."""
     values = _parse_changes(changes or [])
     from drakesep import studies, tables
     from drakesep.case_file import load_case
@@ -114,6 +114,8 @@ def simulate(
     if not result.completed:
         _fail(FAILED, result.flight.status)
     print_frame(console, "Figures of the run", tables.figures_table(result.flight))
+    if len(result.contacts):
+        print_frame(console, "Elements that touch again", result.contacts)
     console.print(f"Tables and figures are in {folder}", markup=False)
 
 

@@ -53,6 +53,11 @@ class Simulated:
         return pd.DataFrame() if motion is None else tables.motion_table(motion)
 
     @property
+    def contacts(self) -> pd.DataFrame:
+        """A row for each contact after separation, if the case has recontact."""
+        return tables.contacts_table(self.flight.run)
+
+    @property
     def completed(self) -> bool:
         """Whether the run did not fail."""
         return self.flight.run.motion is not None
@@ -60,12 +65,15 @@ class Simulated:
     def save(self, directory: str | Path) -> None:
         """Write the tables and figures into a folder."""
         folder = writable_folder(directory)
+        for name in ("contacts.csv", "contact_forces.csv"):  # of an earlier run
+            (folder / name).unlink(missing_ok=True)
         tables.write_csv(self.summary, folder / "summary.csv")
         if self.completed:
             tables.write_csv(self.motion, folder / "motion.csv")
             if self.flight.run.separation.recontact is not None:
-                contacts = tables.contacts_table(self.flight.run)
-                tables.write_csv(contacts, folder / "contacts.csv")
+                tables.write_csv(self.contacts, folder / "contacts.csv")
+                forces = tables.contact_forces_table(self.flight.run)
+                tables.write_csv(forces, folder / "contact_forces.csv")
             figures.save_figures([self.flight], self.case.limits, folder)
 
 

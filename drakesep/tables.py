@@ -84,7 +84,40 @@ def motion_table(motion: Motion) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
+_CONTACT = ("contact_time", "contact_end", "force_max", "impulse")
+
+
 def contacts_table(run: Run) -> pd.DataFrame:
+    """Return a row for each contact of elements that push each other, in its order."""
+    rows = []
+    for contact in run.contacts:
+        force = np.linalg.norm(contact.force, axis=1)
+        ends = np.flatnonzero(force == 0.0)
+        for part in np.split(np.arange(len(force)), ends):
+            mine = part[force[part] > 0.0]
+            if not len(mine):
+                continue
+            whole = [*mine, mine[-1] + 1] if mine[-1] + 1 < len(force) else mine
+            impulse = np.trapezoid(contact.force[whole], contact.time[whole], axis=0)
+            rows.append(
+                {
+                    "first": contact.first,
+                    "second": contact.second,
+                    **in_units(
+                        {
+                            "contact_time": contact.time[mine[0]],
+                            "contact_end": contact.time[whole[-1]],
+                            "force_max": float(force[mine].max()),
+                            "impulse": float(np.linalg.norm(impulse)),
+                        }
+                    ),
+                }
+            )
+    columns = ["first", "second", *map(with_unit, _CONTACT)]
+    return pd.DataFrame(rows, columns=columns).sort_values(columns[2])
+
+
+def contact_forces_table(run: Run) -> pd.DataFrame:
     """Return the forces between elements that touch again: a row for each step."""
     frames = [
         pd.DataFrame(
@@ -101,8 +134,11 @@ def contacts_table(run: Run) -> pd.DataFrame:
         )
         for contact in run.contacts
     ]
-    empty = pd.DataFrame(columns=[with_unit("time"), "first", "second"])
-    return pd.concat(frames or [empty], ignore_index=True)
+    if not frames:
+        forces = ("force", *(f"force_{axis}" for axis in AXES))
+        names = [with_unit("time"), "first", "second", *map(with_unit, forces)]
+        return pd.DataFrame(columns=names)
+    return pd.concat(frames, ignore_index=True)
 
 
 def flights_table(flights: Iterable[Flight], names: Sequence[str]) -> pd.DataFrame:
@@ -120,6 +156,7 @@ def flights_table(flights: Iterable[Flight], names: Sequence[str]) -> pd.DataFra
                 "label": flight.label,
                 **in_units({name: values[name] for name in names}),
                 **in_units(flight.figures),
+                **_nearest_pair(flight.nearest),
                 "iterations": flight.iterations,
                 "evaluations": flight.evaluations,
                 "status": flight.status,
@@ -129,6 +166,14 @@ def flights_table(flights: Iterable[Flight], names: Sequence[str]) -> pd.DataFra
     last = ["iterations", "evaluations", "status"]
     frame = frame[[column for column in frame if column not in last] + last]
     return frame.astype({"iterations": "Int64", "evaluations": "Int64"})
+
+
+def _nearest_pair(nearest: Clearance | None) -> dict[str, object]:
+    """Return which elements come nearest in a run, and when, if that was asked for."""
+    if nearest is None:
+        return {}
+    pair = f"{nearest.first} to {nearest.second}"
+    return {"nearest": pair, **in_units({"nearest_time": nearest.time})}
 
 
 def read_runs(

@@ -265,6 +265,11 @@ def choose_objectives(
         clearance = case.lowest_clearance()
         known.setdefault(clearance.name, clearance)
     listed = [wanted] if isinstance(wanted, str) or callable(wanted) else wanted
+    if "lowest_clearance" in listed and not case.has_clearance:
+        raise InputError(
+            "lowest_clearance: needs geometry on two bodies that does not touch while "
+            "mated, got none"
+        )
     if not listed:
         raise InputError("objectives: must be one or more, got none")
     chosen = [
@@ -353,6 +358,8 @@ def search(
         raise InputError("searches: must be one or more, got none")
     SearchSettings(**effort)  # refuses what is wrong before anything is flown
     case = study.case
+    if objectives and not alone:
+        Batch(case.separation, case.box.names)  # refuses what it does not know, at once
     study.objectives = tuple(objectives)
     study.clearance = study.clearance or the_clearance(objectives)
     nominal = Simulation(case.separation, case.integration).run({})

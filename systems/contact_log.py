@@ -20,8 +20,13 @@ class ContactLog:
 
     def note(self) -> None:
         """Note the forces of a step."""
-        for pair, force in self._system.contact_forces(self._context).items():
-            self._noted.setdefault(pair, {})[self._context.get_time()] = force
+        now = self._context.get_time()
+        forces = self._system.contact_forces(self._context)
+        for pair, noted in self._noted.items():
+            if pair not in forces and any(noted[max(noted)]):
+                noted[now] = (0.0, 0.0, 0.0)
+        for pair, force in forces.items():
+            self._noted.setdefault(pair, {})[now] = force
 
     @property
     def forces(self) -> tuple[ContactForces, ...]:

@@ -56,7 +56,10 @@ class Trajectory:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ContactForces:
-    """How two elements push each other, at the integration steps at which they do."""
+    """How two elements push each other, at the integration steps at which they do.
+
+    And at the step after, with no force: it parts one contact from the next.
+    """
 
     first: str
     second: str

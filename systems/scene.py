@@ -5,7 +5,9 @@ from typing import Any
 import pydrake.geometry as drake
 from pydrake.multibody.plant import ContactModel, CoulombFriction, MultibodyPlant
 
+from drakesep.systems.checks import InputError
 from drakesep.systems.element_pairs import element_pairs
+from drakesep.systems.elements import Mesh
 from drakesep.systems.illustration import colour_of, illustration_of
 from drakesep.systems.model import Separation
 from drakesep.systems.pieces import pieces_of
@@ -36,7 +38,9 @@ def register_contact(
     """Let elements of different bodies push each other where they touch.
 
     Elements are cut into the convex pieces of `drakesep.systems.pieces`: Drake would
-    take the hull of what is hollow.
+    take the hull of what is hollow. The plant's contact model becomes that of points.
+    On a plant of one's own, `add_separation` then takes the separation without:
+    ``dataclasses.replace(separation, recontact=None)``.
 
     Args:
         plant: continuous, source of the scene, not finalized, with bodies of their
@@ -48,10 +52,12 @@ def register_contact(
         The element of each of Drake's geometries, by its id.
 
     Raises:
-        ValueError: a pair names no elements of two bodies, or a mesh cannot be read.
+        ValueError: there is no recontact, a pair names no elements of two bodies, or a
+            mesh cannot be read or is not convex.
     """
     contact = separation.recontact
-    assert contact is not None
+    if contact is None:
+        raise InputError("recontact: must be given, got none")
     without = element_pairs(separation, contact.without)
     properties = drake.ProximityProperties()
     drake.AddContactMaterial(
@@ -66,11 +72,18 @@ def register_contact(
     for body in separation.bodies:
         link = plant.GetBodyByName(body.name)
         for element in body.elements:
+            pieces = pieces_of(element)
+            if isinstance(element.shape, Mesh) and len(pieces) > 1:
+                # Drake's depth in a triangle is that of its plane's edges: no depth.
+                raise InputError(
+                    f"recontact: {element.name}: a mesh that pushes must be convex, "
+                    "got one that is not; make it of boxes, cones and convex meshes"
+                )
             mine[element.name] = [
                 plant.RegisterCollisionGeometry(
                     link, piece.X_BS, piece.shape, f"{element.name}_{k}", properties
                 )
-                for k, piece in enumerate(pieces_of(element))
+                for k, piece in enumerate(pieces)
             ]
     filters = scene.collision_filter_manager()
     for pair in without:

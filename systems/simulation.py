@@ -1,7 +1,7 @@
 """Runs of one separation: the diagram is built once, then flown as often as asked."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
@@ -16,7 +16,14 @@ from drakesep.systems.motion_analysis import Measured
 from drakesep.systems.parameters import with_values
 from drakesep.systems.pushers import DisplacementSpring
 from drakesep.systems.recorder import Recorder
-from drakesep.systems.run import Array, Motion, Run, RunStatus, Trajectory
+from drakesep.systems.run import (
+    Array,
+    ContactForces,
+    Motion,
+    Run,
+    RunStatus,
+    Trajectory,
+)
 from drakesep.systems.sampling import NANOSECOND, find_breaks, sample_times
 from drakesep.systems.separation_system import SeparationSystem
 from drakesep.systems.settings import Integration
@@ -62,9 +69,9 @@ class Simulation:
             recorder, releases = self._advance(simulator, context, separation, contacts)
             ends = _find_stroke_ends(self._system, separation, recorder, releases)
             breaks = find_breaks(separation, releases, ends)
-            motion, trajectory = _sample(
-                self._system, separation, recorder, releases, ends
-            )
+            times = sample_times(separation, releases, ends)
+            times = _with_contacts(times, recorder.step_times(), contacts.forces)
+            motion, trajectory = _sample(self._system, separation, recorder, times)
         except (RuntimeError, ArithmeticError, ValueError) as error:
             # Drake's: the step size collapsed, say. Python's: a number overflowed.
             return Run(
@@ -225,14 +232,23 @@ def _find_stroke_end(
     return float(end)
 
 
+def _with_contacts(
+    times: Array, steps: Array, contacts: Sequence[ContactForces]
+) -> Array:
+    """Return sample times and the steps of contacts, with those beside them, s.
+
+    Between samples the motion is taken for smooth, which a blow is not.
+    """
+    touching = np.isin(steps, [t for contact in contacts for t in contact.time])
+    beside = touching.copy()
+    beside[:-1] |= touching[1:]
+    beside[1:] |= touching[:-1]
+    return np.union1d(times, steps[beside])
+
+
 def _sample(
-    system: SeparationSystem,
-    separation: Separation,
-    recorder: Recorder,
-    releases: Mapping[str, float],
-    stroke_ends: Mapping[str, float],
+    system: SeparationSystem, separation: Separation, recorder: Recorder, times: Array
 ) -> tuple[Motion, Trajectory]:
-    times = sample_times(separation, releases, stroke_ends)
     layout = system.layout
     x, xdot = recorder.sample(times)
     names = tuple(body.name for body in separation.bodies)

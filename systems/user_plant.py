@@ -73,7 +73,8 @@ def add_separation(
     if separation.recontact is not None:
         raise InputError(
             "recontact: must be None here: contact is the plant's own; before it is "
-            "finalized, register_contact gives it the geometry"
+            "finalized, register_contact gives it the geometry, and then "
+            "dataclasses.replace(separation, recontact=None) goes here"
         )
     found = list(bodies or (_find(plant, body.name) for body in separation.bodies))
     _check_bodies(plant, found, separation)

@@ -187,7 +187,15 @@ def test_recontact(write, capsys, monkeypatch, tmp_path):
 
     code, _, _ = simulate()
     assert code == 0
-    contacts = pd.read_csv(folder / "contacts.csv")
+    [row] = pd.read_csv(folder / "contacts.csv").to_dict("records")
+    contacts = pd.read_csv(folder / "contact_forces.csv")
+    assert row["force_max_N"] == contacts["force_N"].max()
+    # It rises and falls once.
+    lasts = row["contact_end_s"] - row["contact_time_s"]
+    assert 0.4 * row["force_max_N"] * lasts < row["impulse_N_s"]
+    assert row["impulse_N_s"] < row["force_max_N"] * lasts
+    assert contacts["force_N"].iloc[-1] == 0.0
+    contacts = contacts[:-1]
     assert set(contacts["first"]) == {"post"}
     assert (contacts["force_N"] > 0.0).all()
     # The lug is beside the post and comes from behind it.
@@ -196,6 +204,10 @@ def test_recontact(write, capsys, monkeypatch, tmp_path):
     code, _, error = simulate(friction=-1)
     assert code == 2
     assert "recontact" in error
+    data["bodies"]["payload"]["geometry"]["lug"]["position_mm"] = [-400, 300, 0]
+    simulate()
+    assert pd.read_csv(folder / "contacts.csv")["impulse_N_s"].empty
+    assert pd.read_csv(folder / "contact_forces.csv")["force_N"].empty
     data["bodies"]["payload"]["geometry"]["lug"]["position_mm"] = [-100, 30, 0]
     code, _, error = simulate()
     assert code == 2
