@@ -5,9 +5,9 @@ Keys carry their units; a `Case` hands everything on in SI and radians.
 
 import math
 from collections.abc import Mapping
-from typing import Any, Self
+from typing import Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from drakesep.analysis.dispersions import Box
 from drakesep.analysis.objectives import Objective, lowest, towards
@@ -62,13 +62,6 @@ class Case(Section):
     """Whether it pushes where it touches; measured alone if absent."""
     run: RunSection
     published: list[PublishedSection] = Field(default_factory=list)
-
-    @field_validator("recontact", mode="before")
-    @classmethod
-    def _check_recontact(cls, value: Any) -> Any:
-        if value is None:
-            raise ValueError("must have stiffness_N_m, got nothing")
-        return value
 
     @model_validator(mode="after")
     def _check_meaning(self) -> Self:

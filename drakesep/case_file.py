@@ -1,5 +1,6 @@
 """Case files: YAML, built-in or a user's own."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +46,10 @@ def load_case(source: str | Path) -> Case:
         ) from error
     if not isinstance(data, dict):
         raise CaseError(f"{source}: must be a mapping of keys, got {_shown(data)}")
+    empty = list(_empty(data))
+    if empty:
+        wanted = "must have a value, got none"
+        raise CaseError("\n".join(f"{source}: {key}: {wanted}" for key in empty))
     try:
         return Case.model_validate(data, context={"folder": path.parent})
     except ValidationError as error:
@@ -57,6 +62,18 @@ def _in_one_line(error: YAMLError) -> str:
     mark = getattr(error, "problem_mark", None)
     place = f" in line {mark.line + 1}, column {mark.column + 1}" if mark else ""
     return " ".join(problem.split()) + place
+
+
+def _empty(data: Any, place: str = "") -> Iterator[str]:
+    """Name the keys without a value: a section that was begun is not left out."""
+    if isinstance(data, dict):
+        for key, value in data.items():
+            yield from _empty(value, f"{place}.{key}".lstrip("."))
+    elif isinstance(data, list):
+        for number, value in enumerate(data, 1):
+            yield from _empty(value, f"{place} (entry {number})")
+    elif data is None:
+        yield place
 
 
 def _shown(value: Any) -> str:

@@ -109,6 +109,14 @@ BAD = {
         changed("bodies.payload.mass_kg"),
         "bodies.payload: mass_kg: missing, as are solid and model",
     ),
+    "a section without a value": (
+        changed("recontact", None),
+        "recontact: must have a value, got none",
+    ),
+    "an entry without a value": (
+        changed("loads", {"gust": {"torque_N_m": [0.0, None, 0.0]}}),
+        "loads.gust.torque_N_m (entry 2): must have a value, got none",
+    ),
     "wrong type": (
         changed("bodies.payload.mass_kg", "heavy"),
         "bodies.payload.mass_kg: must be a number, got 'heavy'",
