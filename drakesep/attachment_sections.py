@@ -14,9 +14,9 @@ from drakesep.section import (
     Rows,
     Section,
     Vector,
+    named,
     to_si,
 )
-from drakesep.systems.checks import InputError
 from drakesep.systems.joints import Joint, JointType
 from drakesep.systems.load_tables import Axes, Load, thruster
 from drakesep.systems.model import Attachment
@@ -137,10 +137,8 @@ class AttachmentSection(Section):
         time, angle = self.release_time_s, self.release_angle_deg
         if time is None:
             time = 0.0 if angle is None else math.inf
-        try:
+        with named(name):
             joint = self.joint.in_si()
-        except InputError as error:
-            raise InputError(f"{name}: {error}") from error
         return Attachment(
             name=name,
             A=self.A,

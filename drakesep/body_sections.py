@@ -12,6 +12,7 @@ from drakesep.section import (
     Section,
     Vector,
     check_one,
+    named,
     to_si,
 )
 from drakesep.shape_sections import (
@@ -22,7 +23,7 @@ from drakesep.shape_sections import (
     MeshSection,
     SphereSection,
 )
-from drakesep.systems.checks import InputError, Vector3
+from drakesep.systems.checks import Vector3
 from drakesep.systems.inertia import Inertia
 from drakesep.systems.model import Body
 from drakesep.units import unit_of
@@ -142,10 +143,9 @@ class BodySection(Section):
 
     def in_si(self, name: str) -> Body:
         """Return the body."""
-        try:
+        with named(name):
             mass, p_BoBcm_B, I_BBcm_B = self._mass_properties()
-        except InputError as error:
-            raise InputError(f"{name}: {error}") from error
+            elements = tuple(e.in_si(key) for key, e in self.geometry.items())
         return Body(
             name=name,
             mass=mass,
@@ -153,7 +153,7 @@ class BodySection(Section):
             I_BBcm_B=I_BBcm_B,
             p_ABo=to_si("position", self.mated.position_mm),
             rpy_AB=to_si("attitude", self.mated.attitude_deg),
-            elements=tuple(e.in_si(key) for key, e in self.geometry.items()),
+            elements=elements,
         )
 
     def _mass_properties(self) -> tuple[float, Vector3, Inertia]:

@@ -25,7 +25,7 @@ from drakesep.case_sections import (
     RunSection,
 )
 from drakesep.geometry_sections import ClearanceSection, RecontactSection
-from drakesep.section import Name, Positive, Section
+from drakesep.section import Name, Positive, Section, named
 from drakesep.systems.checks import InputError, check_finite, unknown
 from drakesep.systems.element_pairs import element_pairs, pairs_apart
 from drakesep.systems.model import Separation
@@ -74,11 +74,9 @@ class Case(Section):
         return self
 
     def _check_clearance(self) -> None:
-        try:
+        with named("clearance"):
             element_pairs(self.separation, self.clearance.pairs)
             element_pairs(self.separation, self.clearance.touching)
-        except InputError as error:
-            raise CaseError(f"clearance: {error}") from error
 
     def _check_dispersions(self) -> None:
         for key, tolerance in self.dispersions.items():
@@ -91,10 +89,8 @@ class Case(Section):
                 ) from error
 
     def _check_ellipsoids(self) -> None:
-        try:
+        with named("ellipsoids"):
             _ = self.tolerance_set
-        except InputError as error:
-            raise CaseError(f"ellipsoids: {error}") from error
 
     def _check_requirements(self) -> None:
         quantities = [section.quantity for section in self.requirements]
@@ -121,10 +117,8 @@ class Case(Section):
                 raise CaseError(f"published: label {label!r} must stand once")
             if label == "nominal" or label.startswith(("worst_", "sqp_")):
                 raise CaseError(f"published: label {label!r} is taken by our own runs")
-            try:
+            with named(f"published: {label}"):
                 with_values(self.separation, self.published_values(published))
-            except InputError as error:
-                raise CaseError(f"published: {label}: {error}") from error
 
     @property
     def separation(self) -> Separation:

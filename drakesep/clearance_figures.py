@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path as Outline
 
 from drakesep.analysis.clearance_of_pair import Clearance
 from drakesep.figures import COLOURS, DASHES, LIMIT
@@ -138,7 +138,9 @@ _VIEWS = (("x", 0, "z", 2), ("x", 0, "y", 1), ("y", 1, "z", 2))
 _WIDTHS = (1.2, 1.2, 1.0)
 _MANY = 64
 """Pieces of an element, beyond which they are not outlined one by one."""
-_STAYS = "#8C8C8C"
+_STAYS = "#5A5A5A"
+_THROUGH = 0.3
+"""How opaque a wall of A is, in front of what moves within it."""
 
 
 def save_swept(run: Run, pairs: Sequence[Names], folder: Path) -> None:
@@ -187,9 +189,9 @@ def swept_figure(run: Run, pairs: Sequence[Names]) -> Figure:
                 for t in times.tolist()
                 for outline in _outlines(root, (i, j), _place(path, t))
             ]
-            _fill(axes, drawn, colours[name], 1)
+            _fill(axes, drawn, _pale(colours[name]), 1)
         for root in stays:
-            _fill(axes, _outlines(root, (i, j)), _STAYS, 2)
+            _fill(axes, _outlines(root, (i, j)), (_STAYS, _THROUGH), 2)
         for name, root in moves.items():
             for outline in _outlines(root, (i, j), _place(path, 0.0)):
                 mm = unit_of("position").per_si * outline[[*range(len(outline)), 0]]
@@ -200,7 +202,9 @@ def swept_figure(run: Run, pairs: Sequence[Names]) -> Figure:
         axes.set_ylabel(f"{up} (mm)")
         axes.grid(alpha=0.3)
     handles = [Patch(color=colours[name], label=name) for name in moves]
-    handles.append(Patch(color=_STAYS, label=f"{separation.A}".replace("_", " ")))
+    handles.append(
+        Patch(color=(_STAYS, _THROUGH), label=separation.A.replace("_", " "))
+    )
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles), frameon=False
     )
@@ -261,17 +265,19 @@ def _outlines(
     ]
 
 
-def _fill(axes: Axes, outlines: Sequence[Array], colour: str, level: int) -> None:
+def _fill(axes: Axes, outlines: Sequence[Array], colour: object, level: int) -> None:
+    """Fill what is within any of the outlines, evenly."""
     mm = unit_of("position").per_si
-    axes.add_collection(
-        PolyCollection(
-            [mm * outline for outline in outlines],
-            facecolors=_pale(colour) if level == 1 else colour,
-            edgecolors="face",
-            linewidths=0.3,
-            zorder=level,
-        )
-    )
+    paths = [Outline(mm * _counterclockwise(each), closed=True) for each in outlines]
+    whole = Outline.make_compound_path(*paths)
+    axes.add_patch(PathPatch(whole, facecolor=colour, linewidth=0.0, zorder=level))
+
+
+def _counterclockwise(outline: Array) -> Array:
+    """Return it closed, (d + 1, 2): where all turn one way, none undoes another."""
+    closed = outline[[*range(len(outline)), 0]]
+    (x, y), (x_next, y_next) = closed[:-1].T, closed[1:].T
+    return closed if (x * y_next - x_next * y).sum() >= 0.0 else closed[::-1]
 
 
 def _pale(colour: str) -> tuple[float, ...]:

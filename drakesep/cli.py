@@ -185,8 +185,9 @@ def animate(
     chosen = None if runs is None else read_runs(runs, labels)
     file = output or Path("results") / loaded.name / "animate.html"
     with console.status("flying and measuring"):
-        studies.animate(loaded, chosen, output=file)
+        shown = studies.animate(loaded, chosen, output=file)
     console.print(f"The animation is {file}: open it in a browser", markup=False)
+    console.print(f"It shows {', '.join(shown)}", markup=False)
 
 
 _CLEARANCE = (

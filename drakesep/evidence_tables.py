@@ -17,7 +17,7 @@ from drakesep.tables import MARK, Flight, in_units, shown, unit_of_objective
 from drakesep.units import split_axis, unit_of, with_unit
 
 
-_LISTED = 5
+_LISTED = 10
 """Local maxima that a table lists."""
 
 

@@ -168,7 +168,11 @@ def tornado_figure(sensitivities: pd.DataFrame) -> Figure:
         axes.set_visible(False)
     handles, labels = grid.flat[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
-    figure.suptitle("Change for a whole tolerance, to first order")
+    title = "Change for a whole tolerance, to first order"
+    parameters = sensitivities["parameter"].nunique()
+    if parameters > _BARS:
+        title += f"; of {parameters} parameters the {_BARS} that matter most"
+    figure.suptitle(title)
     return figure
 
 

@@ -5,7 +5,15 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, Strict, model_validator
 
-from drakesep.section import NotNegative, Positive, Section, Vector, check_one, to_si
+from drakesep.section import (
+    NotNegative,
+    Positive,
+    Section,
+    Vector,
+    check_one,
+    named,
+    to_si,
+)
 from drakesep.shape_sections import (
     BoxSection,
     CapsuleSection,
@@ -57,9 +65,11 @@ class ElementSection(Section):
 
     def in_si(self, name: str) -> Element:
         """Return the element."""
+        with named(name):
+            shape = self._shape()
         return Element(
             name=name,
-            shape=self._shape(),
+            shape=shape,
             p_BoGo_B=to_si("position", self.position_mm),
             rpy_BG=to_si("attitude", self.attitude_deg),
             role=self.role,

@@ -152,7 +152,7 @@ def animate(
     runs: Mapping[str, Mapping[str, float]] | None = None,
     *,
     output: str | Path,
-) -> None:
+) -> list[str]:
     """Write an HTML page that animates runs of a case, to be opened in a browser.
 
     Args:
@@ -160,6 +160,9 @@ def animate(
         runs: values by parameter name with unit, by the runs' labels; they are shown
             after the nominal run. The published ones if None.
         output: the file.
+
+    Returns:
+        The labels of the runs that it shows.
 
     Raises:
         ValueError: the case or a value is wrong, or no two bodies have geometry.
@@ -187,6 +190,7 @@ def animate(
     file = Path(output)
     writable_folder(file.parent)
     file.write_text(page, encoding="utf-8")
+    return list(flown)
 
 
 def worst_case(

@@ -93,16 +93,18 @@ class Cone:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        check_not_negative("cone: radius aft", self.radius_aft)
-        check_not_negative("cone: radius fore", self.radius_fore)
-        check_positive("cone: larger radius", max(self.radius_aft, self.radius_fore))
-        check_positive("cone: length", self.length)
+        check_not_negative("cone or cylinder: radius aft", self.radius_aft)
+        check_not_negative("cone or cylinder: radius fore", self.radius_fore)
+        check_positive(
+            "cone or cylinder: larger radius", max(self.radius_aft, self.radius_fore)
+        )
+        check_positive("cone or cylinder: length", self.length)
         if self.thickness is None:
             return
-        check_positive("cone: thickness", self.thickness)
+        check_positive("cone or cylinder: thickness", self.thickness)
         if self.thickness >= min(self.radius_aft, self.radius_fore):
             raise InputError(
-                "cone: thickness must be below the smaller radius, "
+                "cone or cylinder: thickness must be below the smaller radius, "
                 f"{min(self.radius_aft, self.radius_fore):g} m, "
                 f"got {self.thickness:g} m"
             )
