@@ -118,7 +118,8 @@ class ClearanceAnalysis:
         """
         end = _end(run, until)
         # That pairs are not the nearest is sooner shown once that one is known.
-        along = _nearest_first(self._along(run), 0.5 * end)
+        along = self._along(run)
+        along = _first(_nearest_of(along, 0.5 * end)[0], along)
         best: Clearance | None = None
         for names, one in along:
             than = math.inf if best is None else best.minimum
@@ -163,16 +164,17 @@ class ClearanceAnalysis:
         Raises:
             RuntimeError: the run failed.
         """
-        found: list[list[tuple[bool, NearestPair]]] = [[] for _ in times]
-        for (names, one), ends in zip(self._along(run), self._bodies, strict=True):
-            start = self._start(names, one)
-            for t, here in zip(times, found, strict=True):
-                # A pair that has not parted yet comes after all others.
-                here.append((t < start, NearestPair(names, ends, one.at(t))))
-        return [
-            min(here, key=lambda each: (each[0], each[1].nearest.distance))[1]
-            for here in found
-        ]
+        bodies = dict(zip(self.names, self._bodies, strict=True))
+        along = self._along(run)
+        starts = {names: self._start(names, one) for names, one in along}
+        found = []
+        for t in times:
+            # A pair that has not parted yet comes after all others.
+            parted = [pair for pair in along if starts[pair[0]] <= t]
+            pair, nearest = _nearest_of(parted or along, t)
+            found.append(NearestPair(pair[0], bodies[pair[0]], nearest))
+            along = _first(pair, along)  # as it may be at the next time
+        return found
 
     def _along(self, run: Run) -> list[_Along]:
         trajectory = run.completed_trajectory
@@ -209,14 +211,19 @@ class ClearanceAnalysis:
         return 0.0
 
 
-def _nearest_first(along: Sequence[_Along], t: float) -> list[_Along]:
-    """Return pairs with the one before all others that is nearest at a time, s."""
-    first, than = along[0], math.inf
-    for pair in along:
-        nearest = pair[1].at_below(t, than)
-        if nearest is not None:
-            first, than = pair, nearest.distance
-    return [first, *(pair for pair in along if pair is not first)]
+def _nearest_of(along: Sequence[_Along], t: float) -> tuple[_Along, Nearest]:
+    """Return which pair is nearest at a time, s, and where."""
+    first, *others = along
+    found = first, first[1].at(t)
+    for pair in others:
+        nearer = pair[1].at_below(t, found[1].distance)
+        if nearer is not None:
+            found = pair, nearer
+    return found
+
+
+def _first(pair: _Along, along: Sequence[_Along]) -> list[_Along]:
+    return [pair, *(other for other in along if other is not pair)]
 
 
 def _end(run: Run, until: float | None) -> float:
