@@ -266,21 +266,36 @@ class ClearanceOfPair:
                 return None
             if told is None:
                 told = self._measure(k, pose)
-                bound = told.distance if is_leaf(self._pairs[k]) else told.low
-                heapq.heappush(heap, (bound, k, told))
-            elif is_leaf(self._pairs[k]):
-                return nearest_of(self._pairs[k], told)
-            else:
+                heapq.heappush(heap, (self._least(k, told), k, told))
+            elif not is_leaf(self._pairs[k]):
                 for new in self._open(k):
                     heapq.heappush(heap, (told.low, new, None))
+            elif told.is_sharp:
+                return nearest_of(self._pairs[k], told)
+            else:
+                told = self._sharpen(k, pose, told)
+                heapq.heappush(heap, (self._least(k, told), k, told))
+
+    def _least(self, k: int, told: Told) -> float:
+        """Return how near a pair or what it holds may be: of a piece, what is known."""
+        certain = is_leaf(self._pairs[k]) and told.is_sharp
+        return told.distance if certain else told.low
 
     def _measure(self, k: int, pose: Pose) -> Told:
-        pair = self._pairs[k]
-        told = self._proximity.measure(pair)
+        told = self._proximity.measure(self._pairs[k])
+        self._note(k, pose, told)
+        return told
+
+    def _sharpen(self, k: int, pose: Pose, told: Told) -> Told:
+        told = self._proximity.sharpen(self._pairs[k], told)
+        self._note(k, pose, told)
+        return told
+
+    def _note(self, k: int, pose: Pose, told: Told) -> None:
+        """Keep what was told of a pair."""
         row = self._rows[k]
         row[_LOW], row[_N_A], row[_Q_AB] = told.low, told.n_A, pose.q_AB
         row[_CENTRE_A] = pose.R_AB @ row[_CENTRE_B] + pose.p_AoBo_A
-        return told
 
     def _open(self, k: int) -> list[int]:
         """Put the children of a pair into its place, and return where they stand."""
@@ -347,10 +362,13 @@ class ClearanceOfPair:
                 self._open(k)
                 del fresh[k]
             stale = [k for k in doubtful if k not in fresh]
-            if not stale:
+            vague = [k for k in doubtful if k in fresh and not fresh[k].is_sharp]
+            if not (stale or vague):
                 break
             for k in stale:
                 fresh[k] = self._measure(k, pose)
+            for k in vague:
+                fresh[k] = self._sharpen(k, pose, fresh[k])
         if not doubtful:
             return None
         nearest = min(doubtful, key=lambda k: fresh[k].distance)

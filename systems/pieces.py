@@ -67,8 +67,6 @@ def farthest(node: Node, n_B: Array) -> Array:
     n = R.T @ n_B
     shape = node.shape
     match shape:
-        case drake.Box():
-            point = 0.5 * np.copysign(shape.size(), n)
         case drake.Sphere():
             point = shape.radius() * n
         case drake.Capsule():
@@ -103,16 +101,18 @@ def tree_of(element: Element) -> Node:
         ball = tuple(centre.tolist())
         if len(mine) == 1:
             shape, X_BS, _ = mine[0]
-            corners = points if isinstance(shape, drake.Convex) else None
+            flat = isinstance(shape, drake.Convex | drake.Box)
+            corners = points if flat else None
             return Node(shape, X_BS, ball, radius, (), corners)
         X_BS = RigidTransform(RotationMatrix(axes), centre)
-        box = drake.Box(*(2.0 * half + 1e-9))
+        half += 1e-9
+        box = drake.Box(*(2.0 * half))
         order = np.argsort((centres - centre) @ axes[:, 0], kind="stable")
         children = tuple(
             grow([mine[i] for i in part], centres[part])
             for part in np.array_split(order, 2)
         )
-        return Node(box, X_BS, ball, radius, children, None)
+        return Node(box, X_BS, ball, radius, children, centre + _CUBE * half @ axes.T)
 
     return grow(pieces, np.array([piece.points.mean(axis=0) for piece in pieces]))
 
@@ -177,8 +177,11 @@ def _pieces(element: Element) -> list[_Piece]:
 
 
 def _centred(shape: Any, half: Array, X_GS: RigidTransform | None = None) -> _Piece:
-    corners = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
-    return _Piece(shape, X_GS or RigidTransform(), corners * half)
+    return _Piece(shape, X_GS or RigidTransform(), _CUBE * half)
+
+
+_CUBE = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+"""(8, 3) corners."""
 
 
 def _along_x(shape: Any, half: Sequence[float]) -> _Piece:

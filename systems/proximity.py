@@ -4,6 +4,7 @@ Between the convex pieces of `drakesep.systems.pieces`, whose trees of boxes tel
 come near.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -19,7 +20,7 @@ from drakesep.systems.run import Array
 
 
 _LOOSE = 5e-6
-"""Between the distance and what is certain, beyond which it is measured anew, m."""
+"""Between a distance and what is certain, up to which it is taken for certain, m."""
 TOUCHING = 1e-6
 """Distance up to which Drake cannot tell shapes that touch, m."""
 _ROOM = 128
@@ -38,6 +39,11 @@ class Told(NamedTuple):
     p_GCa: Array
     p_GCb: Array
     """Nearest points, each in its node's frame, m."""
+
+    @property
+    def is_sharp(self) -> bool:
+        """Whether the distance is certain; where shapes touch it is as told."""
+        return math.isinf(self.low) or self.distance - self.low <= _LOOSE
 
 
 class Nearest(NamedTuple):
@@ -86,8 +92,8 @@ class Proximity:
 
         Drake's iteration ends early now and then (drake 1.51.1: in one pose of a
         hundred by more than 20 um, up to millimetres). The plane between the farthest
-        points along its normal tells what is certain; where the two differ, pieces are
-        measured anew.
+        points along its normal tells what is certain; where the two differ, `sharpen`
+        tells more.
         """
         a, told = self._scene(pair).measure(pair, self._X_AB)
         n_A: Array = -told.nhat_BA_W if told.id_A == a else told.nhat_BA_W
@@ -98,13 +104,11 @@ class Proximity:
         if distance <= TOUCHING or not np.isfinite(n_A).all():
             return Told(distance, -np.inf, n_A, *points)
         first, second = self._farthest(pair, n_A)
-        low = float(n_A @ (second - first))
-        if distance - low > _LOOSE and is_leaf(pair):
-            return self._anew(pair, n_A)
-        return Told(distance, low, n_A, *points)
+        return Told(distance, float(n_A @ (second - first)), n_A, *points)
 
-    def _anew(self, pair: Pair, n_A: Array) -> Told:
-        found = least_distance(lambda n: self._farthest(pair, n), n_A)
+    def sharpen(self, pair: Pair, told: Told) -> Told:
+        """Return how near two nodes are, as they are placed and certainly."""
+        found = least_distance(lambda n: self._farthest(pair, n), told.n_A)
         a, b = pair
         second_B = self._R_AB.T @ (found.second - self._p_AoBo_A)
         return Told(
