@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,6 @@ from drakesep.analysis.search import (
     Searched,
     SearchProgress,
     SearchSettings,
-    swept,
 )
 
 
@@ -28,17 +27,13 @@ _ENOUGH = 1e-8
 """Tolerance of one of many starts: maxima that differ by 1e-6 are told apart."""
 
 
-_BESIDE = 4
-"""Times as few starts for what is costly, beside others."""
-
-
 def climb(
     problem: Problem, settings: SearchSettings, known: Known, on_progress: OnProgress
 ) -> Searched:
     """Go up by sequential quadratic programming from the nominal, as the paper does."""
     nominal = [np.zeros(len(problem.tolerances))]
-    count = len(problem.evaluator.objectives)
-    return _climb("sqp", problem, settings, on_progress, [nominal] * count)
+    starts = dict.fromkeys(problem.asked, nominal)
+    return _climb("sqp", problem, settings, on_progress, starts)
 
 
 def climb_from_many(
@@ -55,21 +50,19 @@ def climb_from_many(
     )
     settings = dataclasses.replace(settings, ascent=patience)
     climbed = any(candidate.search == "sqp" for candidate in known)
-    starts_of_all = settings.starts - 1 if climbed else settings.starts
+    count = settings.starts - 1 if climbed else settings.starts
     nominal = [] if climbed else [np.zeros(len(problem.tolerances))]
-    starts = []
-    for k in range(len(problem.evaluator.objectives)):
+    starts = {}
+    for k in problem.asked:
         mine = sorted(
             (c for c in known if c.objective == k and c.ascent is None),
             key=lambda c: -c.value,
         )
-        beside = k not in swept(problem)
-        count = -(-starts_of_all // _BESIDE) if beside else starts_of_all
         best = [*nominal, *map(np.array, dict.fromkeys(c.u for c in mine))][:count]
         # The same for each objective: what others there are changes nothing.
         rng = np.random.default_rng(settings.seed)
         drawn = problem.tolerances.draw(count - len(best), rng)
-        starts.append([*best, *drawn])
+        starts[k] = [*best, *drawn]
     return _climb("multistart", problem, settings, on_progress, starts)
 
 
@@ -78,12 +71,12 @@ def _climb(
     problem: Problem,
     settings: SearchSettings,
     on_progress: OnProgress,
-    points: Sequence[Sequence[Array]],
+    points: Mapping[int, Sequence[Array]],
 ) -> Searched:
     """Go up from the points of each objective."""
     starts = [
         Start(objective=k, tolerances=problem.tolerances, u=u)
-        for k, mine in enumerate(points)
+        for k, mine in points.items()
         for u in mine
     ]
     best: dict[int, float] = {}
@@ -109,11 +102,11 @@ def _climb(
     for ascent in ascents:
         if ascent.status is SearchStatus.FAILED:
             failures[ascent.message] = failures.get(ascent.message, 0) + 1
-    counts = sorted({len(mine) for mine in points}, reverse=True)
     origin = "the nominal"
     if search != "sqp":
-        origin = " or ".join(map(str, counts)) + " more starts"
-    exact = any(map(problem.evaluator.exact, range(len(points))))
+        origin = f"{max(map(len, points.values()))} more starts"
+    exact = any(map(problem.evaluator.exact, points))
+    note = f"SQP from {origin}" + ("" if exact else ", slopes by differences")
     return Searched(
         search=search,
         candidates=tuple(
@@ -125,5 +118,6 @@ def _climb(
         ),
         points=sum(a.evaluations for a in ascents),
         failures=failures,
-        note=f"SQP from {origin}" + ("" if exact else ", slopes by differences"),
+        note=problem.noted(note),
+        objectives=problem.asked,
     )

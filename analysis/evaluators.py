@@ -35,6 +35,8 @@ class Evaluator(Protocol):
     names: tuple[str, ...]
     """(n_p,) of the parameters."""
     objectives: tuple[Objective, ...]
+    concurrent: bool
+    """Whether several threads may ask at once."""
 
     def exact(self, k: int) -> bool:
         """Return whether `slopes` knows those of an objective."""
@@ -70,6 +72,8 @@ class Evaluator(Protocol):
 
 class RunEvaluator:
     """Flies run by run, whoever flies; knows no derivatives."""
+
+    concurrent = False
 
     def __init__(
         self,
@@ -198,6 +202,8 @@ _COMPILERS = 2
 
 class BatchEvaluator:
     """Flies on the batch engine; knows derivatives of what figures tell."""
+
+    concurrent = True
 
     def __init__(
         self,

@@ -15,7 +15,6 @@ from drakesep.analysis.search import (
     Searched,
     SearchProgress,
     SearchSettings,
-    swept,
 )
 from drakesep.analysis.sweeps import Best
 
@@ -27,8 +26,7 @@ def evolve(
     problem: Problem, settings: SearchSettings, known: Known, on_progress: OnProgress
 ) -> Searched:
     """Let scipy's differential evolution search, a generation flown at once."""
-    m = len(problem.evaluator.objectives)
-    best = Best("evolution", m)
+    best = Best("evolution", problem)
     tolerances = problem.tolerances
 
     def task(k: int) -> Callable[[Callable[[_Points], Array]], None]:
@@ -69,12 +67,10 @@ def evolve(
         )
         return answers
 
-    of = swept(problem)
-    side_by_side([task(k) for k in of], answer)
+    side_by_side([task(k) for k in problem.asked], answer)
     return best.searched(
         f"differential evolution, at most {settings.generations} generations more of "
-        f"{_POPULATION * len(tolerances)}",
-        of,
+        f"{_POPULATION * len(tolerances)}"
     )
 
 

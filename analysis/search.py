@@ -28,6 +28,22 @@ class Problem:
     tolerances: ToleranceSet
     evaluator: Evaluator
     """With the objectives, on the parameters of the set in their order."""
+    only: tuple[int, ...] | None = None
+    """Which of the objectives; all if None."""
+
+    @property
+    def asked(self) -> tuple[int, ...]:
+        """The objectives that are searched, by their place among the evaluator's."""
+        if self.only is not None:
+            return self.only
+        return tuple(range(len(self.evaluator.objectives)))
+
+    def noted(self, what: str) -> str:
+        """Return a note on a search, with for how many objectives it was."""
+        count = len(self.evaluator.objectives)
+        if len(self.asked) == count:
+            return what
+        return f"{what}, for {len(self.asked)} of {count} objectives"
 
 
 class Effort(TypedDict, total=False):
@@ -91,16 +107,6 @@ class SearchSettings:
         return dataclasses.replace(settings, **effort)
 
 
-def swept(problem: Problem) -> list[int]:
-    """Return the objectives that searches of very many runs look for.
-
-    Not the costly ones, unless there are no others.
-    """
-    everything = list(range(len(problem.evaluator.objectives)))
-    cheap = [k for k in everything if not problem.evaluator.objectives[k].costly]
-    return cheap or everything
-
-
 def _between(least: int, value: int, most: int) -> int:
     return min(max(value, least), most)
 
@@ -144,13 +150,27 @@ class Searched:
     """How many runs failed, by their reason."""
     note: str
     """What was searched, in words."""
-    left_out: tuple[int, ...] = ()
-    """Objectives that it did not look for."""
+    objectives: tuple[int, ...]
+    """That it looked for."""
 
     def best(self, objective: int) -> Candidate | None:
         """Return the best candidate of an objective; None if there is none."""
         mine = [c for c in self.candidates if c.objective == objective]
         return max(mine, key=lambda c: c.value, default=None)
+
+    def joined(self, other: "Searched") -> "Searched":
+        """Return this search with the same of other objectives."""
+        failures = dict(self.failures)
+        for why, count in other.failures.items():
+            failures[why] = failures.get(why, 0) + count
+        return dataclasses.replace(
+            self,
+            candidates=self.candidates + other.candidates,
+            points=self.points + other.points,
+            failures=failures,
+            note=f"{self.note}; {other.note}",
+            objectives=self.objectives + other.objectives,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -20,6 +20,8 @@ SEARCHES: Mapping[str, Search] = MappingProxyType(
     }
 )
 """The searches by name."""
+CLIMBS = ("sqp", "multistart")
+"""Those that go uphill; the others sweep: they fly very many runs."""
 
 
 def check_search(name: str, also: Iterable[str] = ()) -> None:

@@ -3,7 +3,7 @@
 A point is flown once for all objectives.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,6 @@ from drakesep.analysis.search import (
     Searched,
     SearchProgress,
     SearchSettings,
-    swept,
 )
 from drakesep.analysis.tolerance_set import ToleranceSet
 from drakesep.systems.checks import InputError
@@ -34,11 +33,12 @@ _SWEEP = 16_384
 class Best:
     """The best points of a sweep, for each objective."""
 
-    def __init__(self, search: str, count: int):
+    def __init__(self, search: str, problem: Problem):
         self.search = search
-        self._found: list[list[tuple[float, tuple[float, ...]]]] = [
-            [] for _ in range(count)
-        ]
+        self._problem = problem
+        self._found: dict[int, list[tuple[float, tuple[float, ...]]]] = {
+            k: [] for k in problem.asked
+        }
         self.points = 0
         self.failures: dict[str, int] = {}
 
@@ -46,8 +46,8 @@ class Best:
         """Take in points (p, n) and their values (p, m); NaN where a run failed."""
         self.points += len(u)
         self.fail(failures)
-        for k, column in enumerate(values.T):
-            self._keep(k, u, column)
+        for k in self._found:
+            self._keep(k, u, values[:, k])
 
     def fail(self, failures: Mapping[int, str]) -> None:
         """Count runs that failed."""
@@ -71,24 +71,21 @@ class Best:
     @property
     def values(self) -> dict[int, float]:
         """Best values, by objective."""
-        return {k: found[0][0] for k, found in enumerate(self._found) if found}
+        return {k: found[0][0] for k, found in self._found.items() if found}
 
-    def searched(self, note: str, of: Sequence[int]) -> Searched:
-        """Return what was found of the objectives that were looked for."""
-        everything = range(len(self._found))
-        if len(of) < len(everything):
-            note += f", for {len(of)} of {len(everything)} objectives"
+    def searched(self, note: str) -> Searched:
+        """Return what was found."""
         return Searched(
             search=self.search,
             candidates=tuple(
                 Candidate(objective=k, u=u, value=value, search=self.search)
-                for k, found in enumerate(self._found)
+                for k, found in self._found.items()
                 for value, u in found
             ),
             points=self.points,
             failures=self.failures,
-            note=note,
-            left_out=tuple(k for k in everything if k not in of),
+            note=self._problem.noted(note),
+            objectives=self._problem.asked,
         )
 
 
@@ -98,11 +95,11 @@ def sample(
     """Fly points drawn uniformly from the set."""
     rng = np.random.default_rng(settings.seed)
     total = settings.samples
-    best = Best("samples", len(problem.evaluator.objectives))
+    best = Best("samples", problem)
     for first in range(0, total, _SWEEP):
         u = problem.tolerances.draw(min(_SWEEP, total - first), rng)
         _fly_all(problem, u, best, total, on_progress)
-    return best.searched(f"{total} random samples", swept(problem))
+    return best.searched(f"{total} random samples")
 
 
 def _fly_all(
@@ -117,7 +114,7 @@ def _fly_all(
             )
         )
 
-    told = problem.evaluator.all(problem.tolerances.rows(u), tell, swept(problem))
+    told = problem.evaluator.all(problem.tolerances.rows(u), tell, problem.asked)
     best.add(u, told.values, told.failures)
     return told.values
 
@@ -135,8 +132,7 @@ def sweep_vertices(
         ValueError: the vertices are too many, even so.
     """
     n = len(problem.tolerances)
-    m = len(problem.evaluator.objectives)
-    best = Best("vertices", m)
+    best = Best("vertices", problem)
     if 2**n <= settings.vertices:
         drawn_back = 0
         for u, drawn in _vertices(problem.tolerances, np.zeros(n)):
@@ -145,10 +141,9 @@ def sweep_vertices(
         note = f"all {2**n} vertices"
         if drawn_back:
             note += f", {drawn_back} of them drawn back into the set"
-        return best.searched(note, swept(problem))
+        return best.searched(note)
     held = _one_signed(problem, settings, known)
-    of = swept(problem)
-    free = (held[of] == 0.0).sum(axis=1)
+    free = (held[list(problem.asked)] == 0.0).sum(axis=1)
     total = int(sum(2.0**count for count in free))
     if total > settings.vertices:
         raise InputError(
@@ -157,7 +152,7 @@ def sweep_vertices(
             "Search by 'multistart' or 'evolution', disperse fewer parameters, or "
             "afford more"
         )
-    for k in of:
+    for k in problem.asked:
         for u, _ in _vertices(problem.tolerances, held[k]):
             told = problem.evaluator.one(problem.tolerances.rows(u), [k] * len(u))
             best.add_of(k, u, told.values)
@@ -169,8 +164,7 @@ def sweep_vertices(
             )
     return best.searched(
         f"{total} vertices in the {int(free.min())} to {int(free.max())} parameters "
-        f"whose slopes changed sign at {_PLACES} points, the others at the worse bound",
-        of,
+        f"whose slopes changed sign at {_PLACES} points, the others at the worse bound"
     )
 
 
@@ -184,7 +178,7 @@ def _one_signed(problem: Problem, settings: SearchSettings, known: Known) -> Arr
     points = problem.tolerances.draw(_PLACES, rng)
     points[0] = 0.0
     signs = np.zeros((len(problem.evaluator.objectives), len(problem.tolerances)))
-    for k in swept(problem):
+    for k in problem.asked:
         mine = [np.array(c.u) for c in known if c.objective == k]
         starts = [
             Start(objective=k, tolerances=problem.tolerances, u=u)

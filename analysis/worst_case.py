@@ -4,6 +4,7 @@ Several searches look for them, each from what the ones before have found; the w
 all is the worst case. See `drakesep.analysis.searches` and `.evidence`.
 """
 
+import contextlib
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drakesep.analysis.ascent import SearchStatus, Start, slopes_at
+from drakesep.analysis.costly_searches import CostlySearches, by_cost
 from drakesep.analysis.evidence import (
     SAME,
     Optimality,
@@ -105,14 +107,21 @@ def find_worst_cases(
         raise InputError("searches: must be one or more, got none")
     for name in searches:
         check_search(name)
-    done: list[Searched] = []
-    known: list[Candidate] = []
-    for name in dict.fromkeys(searches):
-        done.append(
-            SEARCHES[name](problem, settings or SearchSettings(), known, on_progress)
-        )
-        known.extend(done[-1].candidates)
-        on_search(done[-1])
+    settings = settings or SearchSettings()
+    names = list(dict.fromkeys(searches))
+    cheap, costly = by_cost(problem)
+    done = []
+    with contextlib.ExitStack() as stack:
+        beside = None
+        if costly is not None:
+            beside = CostlySearches(costly, names, settings, on_progress)
+            stack.enter_context(beside)
+        known: list[Candidate] = []
+        for name in names:
+            found = SEARCHES[name](cheap, settings, known, on_progress)
+            known.extend(found.candidates)
+            done.append(found if beside is None else beside.join(found))
+            on_search(done[-1])
     return judge(problem, done)
 
 
@@ -180,7 +189,7 @@ def _evidence(
     drawn = [
         search
         for search in done
-        if search.search == "samples" and k not in search.left_out
+        if search.search == "samples" and k in search.objectives
     ]
     samples = sum(search.points for search in drawn)
     failed = sum(sum(search.failures.values()) for search in drawn)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from drakesep import clearance_figures, tables
+from drakesep import tables
 from drakesep.analysis.clearance import ClearanceAnalysis
 from drakesep.analysis.clearance_of_pair import Clearance
 from drakesep.case import Case
@@ -126,6 +126,8 @@ class Clearances:
 
     def save(self, directory: str | Path) -> None:
         """Write the tables and the figures into a folder."""
+        from drakesep import clearance_figures  # half a second, where it is drawn
+
         folder = writable_folder(directory)
         tables.write_csv(self.summary, folder / "clearance_summary.csv")
         tables.write_csv(self.over_time, folder / "clearance.csv")

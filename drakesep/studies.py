@@ -8,7 +8,7 @@ from typing import Unpack
 
 import pandas as pd
 
-from drakesep import figures, tables
+from drakesep import tables
 from drakesep.analysis.objectives import AnyObjective
 from drakesep.analysis.search import Effort, Problem, SearchSettings
 from drakesep.case import Case
@@ -74,6 +74,8 @@ class Simulated:
                 tables.write_csv(self.contacts, folder / "contacts.csv")
                 forces = tables.contact_forces_table(self.flight.run)
                 tables.write_csv(forces, folder / "contact_forces.csv")
+            from drakesep import figures  # half a second, where something is drawn
+
             figures.save_figures([self.flight], self.case.limits, folder)
 
 

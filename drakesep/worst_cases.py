@@ -5,12 +5,12 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 import pandas as pd
 
-from drakesep import clearance_figures, evidence_tables, figures, tables
+from drakesep import evidence_tables, tables
 from drakesep.analysis.ascent import Iteration, SearchStatus, Start, slopes_at
 from drakesep.analysis.batch import Batch
 from drakesep.analysis.evaluators import BatchEvaluator, RunEvaluator
@@ -41,6 +41,9 @@ from drakesep.systems.run import Run, RunStatus
 from drakesep.systems.simulation import Simulation
 from drakesep.tables import Flight
 
+
+if TYPE_CHECKING:
+    from drakesep.clearance_figures import Approach
 
 NOMINAL = "nominal"
 DEFAULT_SEARCHES = ("samples", "vertices", "sqp", "multistart")
@@ -205,6 +208,8 @@ class WorstCases:
 
     def save_runs(self, directory: str | Path) -> None:
         """Write the figures into a folder."""
+        from drakesep import clearance_figures, figures  # half a second, when drawn
+
         folder = Path(directory)
         shown = [f for f in self.flights if f.run.motion is not None and _shown(f)]
         figures.save_figures(shown, self.case.limits, folder)
@@ -216,8 +221,10 @@ class WorstCases:
             clearance_figures.save_approaches(self._approaches, limit, folder)
 
     @functools.cached_property
-    def _approaches(self) -> list[clearance_figures.Approach]:
+    def _approaches(self) -> "list[Approach]":
         """Of the nominal run and of the worst clearance, if it was looked for."""
+        from drakesep.clearance_figures import Approach
+
         if self.clearance is None:
             return []
         approaches = []
@@ -227,9 +234,7 @@ class WorstCases:
                 continue
             x, distances = self.clearance.approach(flight.run, found)
             pair = f"{found.first} to {found.second}".replace("_", " ")
-            approaches.append(
-                clearance_figures.Approach(flight.label, pair, x, distances)
-            )
+            approaches.append(Approach(flight.label, pair, x, distances))
         return approaches
 
 
