@@ -5,17 +5,11 @@ import math
 import numpy as np
 import pytest
 from flights import run_of, straight, trajectory
-from runs import evaluator_of
-from separations import generic_pair
 
 from drakesep.analysis.clearance import ClearanceAnalysis
 from drakesep.analysis.clearance_of_pair import ACCURACY
-from drakesep.analysis.dispersions import Box
 from drakesep.analysis.lowest_clearance import LowestClearance
 from drakesep.analysis.objectives import highest, largest, of_run
-from drakesep.analysis.search import Problem, SearchSettings
-from drakesep.analysis.tolerance_set import ToleranceSet
-from drakesep.analysis.worst_case import find_worst_cases
 from drakesep.systems.elements import Element, Sphere
 from drakesep.systems.relative_path import RelativePath
 
@@ -158,36 +152,6 @@ def test_sums_and_maxima_have_slopes_of_their_terms():
     most = largest(clearance, -mine).about(run, NO_LIMITS)
     assert most.value == pytest.approx(-0.2, abs=EXACT)
     assert most.near(fly_by(0.51)) - most.value == pytest.approx(-0.01, abs=1e-6)
-
-
-def test_costly_objectives_are_climbed_and_left_out_of_sweeps():
-    pair = generic_pair()
-    names = ("upper.cg_x", "upper.cg_y", "upper.mass")
-    box = Box.around(pair, dict(zip(names, (0.02, 0.01, 1.0), strict=True)))
-    tolerances = ToleranceSet(pair, box)
-    inner = evaluator_of(lambda u: u[0] - 0.5 * u[1], tolerances=tolerances)
-    costly = inner.objectives[0].named("costly")
-    costly.costly = True
-    inner.objectives = (inner.objectives[0], costly)
-    problem = Problem(tolerances=tolerances, evaluator=inner)
-    settings = SearchSettings(starts=8, samples=50)
-    cheap, dear = find_worst_cases(
-        problem, ("samples", "vertices", "sqp", "multistart"), settings
-    )
-    assert dear.value == pytest.approx(1.5, abs=1e-6)
-    assert cheap.value == pytest.approx(1.5, abs=1e-6)
-    assert (cheap.evidence.samples, dear.evidence.samples) == (50, 0)
-    assert dear.evidence.fraction == 1.0
-    assert (cheap.evidence.starts, dear.evidence.starts) == (8, 3)
-    assert set(dear.evidence.by_search) == {"samples", "vertices", "sqp", "multistart"}
-    assert math.isnan(dear.evidence.by_search["vertices"])
-    # Alone, there is nothing to leave it out beside.
-    alone = evaluator_of(lambda u: u[0] - 0.5 * u[1], tolerances=tolerances)
-    alone.objectives[0].costly = True
-    [only] = find_worst_cases(
-        Problem(tolerances=tolerances, evaluator=alone), ("samples",), settings
-    )
-    assert only.evidence.samples == 50
 
 
 def test_bad_input():
