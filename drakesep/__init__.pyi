@@ -2,6 +2,7 @@ from .case import Case as Case
 from .case import CaseError as CaseError
 from .case_file import builtin_cases as builtin_cases
 from .case_file import load_case as load_case
+from .case_objectives import case_objectives as case_objectives
 from .clearances import Clearances as Clearances
 from .studies import Simulated as Simulated
 from .studies import animate as animate
@@ -10,6 +11,5 @@ from .studies import simulate as simulate
 from .studies import verify as verify
 from .studies import worst_case as worst_case
 from .verification import Verification as Verification
-from .worst_cases import Progress as Progress
+from .worst_case_study import Progress as Progress
 from .worst_cases import WorstCases as WorstCases
-from .worst_cases import case_objectives as case_objectives

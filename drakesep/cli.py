@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from drakesep.analysis.search import Effort
-    from drakesep.worst_cases import Progress, WorstCases
+    from drakesep.worst_case_study import Progress
+    from drakesep.worst_cases import WorstCases
 
 
 app = typer.Typer(

@@ -13,7 +13,8 @@ from drakesep.analysis.requirements import Requirement
 from drakesep.analysis.search import Searched
 from drakesep.analysis.searches import SEARCHES
 from drakesep.analysis.worst_case import CONFIDENCE, WorstCase
-from drakesep.tables import MARK, Flight, in_units, shown, unit_of_objective
+from drakesep.flights import Flight
+from drakesep.tables import MARK, in_units, shown, unit_of_objective
 from drakesep.units import split_axis, unit_of, with_unit
 
 

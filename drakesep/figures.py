@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from drakesep.analysis.metrics import ANGLES, AXES
 from drakesep.analysis.requirements import Requirement
-from drakesep.tables import Flight
+from drakesep.flights import Flight
 from drakesep.units import unit_of
 
 

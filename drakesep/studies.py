@@ -13,22 +13,15 @@ from drakesep.analysis.objectives import AnyObjective
 from drakesep.analysis.search import Effort, Problem, SearchSettings
 from drakesep.case import Case
 from drakesep.case_file import load_case
+from drakesep.case_objectives import choose_objectives, the_clearance
 from drakesep.clearances import Clearances, check_geometry
+from drakesep.flights import NOMINAL, Flight, as_flight
 from drakesep.folder import writable_folder
 from drakesep.systems.checks import InputError
 from drakesep.systems.simulation import Simulation
-from drakesep.tables import Flight
 from drakesep.verification import Verification
-from drakesep.worst_cases import (
-    DRAKE,
-    NOMINAL,
-    OnProgress,
-    WorstCases,
-    as_flight,
-    choose_objectives,
-    search,
-    the_clearance,
-)
+from drakesep.worst_case_study import DRAKE, OnProgress, search
+from drakesep.worst_cases import WorstCases
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,7 +3,6 @@
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -16,34 +15,11 @@ from drakesep.analysis.growth import Growth
 from drakesep.analysis.metrics import ANGLES, AXES
 from drakesep.analysis.objectives import OBJECTIVES, Objective
 from drakesep.analysis.requirements import Finding, Requirement
-from drakesep.case_sections import PublishedSection
+from drakesep.flights import Flight
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.parameters import parameters
 from drakesep.systems.run import Motion, Run
 from drakesep.units import SI, Unit, split_axis, unit_of, with_unit
-
-
-@dataclass(frozen=True, kw_only=True)
-class Flight:
-    """A run of a study, under its label."""
-
-    label: str
-    run: Run
-    figures: Mapping[str, float]
-    """Its figures in SI, by name; empty if the run failed."""
-    objective: str | None = None
-    """Of the search that found it; None if none did."""
-    iterations: int | None = None
-    """Of that search."""
-    evaluations: int = 1
-    """Runs flown for it; of a worst case, by all searches for all objectives."""
-    status: str = "completed"
-    published: PublishedSection | None = field(default=None, repr=False)
-    """The publication that it comes from."""
-    objective_in_drake: float | None = None
-    """Of the objective whose worst case it is, in SI; None if the run failed."""
-    nearest: Clearance | None = field(default=None, repr=False)
-    """How near its elements come; None if that was not asked for."""
 
 
 def unit_of_objective(objective: Objective) -> Unit:

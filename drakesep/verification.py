@@ -11,7 +11,8 @@ from drakesep.analysis.growth import Growth, Limit, grow
 from drakesep.analysis.requirements import Finding, Requirement, assess
 from drakesep.analysis.search import Problem, SearchSettings
 from drakesep.analysis.worst_case import WorstCase
-from drakesep.worst_cases import NOMINAL, WorstCases
+from drakesep.flights import NOMINAL
+from drakesep.worst_cases import WorstCases
 
 
 @dataclass(kw_only=True)

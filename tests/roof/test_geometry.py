@@ -8,7 +8,8 @@ import trimesh
 from ruamel.yaml import YAML
 from test_cli import run
 
-from drakesep import CaseError, load_case
+import drakesep
+from drakesep import Case, CaseError, load_case
 from drakesep.case_file import builtin_cases
 from drakesep.systems.elements import Box, Capsule, Cone, Mesh, Sphere
 
@@ -212,6 +213,28 @@ def test_recontact(write, capsys, monkeypatch, tmp_path):
     code, _, error = simulate()
     assert code == 2
     assert "post and lug must be apart while mated" in error
+
+
+def test_worst_case_with_recontact(write):
+    """How fast a lug that hits a post turns the payload, flown in Drake alone."""
+    lug = {"lug": {"sphere": {"radius_mm": 30}, "position_mm": [-400, 30, 0]}}
+    post = {"post": {"sphere": {"radius_mm": 30}, "position_mm": [-100, 0, 0]}}
+    path = write(post, lug)
+    data = YAML(typ="safe").load(path)
+    data["recontact"] = {"stiffness_N_m": 1.0e5, "dissipation_s_m": 0.3}
+    data["dispersions"] = {"payload.cg_y_mm": 5.0}
+    data["run"]["duration_s"] = 1.0
+    turned = drakesep.worst_case(
+        Case.model_validate(data), "highest_final_rate_z", searches=["drake"]
+    )
+    assert turned.completed
+    del data["recontact"]
+    free = drakesep.worst_case(
+        Case.model_validate(data), "highest_final_rate_z", searches=["drake"]
+    )
+    [hit], [missed] = turned.evidence["worst"], free.evidence["worst"]
+    assert abs(hit - missed) > 0.1
+    assert turned.evidence["difference"].abs().max() < 1e-3
 
 
 UNTIL = {"until_separation_mm": 500}

@@ -11,7 +11,7 @@ from drakesep.analysis.search import SearchSettings
 from drakesep.systems.joints import Joint
 from drakesep.systems.run import RunStatus
 from drakesep.systems.simulation import Simulation
-from drakesep.worst_cases import default_searches
+from drakesep.worst_case_study import default_searches
 
 
 IN_DRAKE = {"searches": ["drake"], "workers": 1}

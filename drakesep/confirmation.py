@@ -1,0 +1,89 @@
+"""The worst cases flown in Drake, and held against what searches say of them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from drakesep.analysis.ascent import SearchStatus
+from drakesep.analysis.fleet import Fleet
+from drakesep.analysis.lowest_clearance import CLEARANCE
+from drakesep.analysis.metrics import METRICS
+from drakesep.analysis.objectives import OBJECTIVES, Objective
+from drakesep.analysis.requirements import deviation_limits
+from drakesep.analysis.worst_case import WorstCase
+from drakesep.flights import Flight, as_flight
+from drakesep.systems.run import Run, RunStatus
+from drakesep.worst_cases import WorstCases
+
+
+_CONFIRMED = 1e-4
+"""By how much Drake may differ at its accuracy, of the objective's value or nominal."""
+
+
+def confirm(study: WorstCases, worst: Sequence[WorstCase], fleet: Fleet) -> None:
+    """Fly what was found in Drake, and hold it against what the search says."""
+    case = study.case
+    ends = [
+        c
+        for c in study.from_nominal
+        if study.objectives[c.objective].name in OBJECTIVES
+    ]
+    variations: list[Mapping[str, float]] = [case.box.values(c.u) for c in ends]
+    variations += [case.values for case in worst]
+    runs = fleet.fly(variations)
+    for end, run in zip(ends, runs, strict=False):
+        assert end.ascent is not None
+        name = study.objectives[end.objective].name
+        study.flights.append(
+            as_flight(
+                f"sqp_{name}",
+                run,
+                case,
+                objective=name,
+                iterations=end.ascent.iterations,
+                evaluations=end.ascent.evaluations,
+                status=_status(end.ascent.status, end.ascent.message),
+            )
+        )
+    points = sum(searched.points for searched in study.searched)
+    for found, run in zip(worst, runs[len(ends) :], strict=True):
+        study.flights.append(_confirmed(study, found, run, points))
+
+
+def _status(status: SearchStatus, message: str) -> str:
+    return f"failed: {message}" if status is SearchStatus.FAILED else status.value
+
+
+def _confirmed(study: WorstCases, found: WorstCase, run: Run, points: int) -> Flight:
+    objective = study.objectives[found.objective]
+    flight = as_flight(
+        f"worst_{found.name}",
+        run,
+        study.case,
+        study.clearance if objective is study.clearance else None,
+        objective=found.name,
+        evaluations=points,
+        status="confirmed",
+    )
+    if run.status is RunStatus.FAILED:
+        return flight
+    in_drake = _value(study, objective, flight)
+    nominal = _value(study, objective, study.flights[0])
+    status = flight.status
+    within = _CONFIRMED * max(abs(found.value), abs(nominal)) + objective.accuracy
+    if not abs(in_drake - found.value) <= within:
+        status = (
+            f"failed: Drake gives {in_drake:.9g} where the search found "
+            f"{found.value:.9g} (SI)"
+        )
+    return replace(flight, status=status, objective_in_drake=in_drake)
+
+
+def _value(study: WorstCases, objective: Objective, flight: Flight) -> float:
+    if objective.of_figures_alone:
+        figures_ = np.array([flight.figures[name] for name in METRICS])
+        return float(objective.of_figures(figures_))
+    if objective is study.clearance:
+        return -flight.figures[CLEARANCE]
+    return objective.of_run(flight.run, deviation_limits(study.case.limits))
