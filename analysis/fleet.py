@@ -4,7 +4,7 @@ import contextlib
 import os
 import signal
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import TracebackType
 from typing import Self
 
@@ -56,11 +56,16 @@ class Fleet:
                 for _ in range(workers):
                     self._pool.submit(_nothing)
 
-    def fly(self, variations: Sequence[Mapping[str, float]]) -> list[Run]:
+    def fly(
+        self,
+        variations: Sequence[Mapping[str, float]],
+        on_progress: Callable[[int, int], None] = lambda *_: None,
+    ) -> list[Run]:
         """Fly each variation.
 
         Args:
             variations: new values by parameter name, in SI, for each run.
+            on_progress: told how many are done, and of how many.
 
         Returns:
             The runs in the same order; those that failed say so.
@@ -68,11 +73,18 @@ class Fleet:
         Raises:
             ValueError: a parameter is unknown, or its value is not physical.
         """
+        runs = []
+        for run in self._flown(variations):
+            runs.append(run)
+            on_progress(len(runs), len(variations))
+        return runs
+
+    def _flown(self, variations: Sequence[Mapping[str, float]]) -> Iterator[Run]:
         if self._pool is None or len(variations) == 1:
-            return [self._simulation.run(values) for values in variations]
+            return map(self._simulation.run, variations)
         # Not with map(): interrupted, it cancels what the workers are about to return.
         futures = [self._pool.submit(_fly, dict(values)) for values in variations]
-        return [future.result() for future in futures]
+        return (future.result() for future in futures)
 
     def __enter__(self) -> Self:
         return self

@@ -11,7 +11,7 @@ violated before it rests on the searches.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -83,6 +83,7 @@ def grow(
     *,
     corners: int = 4096,
     seed: int = 0,
+    on_progress: Callable[[int, int], None] = lambda *_: None,
 ) -> list[Growth]:
     """Return for each limit by what factor tolerances may grow until it is reached.
 
@@ -91,9 +92,11 @@ def grow(
         limits: values that objectives must not exceed.
         corners: of the box, drawn at random, from which to begin.
         seed: of the corners.
+        on_progress: told how many limits are settled, and of how many.
     """
     if not limits:
         return []
+    on_progress(0, len(limits))
     caps = _caps(problem)
     growths = [
         Growth(
@@ -115,6 +118,7 @@ def grow(
             growths[i], rays[i] = growth, point
     moving = [i for i, growth in enumerate(growths) if growth.factor != 0.0]
     for _ in range(_ROUNDS):
+        on_progress(len(limits) - len(moving), len(limits))
         if not moving:
             break
         mine = [growths[i] for i in moving]
@@ -128,6 +132,7 @@ def grow(
                 if not before - growth.factor <= _SETTLED * growth.factor:
                     still.append(i)
         moving = still
+    on_progress(len(limits), len(limits))
     return [
         replace(growth, values=_point(problem, growth, ray, caps))
         for growth, ray in zip(growths, rays, strict=True)

@@ -175,14 +175,14 @@ class Searched:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchProgress:
-    """Where a search stands."""
+    """Where a search stands, or what comes after the searches."""
 
     search: str
     done: int
-    """Points flown, or iterates of ascents."""
+    """Points flown, iterates of ascents, or runs or limits that are done with."""
     total: int | None
     """Of them; None if it is not known."""
-    best: Mapping[int, float]
+    best: Mapping[int, float] = field(default_factory=dict)
     """Best values so far, in SI, by objective."""
     iteration: tuple[int, Iteration] | None = None
     """Objective and iterate, of an ascent."""

@@ -11,6 +11,7 @@ from drakesep.analysis.lowest_clearance import CLEARANCE
 from drakesep.analysis.metrics import METRICS
 from drakesep.analysis.objectives import OBJECTIVES, Objective
 from drakesep.analysis.requirements import deviation_limits
+from drakesep.analysis.search import OnProgress, SearchProgress
 from drakesep.analysis.worst_case import WorstCase
 from drakesep.flights import Flight, as_flight
 from drakesep.systems.run import Run, RunStatus
@@ -21,7 +22,12 @@ _CONFIRMED = 1e-4
 """By how much Drake may differ at its accuracy, of the objective's value or nominal."""
 
 
-def confirm(study: WorstCases, worst: Sequence[WorstCase], fleet: Fleet) -> None:
+def confirm(
+    study: WorstCases,
+    worst: Sequence[WorstCase],
+    fleet: Fleet,
+    on_progress: OnProgress,
+) -> None:
     """Fly what was found in Drake, and hold it against what the search says."""
     case = study.case
     ends = [
@@ -31,7 +37,12 @@ def confirm(study: WorstCases, worst: Sequence[WorstCase], fleet: Fleet) -> None
     ]
     variations: list[Mapping[str, float]] = [case.box.values(c.u) for c in ends]
     variations += [case.values for case in worst]
-    runs = fleet.fly(variations)
+    runs = fleet.fly(
+        variations,
+        lambda done, total: on_progress(
+            SearchProgress(search="confirmation", done=done, total=total)
+        ),
+    )
     for end, run in zip(ends, runs, strict=False):
         assert end.ascent is not None
         name = study.objectives[end.objective].name

@@ -11,6 +11,7 @@ import pandas as pd
 from drakesep import tables
 from drakesep.analysis.objectives import AnyObjective
 from drakesep.analysis.search import Effort, Problem, SearchSettings
+from drakesep.analysis.search import OnProgress as Tell
 from drakesep.case import Case
 from drakesep.case_file import load_case
 from drakesep.case_objectives import choose_objectives, the_clearance
@@ -208,7 +209,7 @@ def worst_case(
             ``["drake"]``, which flies Drake alone; `default_searches` if None.
         output: folder that receives the tables as the study goes on.
         workers: number of processes that fly Drake; one per core if None.
-        on_progress: called as the searches go on.
+        on_progress: called as the study goes on.
         effort: `starts`, `samples`, `vertices`, `generations` and `seed` of
             `SearchSettings`; the length of a run decides what is left out.
 
@@ -252,7 +253,7 @@ def verify(
             alone or its nominal run takes more than 2000 steps.
         output: folder that receives tables and figures, tables as the study goes on.
         workers: number of processes that fly Drake; one per core if None.
-        on_progress: called as the searches go on.
+        on_progress: called as the study goes on.
         effort: `starts`, `samples`, `vertices`, `generations`, `corners` and `seed` of
             `SearchSettings`; the length of a run decides what is left out.
 
@@ -268,12 +269,12 @@ def verify(
     objectives = choose_objectives(study.case, None)
     study.clearance = the_clearance(objectives)
 
-    def grow(problem: Problem, settings: SearchSettings) -> None:
+    def grow(problem: Problem, settings: SearchSettings, tell: Tell) -> None:
         light = (
             DRAKE not in (searches or ()) and study.flights[0].run.steps <= _GROWABLE
         )
         if growth or (growth is None and light):
-            study.find_growths(problem, settings)
+            study.find_growths(problem, settings, tell)
 
     search(
         study,

@@ -9,7 +9,12 @@ import pandas as pd
 from drakesep import evidence_tables, tables
 from drakesep.analysis.growth import Growth, Limit, grow
 from drakesep.analysis.requirements import Finding, Requirement, assess
-from drakesep.analysis.search import Problem, SearchSettings
+from drakesep.analysis.search import (
+    OnProgress,
+    Problem,
+    SearchProgress,
+    SearchSettings,
+)
 from drakesep.analysis.worst_case import WorstCase
 from drakesep.flights import NOMINAL
 from drakesep.worst_cases import WorstCases
@@ -58,7 +63,9 @@ class Verification(WorstCases):
         """Whether every requirement is met, with no run and no search failed."""
         return self.completed and all(finding.met for finding in self.findings)
 
-    def find_growths(self, problem: Problem, settings: SearchSettings) -> None:
+    def find_growths(
+        self, problem: Problem, settings: SearchSettings, on_progress: OnProgress
+    ) -> None:
         """Find how far tolerances may grow before each requirement is violated."""
         worst = {case.name: case for case in self.worst}
         limits = [
@@ -75,6 +82,9 @@ class Verification(WorstCases):
             [limit for _, limit in limits],
             corners=settings.corners,
             seed=settings.seed,
+            on_progress=lambda done, total: on_progress(
+                SearchProgress(search="growth", done=done, total=total)
+            ),
         )
         least: dict[tuple[Requirement, int | None], Growth] = {}
         for (requirement, limit), growth in zip(limits, found, strict=True):

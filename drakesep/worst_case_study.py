@@ -22,6 +22,7 @@ from drakesep.analysis.search import (
     SearchProgress,
     SearchSettings,
 )
+from drakesep.analysis.search import OnProgress as Tell
 from drakesep.analysis.searches import check_search
 from drakesep.analysis.worst_case import WorstCase, find_worst_cases
 from drakesep.case import Case
@@ -58,7 +59,7 @@ class Progress:
     objectives: tuple[Objective, ...]
     """That are searched."""
     search: SearchProgress
-    """The search under way."""
+    """The search under way; after them the confirmation in Drake, and growth."""
 
 
 def _nothing(*_: object) -> None:
@@ -74,7 +75,7 @@ def search(
     output: Path | None,
     workers: int | None,
     on_progress: OnProgress | None,
-    afterwards: Callable[[Problem, SearchSettings], None] = _nothing,
+    afterwards: Callable[[Problem, SearchSettings, Tell], None] = _nothing,
 ) -> None:
     """Fly the references of a study, search its worst cases and confirm them.
 
@@ -85,19 +86,11 @@ def search(
         effort: how hard to search; what is left out, the length of a run decides.
         output: folder that receives the tables as the study goes on.
         workers: number of processes that fly Drake; one per core if None.
-        on_progress: called as the searches go on.
-        afterwards: called with the problem, while it can be flown, and the settings.
+        on_progress: called as the study goes on.
+        afterwards: called with the problem, while it can be flown, the settings, and
+            what tells of progress.
     """
-    alone = searches is not None and list(searches) == [DRAKE]
-    if isinstance(searches, str) or (searches and DRAKE in searches and not alone):
-        raise InputError(
-            f"searches: must be a list, and {DRAKE!r} stands alone in it, "
-            f"got {searches!r}"
-        )
-    for name in searches if searches and not alone else ():
-        check_search(name, also=[DRAKE])
-    if searches is not None and not len(searches):
-        raise InputError("searches: must be one or more, got none")
+    alone = _is_alone(searches)
     SearchSettings(**effort)  # refuses what is wrong before anything is flown
     case = study.case
     if objectives and not alone:
@@ -114,10 +107,14 @@ def search(
         batch = _batch(case, objectives, derivatives=light)
         workers = 1 if light and workers is None else workers
     study.flights.append(as_flight(NOMINAL, nominal, case, study.clearance))
+
+    def tell(progress: SearchProgress) -> None:
+        if on_progress is not None:
+            on_progress(Progress(objectives=study.objectives, search=progress))
+
     with Fleet(case.separation, case.integration, workers=workers) as fleet:
         _fly_published(study, fleet)
-        if output is not None:
-            study.save_tables(output)
+        _write_down(study, output)
         more: Callable[[], None] = _nothing
         if objectives:
             problem = Problem(
@@ -128,14 +125,39 @@ def search(
             several = light and not all(o.costly for o in objectives)
             names = searches or default_searches(len(case.box), settings, light=several)
             names = ["sqp"] if alone else names
-            worst = _find(study, problem, names, settings, output, on_progress)
+            worst = _find(study, problem, names, settings, output, tell)
             study.nominal_slopes = _slopes_at_nominal(problem)
-            confirm(study, worst, fleet)
+            confirm(study, worst, fleet, tell)
             study.worst = worst
-            if output is not None:
-                study.save_tables(output)
-            more = functools.partial(afterwards, problem, settings)
+            _write_down(study, output)
+            more = functools.partial(afterwards, problem, settings, tell)
         _save_runs_beside(study, output, more)
+
+
+def _is_alone(searches: Sequence[str] | None) -> bool:
+    """Return whether Drake searches alone.
+
+    Raises:
+        ValueError: there is none, one is unknown, or Drake is beside others.
+    """
+    if searches is None:
+        return False
+    if not len(searches):
+        raise InputError("searches: must be one or more, got none")
+    alone = list(searches) == [DRAKE]
+    if isinstance(searches, str) or (DRAKE in searches and not alone):
+        raise InputError(
+            f"searches: must be a list, and {DRAKE!r} stands alone in it, "
+            f"got {searches!r}"
+        )
+    for name in () if alone else searches:
+        check_search(name, also=[DRAKE])
+    return alone
+
+
+def _write_down(study: WorstCases, output: Path | None) -> None:
+    if output is not None:
+        study.save_tables(output)
 
 
 def _save_runs_beside(
@@ -146,8 +168,8 @@ def _save_runs_beside(
         if output is not None:
             saved = beside.submit(study.save_runs, output)
         more()
+    _write_down(study, output)  # whatever becomes of the pictures
     if output is not None:
-        study.save_tables(output)  # whatever becomes of the pictures
         saved.result()
 
 
@@ -191,18 +213,13 @@ def _find(
     searches: Sequence[str],
     settings: SearchSettings,
     output: Path | None,
-    on_progress: OnProgress | None,
+    tell: Tell,
 ) -> list[WorstCase]:
     """Find the worst cases, and write down what each search finds as it ends."""
 
-    def tell(progress: SearchProgress) -> None:
-        if on_progress is not None:
-            on_progress(Progress(objectives=study.objectives, search=progress))
-
     def keep(searched: Searched) -> None:
         study.searched.append(searched)
-        if output is not None:
-            study.save_tables(output)
+        _write_down(study, output)
 
     return find_worst_cases(
         problem, searches, settings, on_progress=tell, on_search=keep

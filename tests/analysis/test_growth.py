@@ -49,7 +49,14 @@ def test_linear_function():
             for i in range(3)
         ),
     ]
-    together, x, y, mass = grow(problem(lambda v: g @ v), limits)
+    told = []
+    together, x, y, mass = grow(
+        problem(lambda v: g @ v),
+        limits,
+        on_progress=lambda done, total: told.append((done, total)),
+    )
+    assert (told[0], told[-1]) == ((0, 4), (4, 4))
+    assert told == sorted(told)
     assert together.factor == pytest.approx(7.0 / 3.5, rel=1e-5)
     assert together.values == pytest.approx(BOX.values([2.0, -2.0, 2.0]))
     assert x.factor == pytest.approx(7.0 - 2.5, rel=1e-5)
