@@ -45,6 +45,7 @@ class ClearanceAnalysis:
     Attributes:
         separation: whose elements they are.
         names: (k,) the pairs of elements that are measured.
+        bodies: (k,) those that these are parts of.
     """
 
     def __init__(
@@ -72,7 +73,7 @@ class ClearanceAnalysis:
             raise InputError("geometry: a clearance needs elements on two bodies")
         self._touching = set(map(frozenset, element_pairs(separation, touching)))
         owners = owners_of(separation)
-        self._bodies = [(owners[a], owners[b]) for a, b in self.names]
+        self.bodies = [(owners[a], owners[b]) for a, b in self.names]
         asked = {name for pair in self.names for name in pair}
         elements = {
             body.name: [e for e in body.elements if e.name in asked]
@@ -83,7 +84,7 @@ class ClearanceAnalysis:
                 _warn_of_scale(body, element)
         self._proximities = {
             (A, B): Proximity(elements[A], elements[B])
-            for A, B in dict.fromkeys(self._bodies)
+            for A, B in dict.fromkeys(self.bodies)
         }
 
     def of(self, run: Run, *, until: float | None = None) -> list[Clearance]:
@@ -103,7 +104,9 @@ class ClearanceAnalysis:
             for names, one in self._along(run)
         ]
 
-    def smallest(self, run: Run, *, until: float | None = None) -> Clearance:
+    def smallest(
+        self, run: Run, *, until: float | None = None, than: float = math.inf
+    ) -> Clearance | None:
         """Return how near the pair that comes nearest comes, sooner than all of them.
 
         Of pairs that come as near, to the accuracy of a clearance, any.
@@ -111,6 +114,8 @@ class ClearanceAnalysis:
         Args:
             run: a completed run of the separation.
             until: to this time, s; to the end of the run if None.
+            than: distance, m; None is returned if no pair comes nearer than it by more
+                than the accuracy, and sooner.
 
         Raises:
             ValueError: elements overlap at the start that are not said to touch.
@@ -119,13 +124,13 @@ class ClearanceAnalysis:
         end = _end(run, until)
         # That pairs are not the nearest is sooner shown once that one is known.
         along = self._along(run)
-        along = _first(_nearest_of(along, 0.5 * end)[0], along)
+        if math.isinf(than):
+            along = _first(_nearest_of(along, 0.5 * end)[0], along)
         best: Clearance | None = None
         for names, one in along:
-            than = math.inf if best is None else best.minimum
+            limit = than if best is None else best.minimum
             start = self._start_before(end, names, one)
-            best = one.nearer(start, end, than) or best
-        assert best is not None
+            best = one.nearer(start, end, limit) or best
         return best
 
     def over_time(self, run: Run) -> Array:
@@ -164,7 +169,7 @@ class ClearanceAnalysis:
         Raises:
             RuntimeError: the run failed.
         """
-        bodies = dict(zip(self.names, self._bodies, strict=True))
+        bodies = dict(zip(self.names, self.bodies, strict=True))
         along = self._along(run)
         starts = {names: self._start(names, one) for names, one in along}
         found = []
@@ -176,12 +181,27 @@ class ClearanceAnalysis:
             along = _first(pair, along)  # as it may be at the next time
         return found
 
+    def moments(self, run: Run, times: Sequence[float]) -> list[list[NearestPair]]:
+        """Return where each pair is nearest at each of some times, s.
+
+        Those that touch while mated are left out.
+
+        Raises:
+            RuntimeError: the run failed.
+        """
+        bodies = dict(zip(self.names, self.bodies, strict=True))
+        return [
+            [NearestPair(names, bodies[names], one.at(t)) for t in times]
+            for names, one in self._along(run)
+            if frozenset(names) not in self._touching
+        ]
+
     def _along(self, run: Run) -> list[_Along]:
         trajectory = run.completed_trajectory
         paths = {ends: RelativePath(trajectory, *ends) for ends in self._proximities}
         return [
             (names, ClearanceOfPair(self._proximities[ends], names, paths[ends]))
-            for names, ends in zip(self.names, self._bodies, strict=True)
+            for names, ends in zip(self.names, self.bodies, strict=True)
         ]
 
     def _start_before(self, end: float, names: Names, one: ClearanceOfPair) -> float:

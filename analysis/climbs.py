@@ -17,6 +17,7 @@ from drakesep.analysis.search import (
     SearchProgress,
     SearchSettings,
 )
+from drakesep.analysis.suspects import different, suspects
 
 
 Array = NDArray[np.float64]
@@ -39,7 +40,7 @@ def climb(
 def climb_from_many(
     problem: Problem, settings: SearchSettings, known: Known, on_progress: OnProgress
 ) -> Searched:
-    """Go up from many starts: the nominal, the best known points, random ones.
+    """Go up from many starts: nominal, suspects, the best known points, random ones.
 
     An earlier ascent from the nominal is one of them.
     """
@@ -58,10 +59,14 @@ def climb_from_many(
             (c for c in known if c.objective == k and c.ascent is None),
             key=lambda c: -c.value,
         )
-        best = [*nominal, *map(np.array, dict.fromkeys(c.u for c in mine))][:count]
+        found = suspects(problem, k)
+        best = [*nominal, *found, *(np.array(c.u) for c in mine)]
+        # All that are suspect; around the nominal, what is near has another side.
+        best += [problem.tolerances.draw_back(-u) for u in found]
+        best = different(best)[: max(count, len(nominal) + len(found))]
         # The same for each objective: what others there are changes nothing.
         rng = np.random.default_rng(settings.seed)
-        drawn = problem.tolerances.draw(count - len(best), rng)
+        drawn = problem.tolerances.draw(max(count - len(best), 0), rng)
         starts[k] = [*best, *drawn]
     return _climb("multistart", problem, settings, on_progress, starts)
 

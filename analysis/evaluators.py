@@ -69,6 +69,10 @@ class Evaluator(Protocol):
         """Return one objective at each row, and its derivatives (n, n_p)."""
         ...
 
+    def runs(self, rows: Array) -> list[Run]:
+        """Return the run of each row, completed or failed."""
+        ...
+
 
 class RunEvaluator:
     """Flies run by run, whoever flies; knows no derivatives."""
@@ -158,6 +162,10 @@ class RunEvaluator:
     def slopes(self, rows: Array, which: Sequence[int]) -> tuple[Evaluated, Array]:
         """Refuse."""
         raise TypeError("there are no derivatives run by run")
+
+    def runs(self, rows: Array) -> list[Run]:
+        """Return the run of each row, completed or failed."""
+        return self._fly(rows)
 
     def _tell(self, k: int, run: Run, row: Array) -> float:
         return self._about(k, run, row).value
@@ -296,6 +304,10 @@ class BatchEvaluator:
         if self.objectives[k].of_figures_alone:
             return self.one(rows, [k] * len(rows))
         return self._of_runs.near(rows, k)
+
+    def runs(self, rows: Array) -> list[Run]:
+        """Return the run of each row, completed or failed."""
+        return self._of_runs.runs(rows)
 
     def prepare(self) -> None:
         """Begin to compile what searches need, beside whatever comes next."""

@@ -20,8 +20,8 @@ from drakesep.analysis.tolerance_set import ToleranceSet
 
 Array = NDArray[np.float64]
 
-_AT_BOUND = 1e-9
-"""How near to a bound a parameter is at it, scaled."""
+_AT_BOUND = 1e-6
+"""How near to a bound a parameter is at it, scaled: an ascent ends a little before."""
 _AT_EDGE = 1e-6
 """How near to zero a constraint's margin is active."""
 SAME = 1e-6

@@ -25,6 +25,8 @@ from drakesep.systems.run import Array, Run
 
 CLEARANCE = "clearance"
 """The figure: how near the nearest elements come, m; of some runs only."""
+_MOMENTS = 25
+"""At which all pairs are looked at, for which of them may come nearest."""
 
 
 class LowestClearance(Objective):
@@ -35,6 +37,7 @@ class LowestClearance(Objective):
     of_figures_alone = False
     costly = True
     accuracy = ACCURACY
+    has_parts = True
 
     def __init__(
         self,
@@ -84,7 +87,17 @@ class LowestClearance(Objective):
         Raises:
             ValueError: B does not move as far as the window goes.
         """
-        return self._analysis.smallest(run, until=self._end(run))
+        found = self.nearer(run, math.inf)
+        assert found is not None
+        return found
+
+    def nearer(self, run: Run, than: float) -> Clearance | None:
+        """Return how near the nearest pair comes; None if not nearer than that, m.
+
+        Raises:
+            ValueError: B does not move as far as the window goes.
+        """
+        return self._analysis.smallest(run, until=self._end(run), than=than)
 
     def of_run(self, run: Run, limits: Limits) -> float:
         """Return less the smallest distance in a completed run, m."""
@@ -111,6 +124,28 @@ class LowestClearance(Objective):
             -found.minimum,
             lambda other: -float(n_A @ second_from_first(other)) - rest,
         )
+
+    def parts(self, run: Run, around: Sequence[Run]) -> tuple[Array, Array]:
+        """Return less the distances of all pairs at some moments, and their changes.
+
+        To first order: those of the nearest points, as for the smallest.
+        """
+        times = np.linspace(0.0, self._end(run), _MOMENTS)
+        flown = [one.completed_trajectory for one in (run, *around)]
+        places = {
+            ends: [RelativePath(one, *ends).places(times) for one in flown]
+            for ends in set(self._analysis.bodies)
+        }
+        values, changes = [], []
+        for pair in self._analysis.moments(run, times.tolist()):
+            R, p = (np.array(x) for x in zip(*places[pair[0].bodies], strict=True))
+            second = np.array([there.nearest.p_BoCb_B for there in pair])
+            n_A = np.nan_to_num([there.nearest.n_A for there in pair])
+            second_A = p + np.einsum("rtij,tj->rti", R, second)
+            along = np.einsum("rti,ti->rt", second_A, n_A)
+            values.append([-there.nearest.distance for there in pair])
+            changes.append((along[0] - along[1:]).T)
+        return np.array(values), np.array(changes)
 
     def approach(
         self, run: Run, found: Clearance, count: int = 60

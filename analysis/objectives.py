@@ -60,6 +60,7 @@ class Objective(ABC):
         costly: whether it takes longer to tell than its run to fly: searches that fly
             very many runs leave it out, beside others.
         accuracy: by which it may miss, in SI.
+        has_parts: whether it is the largest of parts that `parts` tells.
     """
 
     name: str
@@ -68,6 +69,7 @@ class Objective(ABC):
     sign: float = 1.0
     costly: bool = False
     accuracy: float = 0.0
+    has_parts: bool = False
 
     def __call__(self, run: Run) -> float:
         """Return the objective of a completed run, with no limits of deviations."""
@@ -92,6 +94,19 @@ class Objective(ABC):
             limits: (3,) of the deviations, as `metrics` takes them.
         """
         return About(self.of_run(run, limits), lambda near: self.of_run(near, limits))
+
+    def parts(self, run: Run, around: Sequence[Run]) -> tuple[Array, Array]:
+        """Return what the objective is the largest of, if it `has_parts`.
+
+        Args:
+            run: a completed run.
+            around: (r,) completed runs with other values.
+
+        Returns:
+            (p, t) values of p parts at t moments; and (p, t, r) their changes, to first
+            order.
+        """
+        raise TypeError(f"{self.name} has no parts")
 
     def of_figures(self, figures: Array) -> Array:
         """Return the objective (...,) of figures (..., n_m), in the order of METRICS.

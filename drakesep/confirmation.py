@@ -7,7 +7,7 @@ import numpy as np
 
 from drakesep.analysis.ascent import SearchStatus
 from drakesep.analysis.fleet import Fleet
-from drakesep.analysis.lowest_clearance import CLEARANCE
+from drakesep.analysis.lowest_clearance import CLEARANCE, LowestClearance
 from drakesep.analysis.metrics import METRICS
 from drakesep.analysis.objectives import OBJECTIVES, Objective
 from drakesep.analysis.requirements import deviation_limits
@@ -60,6 +60,31 @@ def confirm(
     points = sum(searched.points for searched in study.searched)
     for found, run in zip(worst, runs[len(ends) :], strict=True):
         study.flights.append(_confirmed(study, found, run, points))
+    if study.clearance is not None:
+        _look_for_nearer(study, study.clearance)
+
+
+def _look_for_nearer(study: WorstCases, clearance: LowestClearance) -> None:
+    """Look whether a run of another worst case comes nearer than those measured.
+
+    Then the search for the worst clearance has failed, and its worst case says so.
+    """
+    least = min(f.nearest.minimum for f in study.flights if f.nearest is not None)
+    label = ""
+    for i, flight in enumerate(study.flights):
+        if flight.nearest is None and flight.run.motion is not None:
+            nearer = clearance.nearer(flight.run, least)
+            if nearer is not None:
+                figures = {**flight.figures, CLEARANCE: nearer.minimum}
+                study.flights[i] = replace(flight, nearest=nearer, figures=figures)
+                least, label = nearer.minimum, flight.label
+    if label:
+        study.flights[:] = [
+            replace(f, status=f"failed: {label} comes nearer, to {1e3 * least:.3f} mm")
+            if f.objective == clearance.name
+            else f
+            for f in study.flights
+        ]
 
 
 def _status(status: SearchStatus, message: str) -> str:

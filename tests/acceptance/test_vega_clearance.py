@@ -9,6 +9,8 @@ from drakesep.analysis.ascent import Start, slopes_at
 from drakesep.analysis.clearance_of_pair import ACCURACY
 from drakesep.analysis.evaluators import BatchEvaluator
 from drakesep.analysis.requirements import deviation_limits
+from drakesep.analysis.search import Problem
+from drakesep.analysis.suspects import suspects
 from drakesep.systems.pieces import FACET
 from drakesep.systems.relative_path import RelativePath
 
@@ -100,3 +102,19 @@ def test_slopes_of_the_clearance(vega, vega_batch):
     lengths = [np.linalg.norm(each[across]) for each in (slopes, differences)]
     assert lengths[0] == pytest.approx(lengths[1], rel=0.03 + 0.28**2 / 2.0)
     assert steepest > 1e-3
+
+
+def test_what_is_near_at_the_nominal_points_to_the_worst_corner(
+    vega, vega_batch, vega_verification
+):
+    """One corner, before any ascent: within the rates' curvature of the worst found."""
+    objective = vega.lowest_clearance()
+    evaluator = BatchEvaluator(vega_batch, [objective], deviation_limits(vega.limits))
+    problem = Problem(tolerances=vega.tolerance_set, evaluator=evaluator)
+    corner, *_ = suspects(problem, 0)
+    assert (np.abs(corner) == 1.0).sum() >= 12  # inertias are drawn back together
+    [run] = evaluator.runs(vega.tolerance_set.rows(corner[None]))
+    flights = {flight.label: flight for flight in vega_verification.flights}
+    worst = flights["worst_lowest_clearance"].figures["clearance"]
+    nominal = flights["nominal"].figures["clearance"]
+    assert objective.nearest(run).minimum - worst < 0.02 * (nominal - worst)

@@ -215,6 +215,70 @@ def test_recontact(write, capsys, monkeypatch, tmp_path):
     assert "post and lug must be apart while mated" in error
 
 
+def boom_in_guide():
+    """VEGA with a boom in a guide, beside a gap of 13 mm that no tolerance changes."""
+    data = copy.deepcopy(VEGA)
+    del data["published"]
+    data["bodies"]["launch_vehicle"]["geometry"] = {
+        "guide": {
+            "cylinder": {"radius_mm": 70, "length_mm": 400, "thickness_mm": 20},
+            "position_mm": [-200, 0, 0],
+        }
+    }
+    data["bodies"]["payload"]["geometry"] = {
+        "boom": {
+            "capsule": {"radius_mm": 35, "length_mm": 300},
+            "position_mm": [-200, 0, 0],
+        },
+        "bus": {"box": {"size_mm": [1000, 900, 800]}, "position_mm": [513, 0, 0]},
+    }
+    tolerances = ("payload.cg_y_mm", "payload.cg_z_mm")
+    data["dispersions"] = {name: VEGA["dispersions"][name] for name in tolerances}
+    data["requirements"] = [
+        {"quantity": "clearance_mm", "at_least": 12.5, "until_separation_mm": 390}
+    ]
+    return Case.model_validate(data)
+
+
+def test_a_gap_that_nothing_changes_does_not_hide_the_worst():
+    """At the nominal it is the smallest, and has no slope; the boom comes nearer."""
+    case = boom_in_guide()
+    [nominal] = drakesep.clearance(case).summary["clearance_mm"].nsmallest(1)
+    assert nominal == pytest.approx(13.0, abs=1e-6)
+    study = drakesep.verify(case, growth=False, samples=100)
+    assert study.completed
+    assert not study.passed
+    [row] = study.requirements.to_dict("records")
+    assert row["which_run"] == "worst_lowest_clearance"
+    corners = [
+        drakesep.clearance(
+            case, {"payload.cg_y_mm": 1.0 + y, "payload.cg_z_mm": 8.0 + z}
+        )
+        for y in (-tolerance(case, "y"), tolerance(case, "y"))
+        for z in (-tolerance(case, "z"), tolerance(case, "z"))
+    ]
+    least = min(found.summary["clearance_mm"].min() for found in corners)
+    assert least < 12.0
+    assert row["worst"] == pytest.approx(least, abs=0.05)
+
+
+def tolerance(case, axis):
+    return case.dispersions[f"payload.cg_{axis}_mm"]
+
+
+def test_a_worst_case_that_another_beats_has_failed():
+    """Up the slope from the nominal there is nothing; the worst of L1 is beyond it."""
+    study = drakesep.verify(boom_in_guide(), growth=False, searches=["vertices", "sqp"])
+    flights = {flight.label: flight for flight in study.flights}
+    status = flights["worst_lowest_clearance"].status
+    assert status.startswith("failed: ")
+    assert "comes nearer, to " in status
+    assert not study.completed
+    [row] = study.requirements.to_dict("records")
+    assert row["worst"] < 12.0
+    assert row["verdict"] == "not met"
+
+
 def test_worst_case_with_recontact(write):
     """How fast a lug that hits a post turns the payload, flown in Drake alone."""
     lug = {"lug": {"sphere": {"radius_mm": 30}, "position_mm": [-400, 30, 0]}}
