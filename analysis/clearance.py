@@ -61,7 +61,7 @@ class ClearanceAnalysis:
             separation: whose bodies have elements.
             pairs: names of elements of different bodies; all there are if None.
             touching: those that touch or overlap while mated: they are measured from
-                when they are first `PARTED`.
+                when they are first `PARTED`, or by as much deeper into each other.
 
         Raises:
             ValueError: a pair names no element or two of one body, none is left, a mesh
@@ -212,15 +212,15 @@ class ClearanceAnalysis:
     def _start(self, names: Names, one: ClearanceOfPair) -> float:
         """Return from when a pair is measured, s; infinite if it never parts."""
         if frozenset(names) in self._touching:
-            times = one.time.tolist()
-            return next(
-                (
-                    t
-                    for t in times
-                    if one.at(t).distance > PARTED and not one.overlap(t)
-                ),
-                math.inf,
-            )
+            mated = one.at(0.0).distance
+            times: list[float] = one.time.tolist()
+            for t in times:
+                distance = one.at(t).distance
+                if one.solid and mated - distance > PARTED:
+                    return t  # deeper into each other: a contact
+                if distance > PARTED and not one.overlap(t):
+                    return t
+            return math.inf
         if one.overlap(0.0):
             distance = 1e3 * one.at(0.0).distance
             raise InputError(

@@ -100,6 +100,8 @@ class ClearanceOfPair:
 
     Attributes:
         time: (n,) sample times of the path, s.
+        solid: whether distances below zero tell how deep they overlap: not of meshes,
+            which are surfaces.
     """
 
     def __init__(self, proximity: Proximity, names: Names, path: RelativePath):
@@ -107,7 +109,7 @@ class ClearanceOfPair:
         self._proximity, self._names, self._path = proximity, names, path
         self.time = path.time
         first, second = (proximity.roots[name] for name in names)
-        self._meshes = any(
+        self.solid = not any(
             isinstance(proximity.elements[name].shape, Mesh) for name in names
         )
         self._pairs: list[Pair] = []
@@ -125,7 +127,7 @@ class ClearanceOfPair:
     def overlap(self, t: float) -> bool:
         """Return whether they overlap, or one is inside the other, at a time, s."""
         pose = self._look(t)
-        if self._settle(t, t, TOUCHING) is None and not self._meshes:
+        if self._settle(t, t, TOUCHING) is None and self.solid:
             return False
         nearest = self._nearest(pose)
         first, second = (self._proximity.elements[name] for name in self._names)

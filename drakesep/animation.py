@@ -142,9 +142,12 @@ def _times(run: Run) -> list[float]:
     # Well apart: a metre and a half.
     apart = next((t for t, x in zip(path.time, gone, strict=True) if x > 1.5), duration)
     near = min(max(float(apart), 1.5 * push), duration)
-    shown = np.cumsum([0.0, _PUSH, _NEAR, _REST])
+    shown, ends = [0.0, _PUSH, _NEAR, _REST], [0.0, push, near, duration]
+    if near >= duration:  # nothing comes after
+        del shown[-1], ends[-1]
+    shown = np.cumsum(shown).tolist()
     frames = np.arange(0.0, shown[-1] + 0.5 / _FRAMES, 1.0 / _FRAMES)
-    times = np.interp(frames, shown, [0.0, push, near, duration])
+    times = np.interp(frames, shown, ends)
     return [float(t) for t in times]
 
 

@@ -95,7 +95,7 @@ def save_approaches(
 
 
 def approaches_figure(approaches: Sequence[Approach], limit: float | None) -> Figure:
-    """Return how near the nearest pairs of runs are over the distance of separation.
+    """Return how near the pair that comes nearest in each run is, as B moves away.
 
     Args:
         approaches: of each run.
@@ -124,7 +124,9 @@ def approaches_figure(approaches: Sequence[Approach], limit: float | None) -> Fi
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("separation (mm)")
     axes.set_ylabel("distance (mm)")
-    axes.set_title("Distance of the nearest elements; dots: smallest")
+    axes.set_title(
+        "Distance of the pair that comes nearest in each run; dots: smallest"
+    )
     axes.grid(alpha=0.3)
     axes.legend(frameon=False)
     return figure

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from drakesep import tables
-from drakesep.analysis.clearance import ClearanceAnalysis
+from drakesep.analysis.clearance import PARTED, ClearanceAnalysis
 from drakesep.analysis.clearance_of_pair import Clearance
 from drakesep.case import Case
 from drakesep.folder import writable_folder
@@ -90,8 +90,13 @@ class Clearances:
         rows = []
         touching = set(map(frozenset, self.case.clearance.touching))
 
+        touched = dict(
+            zip(self._analysis.names, self.distances[0] <= PARTED, strict=True)
+        )
+
         def parted(one: Clearance) -> bool:
-            return frozenset((one.first, one.second)) in touching
+            names = (one.first, one.second)
+            return frozenset(names) in touching and bool(touched[names])
 
         # Of those the distance only says that they have left each other.
         for one in sorted(self.found, key=lambda one: (parted(one), one.minimum)):

@@ -21,17 +21,23 @@ _FIRST_WIDTH, _OTHER_WIDTH = 32, 14
 
 
 def print_frame(
-    console: Console, title: str, frame: pd.DataFrame, digits: int = 5
+    console: Console,
+    title: str,
+    frame: pd.DataFrame,
+    digits: int = 5,
+    *,
+    index: int = 1,
 ) -> None:
-    """Print a table; numbers to so many significant digits."""
-    # A wide table goes out in parts, each with the first column.
-    others = max(1, (console.width - _FIRST_WIDTH) // _OTHER_WIDTH)
-    columns = list(frame.columns)
-    if len(columns) * _OTHER_WIDTH + _FIRST_WIDTH <= console.width:
-        others = len(columns)
-    for start in range(1, len(columns), others):
-        part = frame[[columns[0], *columns[start : start + others]]]
-        console.print(_table(escape(title) if start == 1 else "", part, digits))
+    """Print a table; numbers to so many significant digits.
+
+    A wide table goes out in parts, each with the first columns, as many as `index`.
+    """
+    first, columns = list(frame.columns[:index]), list(frame.columns[index:])
+    room = (console.width - _FIRST_WIDTH) // _OTHER_WIDTH - (index - 1)
+    others = max(1, min(len(columns), room))
+    for start in range(0, len(columns), others):
+        part = frame[[*first, *columns[start : start + others]]]
+        console.print(_table("" if start else escape(title), part, digits))
 
 
 def _table(title: str, frame: pd.DataFrame, digits: int) -> Table:

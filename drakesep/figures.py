@@ -133,8 +133,12 @@ def _draw_limit(axes: Axes, requirement: Requirement) -> None:
     sides = [limit]
     if requirement.sense == "<=" and data.min() < -0.2 * limit:
         sides.append(-limit)
+    start, end = axes.get_xlim()
+    separated = float(np.asarray(axes.lines[-1].get_xdata())[0])
+    # What holds at separation is drawn until then, what holds after it from then on.
+    span = (start, separated) if "_at_" in requirement.metric else (separated, end)
     for side in sides:
-        axes.axhline(side, color=LIMIT, linestyle=(0, (8, 3)), linewidth=1.2)
+        axes.plot(span, (side, side), color=LIMIT, linestyle=(0, (8, 3)), linewidth=1.2)
     axes.set_gid("limited")
 
 

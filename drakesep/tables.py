@@ -159,7 +159,8 @@ def read_runs(
 
     Args:
         file: the table.
-        labels: of the runs; the worst cases of the paper's objectives if None.
+        labels: of the runs; if None the worst cases of the paper's objectives, or all
+            worst cases if there are none of these.
 
     Raises:
         ValueError: it is no such table, or has no such run.
@@ -171,9 +172,9 @@ def read_runs(
     if "label" not in frame:
         raise InputError(f"{file}: must be a table of runs with a column label")
     known = frame["label"].astype(str).tolist()
-    wanted = labels or [
-        label for label in known if label.removeprefix("worst_") in OBJECTIVES
-    ]
+    worst = [label for label in known if label.startswith("worst_")]
+    of_paper = [label for label in worst if label.removeprefix("worst_") in OBJECTIVES]
+    wanted = labels or of_paper or worst
     for label in wanted:
         if label not in known:
             raise InputError(f"{file}: {unknown('run', label, known)}")
@@ -303,7 +304,7 @@ def requirements_table(
                 "margin": unit.from_si(finding.margin),
                 "growth_factor": math.nan if growth is None else growth.factor,
                 "looked_up_to": math.nan if growth is None else growth.most,
-                **_first_tolerance(requirement, single_growths, box),
+                **_first_tolerance(finding, single_growths, box),
                 "verdict": "met" if finding.met else "not met",
             }
         )
@@ -311,20 +312,26 @@ def requirements_table(
 
 
 def _first_tolerance(
-    requirement: Requirement,
+    finding: Finding,
     growths: Sequence[tuple[Requirement, Growth]],
     box: Box | None,
 ) -> dict[str, str | float]:
-    """Return the tolerance that violates a requirement with the least growth."""
-    mine = [growth for r, growth in growths if r == requirement]
-    if growths and not mine:
+    """Return the tolerance that violates a requirement with the least growth.
+
+    Of one that is violated, the tolerance that restores it by shrinking least.
+    """
+    mine = [growth for r, growth in growths if r == finding.requirement]
+    if not mine or box is None:
         return {"first_tolerance": "", "its_growth_factor": math.nan}
-    mine = [growth for growth in mine if math.isfinite(growth.factor)]
-    first = min(mine, key=lambda growth: growth.factor, default=None)
-    if first is None or box is None or first.limit.parameter is None:
-        return {"first_tolerance": "", "its_growth_factor": math.inf}
-    name = box.names[first.limit.parameter]
-    return {"first_tolerance": with_unit(name), "its_growth_factor": first.factor}
+    first = min(mine, key=lambda growth: growth.factor)
+    if not finding.met:
+        first = max(mine, key=lambda growth: growth.factor)
+        if not first.factor > 0.0:  # shrinking one is not enough
+            return {"first_tolerance": "", "its_growth_factor": math.nan}
+    name = ""
+    if math.isfinite(first.factor) and first.limit.parameter is not None:
+        name = with_unit(box.names[first.limit.parameter])
+    return {"first_tolerance": name, "its_growth_factor": first.factor}
 
 
 MARK = 5e-3

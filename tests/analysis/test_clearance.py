@@ -243,6 +243,22 @@ def test_touching_pair_is_measured_once_it_has_parted():
     assert found.minimum == pytest.approx(0.025, abs=1e-6)
 
 
+def test_touching_pair_that_goes_deeper_is_in_contact():
+    """Declared to touch: not to drive through each other and out on the other side."""
+    motion = straight(np.linspace(0.0, 1.0, 101), (0.25, 0.0, 0.0), (-1.0, 0.0, 0.0))
+    first, second = ball("ring", 0.2), ball("flange", 0.1)
+    found = clearance(motion, first, second, touching=[("flange", "ring")])
+    assert found.contact.time == pytest.approx(0.01)  # the first sample 1 mm deeper
+    assert found.contact.closing_speed == pytest.approx(1.0, abs=1e-6)
+
+
+def test_pair_said_to_touch_that_does_not_is_measured():
+    motion = straight(np.linspace(0.0, 1.0, 21), (0.35, 0.0, 0.0), (0.5, 0.0, 0.0))
+    first, second = ball("ring", 0.2), ball("flange", 0.1)
+    found = clearance(motion, first, second, touching=[("flange", "ring")])
+    assert (found.minimum, found.time) == (pytest.approx(0.05, abs=1e-6), 0.0)
+
+
 def test_pair_that_never_parts():
     motion = straight(COARSE, (0.3, 0.0, 0.0), (0.0, 0.0, 0.0))
     first, second = ball("ring", 0.2), ball("flange", 0.1)
