@@ -1,9 +1,11 @@
 """How near elements of different bodies come to each other in a run."""
 
+import functools
 import math
+import threading
 import warnings
-from collections.abc import Sequence
-from typing import NamedTuple, TypeAlias
+from collections.abc import Callable, Sequence
+from typing import Concatenate, NamedTuple, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +22,8 @@ from drakesep.systems.run import Run
 
 
 Array = NDArray[np.float64]
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
 
 _SMALLEST, _LARGEST = 1e-3, 15.0
 """Size of a mesh over its body's radius of gyration, beyond which it is doubted."""
@@ -37,6 +41,19 @@ class NearestPair(NamedTuple):
     names: Names
     bodies: Names
     nearest: Nearest
+
+
+def _alone(
+    measure: Callable[Concatenate["ClearanceAnalysis", _P], _R],
+) -> Callable[Concatenate["ClearanceAnalysis", _P], _R]:
+    """Let one thread at a time measure: bodies are placed in scenes that all share."""
+
+    @functools.wraps(measure)
+    def alone(self: "ClearanceAnalysis", /, *args: _P.args, **kwargs: _P.kwargs) -> _R:
+        with self._lock:
+            return measure(self, *args, **kwargs)
+
+    return alone
 
 
 class ClearanceAnalysis:
@@ -67,6 +84,7 @@ class ClearanceAnalysis:
             ValueError: a pair names no element or two of one body, none is left, a mesh
                 cannot be read, or elements overlap while mated that are not said to.
         """
+        self._lock = threading.RLock()
         self.separation = separation
         self.names = element_pairs(separation, pairs)
         if not self.names:
@@ -87,6 +105,7 @@ class ClearanceAnalysis:
             for A, B in dict.fromkeys(self.bodies)
         }
 
+    @_alone
     def of(self, run: Run, *, until: float | None = None) -> list[Clearance]:
         """Return how near each pair comes in a run.
 
@@ -104,6 +123,7 @@ class ClearanceAnalysis:
             for names, one in self._along(run)
         ]
 
+    @_alone
     def smallest(
         self, run: Run, *, until: float | None = None, than: float = math.inf
     ) -> Clearance | None:
@@ -141,6 +161,7 @@ class ClearanceAnalysis:
         """
         return self.at_times(run, run.completed_trajectory.time)
 
+    @_alone
     def at_times(
         self, run: Run, times: Array, *, of: Sequence[Names] | None = None
     ) -> Array:
@@ -163,6 +184,7 @@ class ClearanceAnalysis:
             ]
         ).T
 
+    @_alone
     def nearest(self, run: Run, times: Sequence[float]) -> list[NearestPair]:
         """Return which pair is nearest, and where, at each of some times, s.
 
@@ -181,6 +203,7 @@ class ClearanceAnalysis:
             along = _first(pair, along)  # as it may be at the next time
         return found
 
+    @_alone
     def moments(self, run: Run, times: Sequence[float]) -> list[list[NearestPair]]:
         """Return where each pair is nearest at each of some times, s.
 

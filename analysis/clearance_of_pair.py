@@ -168,7 +168,8 @@ class ClearanceOfPair:
             middle = 0.5 * (a + b)
             if there.distance < than:
                 best, than = _Moment(middle, there), there.distance
-            stack += [(a, middle), (middle, b)]
+            if b - a > _INSTANT:  # in which nothing moves by the accuracy
+                stack += [(a, middle), (middle, b)]
         if best is None:
             return None
         contact = None
@@ -340,8 +341,7 @@ class ClearanceOfPair:
         turned = 2.0 * np.arccos(cosine)
         bounds = low + along - turned * known[:, _RADIUS]
         # Between shapes that touch, Drake's normal may be no number.
-        told = (low > TOUCHING) & np.isfinite(bounds)
-        return np.where(told, bounds, -np.inf)
+        return np.where(np.isfinite(bounds), bounds, -np.inf)
 
     # Stretches of time.
 

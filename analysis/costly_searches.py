@@ -6,12 +6,14 @@ knows of the other, so that nothing depends on which is sooner.
 """
 
 import dataclasses
+import queue
 import threading
 from collections.abc import Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent import futures
 from types import TracebackType
 from typing import Self
 
+from drakesep.analysis.objectives import Objective
 from drakesep.analysis.search import (
     Candidate,
     OnProgress,
@@ -26,6 +28,23 @@ from drakesep.systems.checks import InputError
 
 _FEWER = 4
 """Times as few starts, but for the nominal."""
+_A_MOMENT = 0.1
+"""Between two tellings of progress, s."""
+
+
+def check_climbed(objectives: Sequence[Objective], searches: Sequence[str]) -> None:
+    """Raise ValueError if some objectives are costly, others not, and none is climbed.
+
+    Args:
+        objectives: of a study.
+        searches: names out of `SEARCHES`.
+    """
+    costly = [o.name for o in objectives if o.costly]
+    if 0 < len(costly) < len(objectives) and not set(searches) & set(CLIMBS):
+        raise InputError(
+            f"searches: {', '.join(costly)} takes too long to be swept beside others: "
+            f"must have {' or '.join(CLIMBS)} too, got {', '.join(searches)}"
+        )
 
 
 def by_cost(problem: Problem) -> tuple[Problem, Problem | None]:
@@ -62,27 +81,24 @@ class CostlySearches:
             problem: the costly objectives, and the set.
             searches: names out of `SEARCHES`, in their order.
             settings: how hard to search for others.
-            on_progress: called while one of the searches is waited for.
+            on_progress: called with what they tell, when one of them is waited for.
 
         Raises:
             ValueError: no search is a climb.
         """
+        check_climbed(problem.evaluator.objectives, searches)
         names = [name for name in searches if name in CLIMBS]
-        if not names:
-            of = [problem.evaluator.objectives[k].name for k in problem.asked]
-            raise InputError(
-                f"searches: {', '.join(of)} takes too long to be swept beside others: "
-                f"must have {' or '.join(CLIMBS)} too, got {', '.join(searches)}"
-            )
         fewer = 1 - (1 - settings.starts) // _FEWER
         self._problem = problem
         self._settings = dataclasses.replace(settings, starts=fewer)
         self._on_progress = on_progress
         self._known: list[Candidate] = []
-        self._waited_for = threading.Event()
+        self._told: dict[str, queue.SimpleQueue[SearchProgress]] = {
+            name: queue.SimpleQueue() for name in names
+        }
         self._abandoned = threading.Event()
-        self._thread = ThreadPoolExecutor(1)
-        self._begun: dict[str, Future[Searched]] = {}
+        self._thread = futures.ThreadPoolExecutor(1)
+        self._begun: dict[str, futures.Future[Searched]] = {}
         self._names = names
         if problem.evaluator.concurrent:
             self._begun = {n: self._thread.submit(self._search, n) for n in names}
@@ -105,11 +121,19 @@ class CostlySearches:
         """Return a search for others, with the same for the costly objectives."""
         if found.search not in self._names:
             return found
-        self._waited_for.set()
         begun = self._begun.get(found.search)
-        mine = self._search(found.search) if begun is None else begun.result()
-        self._waited_for.clear()
-        return found.joined(mine)
+        if begun is None:
+            return found.joined(self._search(found.search))
+        while not begun.done():
+            self._pass_on(found.search)
+            futures.wait([begun], timeout=_A_MOMENT)
+        self._pass_on(found.search)
+        return found.joined(begun.result())
+
+    def _pass_on(self, search: str) -> None:
+        """Tell what has been told, in the caller's thread."""
+        while not self._told[search].empty():
+            self._on_progress(self._told[search].get())
 
     def _search(self, name: str) -> Searched:
         found = SEARCHES[name](self._problem, self._settings, self._known, self._tell)
@@ -119,7 +143,9 @@ class CostlySearches:
     def _tell(self, progress: SearchProgress) -> None:
         if self._abandoned.is_set():
             raise _Abandoned
-        if self._waited_for.is_set():
+        if self._problem.evaluator.concurrent:
+            self._told[progress.search].put(progress)
+        else:
             self._on_progress(progress)
 
 

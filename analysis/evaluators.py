@@ -173,8 +173,9 @@ class RunEvaluator:
     def _about(self, k: int, run: Run, row: Array) -> About:
         objective = self.objectives[k]
         key = k, row.tobytes()
-        if key in self._last:
-            return self._last[key]
+        known = self._last.get(key)
+        if known is not None:
+            return known
         point = ", ".join(
             f"{name} = {x:.9g}" for name, x in zip(self.names, row, strict=True)
         )

@@ -131,9 +131,7 @@ def judge(problem: Problem, done: Sequence[Searched]) -> list[WorstCase]:
     Raises:
         RuntimeError: no run completed for an objective.
     """
-    winners = [
-        _winner(problem, done, k) for k in range(len(problem.evaluator.objectives))
-    ]
+    winners = [_winner(problem, done, k) for k in problem.asked]
     points = [
         Start(objective=c.objective, tolerances=problem.tolerances, u=np.array(c.u))
         for c in winners

@@ -22,6 +22,9 @@ def builtin_cases() -> dict[str, Path]:
 def load_case(source: str | Path) -> Case:
     """Read a case.
 
+    A key without a value is an error: a case is written with
+    ``model_dump(mode="json", exclude_none=True)``.
+
     Args:
         source: a file, or the name of a built-in case.
 

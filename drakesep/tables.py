@@ -73,7 +73,7 @@ def contacts_table(run: Run) -> pd.DataFrame:
             mine = part[force[part] > 0.0]
             if not len(mine):
                 continue
-            whole = [*mine, mine[-1] + 1] if mine[-1] + 1 < len(force) else mine
+            whole = np.arange(max(mine[0] - 1, 0), min(mine[-1] + 2, len(force)))
             impulse = np.trapezoid(contact.force[whole], contact.time[whole], axis=0)
             rows.append(
                 {
@@ -90,7 +90,8 @@ def contacts_table(run: Run) -> pd.DataFrame:
                 }
             )
     columns = ["first", "second", *map(with_unit, _CONTACT)]
-    return pd.DataFrame(rows, columns=columns).sort_values(columns[2])
+    frame = pd.DataFrame(rows, columns=columns)
+    return frame.sort_values(columns[2], ignore_index=True)
 
 
 def contact_forces_table(run: Run) -> pd.DataFrame:

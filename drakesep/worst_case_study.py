@@ -11,6 +11,7 @@ import numpy as np
 
 from drakesep.analysis.ascent import Start, slopes_at
 from drakesep.analysis.batch import Batch
+from drakesep.analysis.costly_searches import check_climbed
 from drakesep.analysis.evaluators import BatchEvaluator, RunEvaluator
 from drakesep.analysis.fleet import Fleet
 from drakesep.analysis.objectives import Objective
@@ -91,7 +92,10 @@ def search(
             what tells of progress.
     """
     alone = _is_alone(searches)
-    SearchSettings(**effort)  # refuses what is wrong before anything is flown
+    # What is wrong is refused before anything is flown.
+    SearchSettings(**effort)
+    if searches and not alone:
+        check_climbed(objectives, searches)
     case = study.case
     if objectives and not alone:
         Batch(case.separation, case.box.names)  # refuses what it does not know, at once

@@ -8,6 +8,9 @@ from drakesep.systems.separation_system import SeparationSystem
 from drakesep.systems.vectors import Vector
 
 
+_NONE = (0.0, 0.0, 0.0)
+
+
 class ContactLog:
     """Notes forces at every step; call `note` from a Simulator's monitor.
 
@@ -17,16 +20,22 @@ class ContactLog:
     def __init__(self, system: SeparationSystem, context: Context):
         self._system, self._context = system, context
         self._noted: dict[tuple[str, str], dict[float, Vector]] = {}
+        self._before: float | None = None
 
     def note(self) -> None:
         """Note the forces of a step."""
         now = self._context.get_time()
         forces = self._system.contact_forces(self._context)
         for pair, noted in self._noted.items():
-            if pair not in forces and any(noted[max(noted)]):
-                noted[now] = (0.0, 0.0, 0.0)
+            if pair not in forces and _last(noted) != _NONE:
+                noted[now] = _NONE
         for pair, force in forces.items():
-            self._noted.setdefault(pair, {})[now] = force
+            noted = self._noted.setdefault(pair, {})
+            # From nothing at the step before: an impulse has all of the rise.
+            if self._before is not None and _last(noted) == _NONE:
+                noted[self._before] = _NONE
+            noted[now] = force
+        self._before = now
 
     @property
     def forces(self) -> tuple[ContactForces, ...]:
@@ -40,3 +49,7 @@ class ContactLog:
             )
             for (first, second), noted in self._noted.items()
         )
+
+
+def _last(noted: dict[float, Vector]) -> Vector:
+    return next(reversed(noted.values()), _NONE)

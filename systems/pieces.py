@@ -101,12 +101,11 @@ def tree_of(element: Element) -> Node:
         ball = tuple(centre.tolist())
         if len(mine) == 1:
             shape, X_BS, _ = mine[0]
-            flat = isinstance(shape, drake.Convex | drake.Box)
-            corners = points if flat else None
+            corners = points if isinstance(shape, drake.Convex) else None
             return Node(shape, X_BS, ball, radius, (), corners)
         X_BS = RigidTransform(RotationMatrix(axes), centre)
-        half += 1e-9
-        box = drake.Box(*(2.0 * half))
+        half += _THICK
+        box = _hull(_CUBE * half)
         order = np.argsort((centres - centre) @ axes[:, 0], kind="stable")
         children = tuple(
             grow([mine[i] for i in part], centres[part])
@@ -162,7 +161,7 @@ def _pieces(element: Element) -> list[_Piece]:
     shape = element.shape
     match shape:
         case Box():
-            return [_centred(drake.Box(*shape.size), np.array(shape.size) / 2.0)]
+            return [_convex(_CUBE * np.array(shape.size) / 2.0)]
         case Sphere():
             return [_centred(drake.Sphere(shape.radius), np.full(3, shape.radius))]
         case Capsule():
@@ -180,6 +179,8 @@ def _centred(shape: Any, half: Array, X_GS: RigidTransform | None = None) -> _Pi
     return _Piece(shape, X_GS or RigidTransform(), _CUBE * half)
 
 
+_THICK = 1e-6
+"""What boxes are larger by to each side, m: Drake makes no hull of what is flat."""
 _CUBE = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 """(8, 3) corners."""
 
@@ -201,7 +202,16 @@ def _circle(x: float, radius: float, angles: Array) -> Array:
 
 
 def _convex(points: Array) -> _Piece:
-    return _Piece(drake.Convex(points.T, "piece"), RigidTransform(), points)
+    return _Piece(_hull(points), RigidTransform(), points)
+
+
+def _hull(points: Array) -> Any:
+    """Return a polytope as Drake's.
+
+    Boxes too: Drake's own end the process in some poses in which two of them overlap
+    (drake 1.51.1, BoxBoxGradient: "Unreachable code was reached").
+    """
+    return drake.Convex(points.T, "piece")
 
 
 def _solid_cone(cone: Cone) -> _Piece:

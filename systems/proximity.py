@@ -4,7 +4,6 @@ Between the convex pieces of `drakesep.systems.pieces`, whose trees of boxes tel
 come near.
 """
 
-import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -40,10 +39,8 @@ class Told(NamedTuple):
     p_GCb: Array
     """Nearest points, each in its node's frame, m."""
 
-    @property
-    def is_sharp(self) -> bool:
-        """Whether the distance is certain; where shapes touch it is as told."""
-        return math.isinf(self.low) or self.distance - self.low <= _LOOSE
+    is_sharp: bool
+    """Whether the distance is certain, or as certain as it can be."""
 
 
 class Nearest(NamedTuple):
@@ -102,9 +99,10 @@ class Proximity:
         if told.id_A != a:
             points = points[1], points[0]
         if distance <= TOUCHING or not np.isfinite(n_A).all():
-            return Told(distance, -np.inf, n_A, *points)
+            return Told(distance, -np.inf, n_A, *points, is_sharp=True)
         first, second = self._farthest(pair, n_A)
-        return Told(distance, float(n_A @ (second - first)), n_A, *points)
+        low = float(n_A @ (second - first))
+        return Told(distance, low, n_A, *points, is_sharp=distance - low <= _LOOSE)
 
     def sharpen(self, pair: Pair, told: Told) -> Told:
         """Return how near two nodes are, as they are placed and certainly."""
@@ -117,6 +115,7 @@ class Proximity:
             found.n,
             a.X_BG.inverse() @ found.first,
             b.X_BG.inverse() @ second_B,
+            is_sharp=True,
         )
 
     def _farthest(self, pair: Pair, n_A: Array) -> tuple[Array, Array]:

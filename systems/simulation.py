@@ -243,7 +243,14 @@ def _with_contacts(
     beside = touching.copy()
     beside[:-1] |= touching[1:]
     beside[1:] |= touching[:-1]
-    return np.union1d(times, steps[beside])
+    # A step at a sample time but for round-off is that sample.
+    new = steps[beside]
+    after = np.searchsorted(times, new)
+    nearest = np.minimum(
+        np.abs(new - times[np.maximum(after - 1, 0)]),
+        np.abs(new - times[np.minimum(after, len(times) - 1)]),
+    )
+    return np.union1d(times, new[nearest > NANOSECOND])
 
 
 def _sample(

@@ -1,6 +1,7 @@
 """How near elements come, against motions whose clearance is known in closed form."""
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -330,3 +331,48 @@ def test_pairs_that_make_no_sense(pairs, message):
     motion = straight(COARSE, (1.0, 0.0, 0.0), (1.0, 0.0, 0.0))
     with pytest.raises(InputError, match=message):
         clearance(motion, ball("rock", 0.2), ball("payload_ball", 0.1), pairs=pairs)
+
+
+def test_threads_that_measure_at_once_do_not_disturb_each_other():
+    """Bodies are placed in scenes that all measurements share."""
+    cone = Element(
+        name="ring",
+        shape=Cone(radius_aft=0.5, radius_fore=0.5, length=0.2, thickness=0.02),
+    )
+    runs = [
+        run_of(
+            straight(COARSE, (-0.3, y, 0.0), (0.6, 0.0, 0.0)),
+            [cone],
+            [ball("payload_ball", 0.1)],
+        )
+        for y in (0.1, 0.25)
+    ]
+    alone = [ClearanceAnalysis(run.separation).of(run) for run in runs]
+    shared = ClearanceAnalysis(runs[0].separation)
+    with ThreadPoolExecutor(2) as pool:
+        for _ in range(3):
+            assert list(pool.map(shared.of, runs)) == alone
+
+
+def test_elements_that_all_but_touch_are_measured():
+    """At less than Drake's 5 um no plane proves that they are apart, nor need it."""
+    for gap in (1.5e-6, 3e-6, 6e-6):
+        motion = straight(COARSE, (0.0, 0.3 + gap, 0.0), (0.2, 0.0, 0.0))
+        found = clearance(motion, ball("ring", 0.2), ball("payload_ball", 0.1))
+        assert found.minimum == pytest.approx(gap, abs=ACCURACY)
+
+
+@pytest.mark.parametrize(("length", "sideways"), [(0.5, 0.0), (0.6, 0.0), (0.5, 3e-3)])
+def test_coaxial_tubes_of_triangles(length, sideways, tmp_path):
+    """Boxes around their halves overlap, turned: there Drake's own end the process."""
+    radii = {"outer": (0.48, 0.5, 0.5), "payload_tube": (0.36, 0.4, length)}
+    elements = []
+    for name, (low, high, long) in radii.items():
+        tube = trimesh.creation.annulus(low, high, long, sections=12)
+        tube.export(tmp_path / f"{name}.stl")
+        elements.append(Element(name=name, shape=Mesh(file=tmp_path / f"{name}.stl")))
+    motion = straight(COARSE, (0.0, sideways, 0.0), (0.0, 0.0, 1.0))
+    found = clearance(motion, elements[0], elements[1])
+    # Between flat sides: 15 degrees from the middle of one to its corner.
+    side = (0.48 - 0.4) * math.cos(math.radians(15.0))
+    assert side - sideways - ACCURACY <= found.minimum <= side + ACCURACY

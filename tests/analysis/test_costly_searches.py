@@ -95,12 +95,30 @@ def test_they_begin_while_others_are_swept():
     assert (cheap.value, dear.value) == (pytest.approx(1.5), pytest.approx(1.5))
 
 
+def test_progress_is_told_in_the_callers_thread_and_the_same_each_time():
+    told = []
+
+    def tell(progress):
+        told.append((threading.get_ident(), progress))
+
+    for _ in range(2):
+        find_worst_cases(
+            problem(wavy, wavy, concurrent=True), ALL, SETTINGS, on_progress=tell
+        )
+    assert {thread for thread, _ in told} == {threading.get_ident()}
+    half = len(told) // 2
+    assert [p for _, p in told[:half]] == [p for _, p in told[half:]]
+    searches = [p.search for _, p in told[:half]]
+    assert list(dict.fromkeys(searches)) == list(ALL)
+    assert {p.iteration[0] for _, p in told if p.iteration} == {0, 1}
+
+
 def test_an_interrupt_abandons_them():
-    swept, abandoned = threading.Event(), []
+    swept, asked = threading.Event(), []
 
     def goes_on(u):
-        if not swept.wait(LONG):
-            abandoned.append("never told")
+        assert swept.wait(LONG)
+        asked.append(u)
         return wavy(u)
 
     def interrupt(_):
@@ -115,7 +133,8 @@ def test_an_interrupt_abandons_them():
             SETTINGS,
             on_progress=interrupt,
         )
-    assert not abandoned
+    # The start and its slopes, of an ascent of dozens, and of three.
+    assert len(asked) <= 2 * (1 + len(SET))
     late = time.monotonic() + LONG
     while threading.active_count() > threads and time.monotonic() < late:
         time.sleep(0.01)  # they have been told to end

@@ -22,6 +22,7 @@ from drakesep.systems.model import InitialMotion
 from drakesep.systems.pieces import FACET
 from drakesep.systems.recontact import Recontact
 from drakesep.systems.run import RunStatus
+from drakesep.systems.sampling import NANOSECOND
 from drakesep.systems.scene import register_contact
 from drakesep.systems.separation_system import (
     SeparationSystem,
@@ -95,12 +96,18 @@ def test_bounce(dissipation):
         left = brentq(lambda u: spent(-d * u) - spent(d * speed), 0.0, 0.999 / d)
         assert left < 0.9 * speed
     assert v[-1] == pytest.approx(left, rel=1e-4)  # onset and end within steps
+    # The impulse, from the step before the contact to that after it.
+    [contact] = run.contacts
+    assert not contact.force[[0, -1]].any()
+    impulse = np.trapezoid(contact.force[:, 0], contact.time)
+    assert impulse == pytest.approx(reduced * (speed + v[-1]), rel=1e-3)
+    # No sample stands twice, but for round-off.
+    assert np.diff(motion.time).min() > NANOSECOND
     if d == 0.0:
         # Half a sine of 104 ms, sampled every 10.
         depth = speed * math.sqrt(reduced / STIFFNESS)
         assert -GAP - x.min() == pytest.approx(depth, rel=0.012)
         # At steps: 2 ms of 104.
-        [contact] = run.contacts
         assert (contact.first, contact.second) == ("lower_ball", "upper_ball")
         peak = speed * math.sqrt(reduced * STIFFNESS)
         assert contact.force[:, 0].max() == pytest.approx(peak, rel=1e-3)
