@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from rich.console import Console
 from rich.markup import escape
@@ -85,6 +86,8 @@ def print_case(console: Console, case: Case) -> None:
     )
     print_frame(console, "Bodies", _bodies(case))
     print_frame(console, "Attachments", _attachments(case))
+    if any(body.elements for body in case.separation.bodies):
+        print_frame(console, "Geometry", _geometry(case))
     if case.loads:
         print_frame(console, "Loads", _loads(case))
     print_frame(console, "Parameters", _parameters(case))
@@ -133,6 +136,29 @@ def _attachments(case: Case) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def _geometry(case: Case) -> pd.DataFrame:
+    """Return where elements are: a mesh in the wrong unit is seen at once."""
+    from drakesep.systems.pieces import pieces_of  # and Drake, where there are any
+
+    mm = unit_of("position")
+    rows = []
+    for body in case.separation.bodies:
+        for element in body.elements:
+            points = np.concatenate([piece.points for piece in pieces_of(element)])
+            row = {
+                "element": element.name,
+                "of": body.name,
+                "shape": type(element.shape).__name__.lower(),
+                "role": element.role,
+            }
+            for axis, low, high in zip(
+                "xyz", points.min(axis=0), points.max(axis=0), strict=True
+            ):
+                row[f"{axis} (mm)"] = f"{mm.from_si(low):.4g} to {mm.from_si(high):.4g}"
+            rows.append(row)
+    return pd.DataFrame(rows)
+
+
 def _loads(case: Case) -> pd.DataFrame:
     return pd.DataFrame(
         {
@@ -170,7 +196,7 @@ def _parameters(case: Case) -> pd.DataFrame:
 def _requirements(case: Case) -> pd.DataFrame:
     return pd.DataFrame(
         {
-            "quantity": with_unit(requirement.metric),
+            "quantity": f"{with_unit(requirement.metric)} {requirement.condition}".strip(),
             "sense": requirement.sense,
             "limit": unit_of(requirement.metric).from_si(requirement.limit),
         }

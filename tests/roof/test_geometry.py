@@ -303,3 +303,15 @@ def test_worst_case_with_recontact(write):
 
 
 UNTIL = {"until_separation_mm": 500}
+
+
+def test_show_tells_where_elements_are(write, capsys, monkeypatch, tmp_path):
+    """A mesh that is taken for one in metres is seen to be."""
+    trimesh.creation.box((10.0, 20.0, 30.0)).export(tmp_path / "part.stl")
+    path = write(POST, {"part": {"mesh": {"file": "part.stl"}, "role": "antenna"}})
+    monkeypatch.setenv("COLUMNS", "200")
+    code, out, _ = run(capsys, monkeypatch, "show", path)
+    assert code == 0
+    [line] = [line for line in out.splitlines() if " part " in line]
+    for word in ("payload", "mesh", "antenna", "-5000 to 5000", "-1.5e+04 to 1.5e+04"):
+        assert word in line
