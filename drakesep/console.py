@@ -196,7 +196,8 @@ def _parameters(case: Case) -> pd.DataFrame:
 def _requirements(case: Case) -> pd.DataFrame:
     return pd.DataFrame(
         {
-            "quantity": f"{with_unit(requirement.metric)} {requirement.condition}".strip(),
+            "quantity": with_unit(requirement.metric),
+            "condition": requirement.condition,
             "sense": requirement.sense,
             "limit": unit_of(requirement.metric).from_si(requirement.limit),
         }
