@@ -18,6 +18,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pandas as pd
+from jax import lax
 from numpy.typing import ArrayLike, NDArray
 
 from drakesep.analysis.batch_metrics import MetricsFold
@@ -46,6 +47,8 @@ MAX_STEPS = 20_000
 _CHUNK = {"cpu": 128}
 """Rows that are flown together: on a CPU as many as its cache holds."""
 _CHUNK_OF_ACCELERATOR = 65_536
+_CALL = 8
+"""Chunks in a call of a program, at most: between calls threads wait for Python."""
 _OPTIONS = {
     "cpu": {
         # As fast, and compiled in half the time.
@@ -154,7 +157,7 @@ class Batch:
                 raise InputError(f"{what} must be a whole number >= 1, got {number}")
         self.separation = separation
         self.names = tuple(names)
-        self._chunk, self._workers = chunk, workers
+        self._workers = workers
         self._max_steps = max_steps
         self._nominal = nominal
         self.nominal = np.array([nominal[name] for name in names])
@@ -165,11 +168,13 @@ class Batch:
         self._flight = flight()
         # Where times vary, those that coincide must be told apart.
         timed = any(name.endswith((".release_time", ".start")) for name in names)
-        self._flight_of_slopes = flight(one_by_one=timed, always_springs=True)
+        self._flight_of_slopes = flight(one_by_one=timed)
         self._fold = MetricsFold(self._equations, deviation_limits)
         compiled = functools.partial(jax.jit, compiler_options=_options(platform))
-        self._figures = compiled(self._fly_figures)
-        self._figures_and_slopes = compiled(self._fly_slopes)
+        # Lanes of slopes carry twice as much, and a row has n_p.
+        few = -(-chunk // (2 * len(names)))
+        self._figures = _Program(compiled, self._fly_figures, chunk)
+        self._figures_and_slopes = _Program(compiled, self._fly_slopes, few)
         self._motion = compiled(self._fly_motion)
 
     def run(
@@ -180,7 +185,7 @@ class Batch:
         Args:
             values: (n, n_p) of the parameters, in SI, in their order; or a frame with
                 their names.
-            on_progress: called after each chunk.
+            on_progress: called every few chunks.
 
         Raises:
             ValueError: the values are not n_p columns.
@@ -198,7 +203,7 @@ class Batch:
         Args:
             values: (n, n_p) of the parameters, in SI, in their order; or a frame with
                 their names.
-            on_progress: called after each chunk.
+            on_progress: called every few chunks.
 
         Raises:
             ValueError: the values are not n_p columns.
@@ -253,7 +258,7 @@ class Batch:
 
     def _run(
         self,
-        program: Callable[[Array], _Flown],
+        program: "_Program",
         values: Values,
         on_progress: Progress | None,
     ) -> BatchResult:
@@ -266,10 +271,7 @@ class Batch:
         jacobian = None
         if program is self._figures_and_slopes:
             jacobian = np.empty((*metrics.shape, len(self.names)))
-        size = self._chunk
-        if jacobian is not None:  # lanes carry twice as much, and a row has n_p
-            size = -(-self._chunk // (2 * len(self.names)))
-        for part, flown in self._fly_chunks(program, flyable, size):
+        for part, flown in self._fly_parts(program, flyable):
             metrics[part] = flown.metrics.T
             steps[part] = flown.landing.steps
             if jacobian is not None:
@@ -291,17 +293,19 @@ class Batch:
             jacobian=jacobian,
         )
 
-    def _fly_chunks(
-        self, program: Callable[[Array], _Flown], rows: Array, size: int
+    def _fly_parts(
+        self, program: "_Program", rows: Array
     ) -> Iterator[tuple[slice, _Flown]]:
-        """Yield the chunks of rows in order, with what came of them."""
+        """Yield parts of the rows in order, of some chunks, with what came of them."""
+        chunks = -(-len(rows) // program.chunk)
+        size = min(program.chunk * max(chunks // self._workers, 1), program.lanes)
         parts = [
             slice(start, min(start + size, len(rows)))
             for start in range(0, len(rows), size)
         ]
 
         def fly(part: slice) -> _Flown:
-            return _trimmed(_call(program, self._filled(rows[part], size)), part)
+            return program(self._filled(rows[part], program.lanes), len(rows[part]))
 
         with ThreadPoolExecutor(self._workers) as pool:
             try:
@@ -388,9 +392,7 @@ class Batch:
         """Return the runs of at most `_RUNS` rows."""
         flyable = rows.copy()
         flyable[list(failures)] = self.nominal
-        # In as many lanes as elsewhere: another number would be another program.
-        everywhere = self._filled(flyable, max(self._chunk, _RUNS))
-        flown = _call(self._figures, everywhere)
+        flown = self._figures(self._filled(flyable, self._figures.lanes), len(rows))
         reasons = {**self._why_not(flown), **failures}
         plans = [
             _Plan.of(self.separation, flown.landing, i, self._values(row))
@@ -516,22 +518,59 @@ def _check_free(separation: Separation) -> None:
         )
 
 
-def _call(program: Callable[..., Any], *lanes: Array) -> Any:
+class _Program:
+    """Flies lanes, chunk after chunk, in a single call."""
+
+    def __init__(
+        self,
+        compiled: Callable[[Callable[..., Any]], Callable[..., Any]],
+        fly: Callable[[Lanes], _Flown],
+        chunk: int,
+    ):
+        """Prepare.
+
+        Args:
+            compiled: makes programs of functions.
+            fly: flies the lanes (n_p, chunk) of one chunk.
+            chunk: lanes that are flown together.
+        """
+        self.chunk = chunk
+        self.lanes = max(_CALL, -(-_RUNS // chunk)) * chunk
+        self._fly = jax.jit(fly)  # it is looked at twice, and traced once
+        self._program = compiled(self._fly_chunks)
+
+    def __call__(self, values: Array, count: int) -> _Flown:
+        """Return what comes of the first lanes of values (n_p, lanes)."""
+        flown = _call(self._program, values, np.array(-(-count // self.chunk)))
+        trimmed: _Flown = jax.tree.map(lambda x: x[..., :count], flown)
+        return trimmed
+
+    def _fly_chunks(self, values: Lanes, chunks: Lanes) -> Any:
+        def chunk(i: int) -> Lanes:
+            return lax.dynamic_slice_in_dim(values, i * self.chunk, self.chunk, -1)
+
+        def fly(i: int, flown: _Flown) -> Any:
+            def put(x: Lanes, mine: Lanes) -> Lanes:
+                return lax.dynamic_update_slice_in_dim(x, mine, i * self.chunk, -1)
+
+            return jax.tree.map(put, flown, self._fly(chunk(i)))
+
+        def nothing(x: Any) -> Lanes:
+            return jnp.zeros((*x.shape[:-1], self.lanes), x.dtype)
+
+        shapes = jax.eval_shape(self._fly, chunk(0))
+        return lax.fori_loop(0, chunks, fly, jax.tree.map(nothing, shapes))
+
+
+def _call(program: Callable[..., Any], *arrays: Array) -> Any:
     """Call a program in double precision, whatever the caller's JAX is set to."""
     with jax.enable_x64(True):
-        return jax.tree.map(np.asarray, program(*map(jnp.asarray, lanes)))
+        return jax.tree.map(np.asarray, program(*map(jnp.asarray, arrays)))
 
 
 def _of_row(landing: Landing, row: int) -> Landing:
     mine: Landing = jax.tree.map(lambda x: x[..., row], landing)
     return mine
-
-
-def _trimmed(flown: _Flown, part: slice) -> _Flown:
-    """Return what came of a chunk without what filled it up."""
-    count = part.stop - part.start
-    trimmed: _Flown = jax.tree.map(lambda x: x[..., :count], flown)
-    return trimmed
 
 
 @functools.cache

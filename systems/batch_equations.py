@@ -42,8 +42,6 @@ from drakesep.systems.vectors import Rotation, Symmetric, Vector
 Lanes: TypeAlias = Any
 """A jax array whose last axis are the samples."""
 
-FREE, SPRINGS, EVERYTHING = PHASES = range(3)
-"""What acts on some sample of a batch: no spring or joint, springs, joints too."""
 STATES = 13
 """Of a body: quaternion, position, angular and linear velocity, as in Drake's plant."""
 _VELOCITIES = 7
@@ -149,13 +147,11 @@ class BatchEquations:
             varied: names of the parameters that vary.
         """
         self.separation = separation
-        # Joints that hold at no time need not be compiled: they are half of a program.
-        held = any(
+        self.holds = any(
             a.release_time > 0.0 or f"{a.name}.release_time" in varied
             for a in separation.attachments
         )
-        self.phases = PHASES if held else PHASES[:EVERYTHING]
-        """That occur."""
+        """Whether a joint holds at some time: joints are half of a program."""
         self.ends = [separation.ends(a) for a in separation.attachments]
         pushing = [i for i, a in enumerate(separation.attachments) if a.spring]
         self.spring_attachments = pushing
@@ -331,27 +327,20 @@ class BatchEquations:
 
     # The equations.
 
-    def phase(self, mode: Mode) -> Lanes:
-        """Return what acts on some sample: FREE, SPRINGS or EVERYTHING."""
-        springs = jnp.where(self.pushing(mode).any(), SPRINGS, FREE)
-        if EVERYTHING not in self.phases:
-            return springs
-        return jnp.where(jnp.isinf(mode.released).any(), EVERYTHING, springs)
-
     def derivative(
-        self, phase: int, timed: Timed, x: Lanes, numbers: Numbers, mode: Mode
+        self, holding: bool, timed: Timed, x: Lanes, numbers: Numbers, mode: Mode
     ) -> Lanes:
         """Return the derivative (13, m, n) of a state (13, m, n).
 
         Args:
-            phase: what acts, see `phase`: what does not is not computed.
+            holding: whether joints are computed: needless once all have let go.
             timed: what depends on time alone, at the state's time.
             x: the state.
             numbers: of the batch.
             mode: what has happened.
         """
         bodies = motion_laws.body_state(x, 0, _VELOCITIES)
-        wrench = self._sum_wrenches(phase, timed, bodies, numbers, mode)
+        wrench = self._sum_wrenches(holding, timed, bodies, numbers, mode)
         alpha, a = newton_euler_laws.accelerations(
             bodies,
             numbers.mass,
@@ -364,7 +353,12 @@ class BatchEquations:
         return jnp.stack([*q_dot, *bodies.v_WBo, *alpha, *a])
 
     def _sum_wrenches(
-        self, phase: int, timed: Timed, bodies: BodyState, numbers: Numbers, mode: Mode
+        self,
+        holding: bool,
+        timed: Timed,
+        bodies: BodyState,
+        numbers: Numbers,
+        mode: Mode,
     ) -> Wrench:
         orbit = self.separation.orbit
         total = _no_wrench(bodies)
@@ -378,10 +372,10 @@ class BatchEquations:
                 orbit.mu,
                 jnp,
             )
-        if phase >= SPRINGS and self.spring_attachments:
+        if self.spring_attachments:
             springs = self._spring_wrenches(timed, bodies, numbers, mode)
             total = _add(total, springs)
-        if phase >= EVERYTHING:
+        if holding:
             total = _add(total, self._joint_wrenches(bodies, numbers, mode))
         if self.separation.loads:
             total = _add(total, self._load_wrenches(timed, bodies, numbers))

@@ -21,8 +21,6 @@ from jax import lax
 from drakesep.systems import batch_polynomials as polynomials
 from drakesep.systems import joint_laws, lobatto, motion_laws, runge_kutta
 from drakesep.systems.batch_equations import (
-    FREE,
-    SPRINGS,
     BatchEquations,
     Lanes,
     Mode,
@@ -143,7 +141,6 @@ class BatchFlight:
         tolerance: float,
         max_steps: int,
         one_by_one: bool = False,
-        always_springs: bool = False,
     ):
         """Prepare.
 
@@ -153,15 +150,12 @@ class BatchFlight:
             max_steps: at which a sample is given up.
             one_by_one: whether known events at the same time happen in steps of their
                 own, of no length: each has a derivative of its own.
-            always_springs: whether springs are computed also when none pushes: a
-                smaller program, that takes less time to compile and more to run.
         """
         self._equations = equations
         self._separation = equations.separation
         self._tolerance = tolerance
         self._max_steps = max_steps
         self._one_by_one = one_by_one
-        self._phases = equations.phases[SPRINGS if always_springs else FREE :]
         self._events = _events(equations)
         B = self._separation.B
         self._of_B = [
@@ -377,19 +371,20 @@ class BatchFlight:
         times = t + jnp.array(runge_kutta.C)[:, None] * h
         timed = self._equations.at_times(times, numbers, mode)
 
-        def stages(phase: int) -> Callable[[None], Lanes]:
+        def stages(holding: bool) -> Callable[[None], Lanes]:
             def stage(i: int, K: Lanes) -> Lanes:
                 y = x + h * jnp.tensordot(A[i], K, 1)
                 now = jax.tree.map(lambda lanes: lanes[i], timed)
-                k = self._equations.derivative(phase, now, y, numbers, mode)
+                k = self._equations.derivative(holding, now, y, numbers, mode)
                 return K.at[i].set(k)
 
             K = jnp.zeros((runge_kutta.STAGES, *x.shape))
             return lambda _: lax.fori_loop(0, runge_kutta.STAGES, stage, K)
 
-        # Below the first, switch takes the first.
-        phase = self._equations.phase(mode) - self._phases[0]
-        return lax.switch(phase, [stages(phase) for phase in self._phases], None)
+        if not self._equations.holds:
+            return stages(False)(None)
+        held = jnp.isinf(mode.released).any()
+        return lax.cond(held, stages(True), stages(False), None)
 
     def _error(self, K: Lanes) -> Lanes:
         """Return (n,) the error estimate of a step over its share of the tolerance."""

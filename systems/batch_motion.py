@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from drakesep.systems import lobatto, motion_laws
 from drakesep.systems.batch_equations import (
-    EVERYTHING,
     STATES,
     BatchEquations,
     Lanes,
@@ -94,7 +93,7 @@ class MotionFold:
         timed = equations.at_times(times, numbers, step.mode)
         slopes = lax.map(
             lambda node: equations.derivative(
-                EVERYTHING, node[0], node[1], numbers, step.mode
+                equations.holds, node[0], node[1], numbers, step.mode
             ),
             (timed, jnp.moveaxis(step.x, 1, 0)),
         )[:, :, b]

@@ -10,7 +10,7 @@ from drakesep.systems import lobatto
 from drakesep.systems.batch_equations import Lanes
 
 
-_BISECTIONS, _NEWTONS = 4, 3
+_BISECTIONS, _NEWTONS = 2, 3
 
 
 def polynomial(c: Lanes, xi: Lanes) -> Lanes:
@@ -35,8 +35,9 @@ def derivative(c: Lanes) -> Lanes:
 def root(c: Lanes, low: Lanes, high: Lanes) -> Lanes:
     """Return the roots between two places; without derivative.
 
-    Bisection keeps Newton's method within reach, and to the side of the root: where a
-    polynomial has none, something between the places is returned.
+    From where the straight line between both places crosses zero, by Newton's method,
+    or by halves where that would leave what is known to hold the root. Where there is
+    none, something between the places is returned.
 
     Args:
         c: (k, ...) coefficients.
@@ -44,14 +45,16 @@ def root(c: Lanes, low: Lanes, high: Lanes) -> Lanes:
         high: upper places.
     """
     c, low, high = (lax.stop_gradient(x) for x in (c, low, high))
-    side = jnp.sign(polynomial(c, high))
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        beyond = jnp.sign(polynomial(c, middle)) == side
-        low, high = jnp.where(beyond, low, middle), jnp.where(beyond, middle, high)
-    xi = 0.5 * (low + high)
+    at_low, at_high = polynomial(c, low), polynomial(c, high)
+    change = at_high - at_low
+    part = -at_low / jnp.where(change == 0.0, 1.0, change)
+    xi = low + jnp.clip(part, 0.0, 1.0) * (high - low)
     for _ in range(_NEWTONS):
-        xi = jnp.clip(xi - polynomial(c, xi) / _slope(c, xi), low, high)
+        value = polynomial(c, xi)
+        beyond = jnp.sign(value) == jnp.sign(at_high)
+        low, high = jnp.where(beyond, low, xi), jnp.where(beyond, xi, high)
+        xi = xi - value / _slope(c, xi)
+        xi = jnp.where((xi >= low) & (xi <= high), xi, 0.5 * (low + high))
     return xi
 
 
