@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from drakesep.analysis.batch_metrics import MetricsFold
 from drakesep.analysis.metrics import METRICS
-from drakesep.systems import batch_flight, runge_kutta
+from drakesep.systems import batch_flight
 from drakesep.systems.batch_checks import check_rows
 from drakesep.systems.batch_equations import BatchEquations, Lanes
 from drakesep.systems.batch_flight import BatchFlight, Landing
@@ -437,6 +437,7 @@ class _Plan:
     stroke_ends: Mapping[str, float]
     times: Array
     steps: int
+    evaluations: int
 
     @classmethod
     def of(
@@ -466,6 +467,7 @@ class _Plan:
             stroke_ends=ends,
             times=sample_times(flown, releases, ends),
             steps=int(landing.steps[row]),
+            evaluations=int(landing.evaluations[row]),
         )
 
     def run(self, signals: Array) -> Run:
@@ -480,7 +482,7 @@ class _Plan:
             releases=self.releases,
             stroke_ends=self.stroke_ends,
             steps=self.steps,
-            evaluations=self.steps * runge_kutta.STAGES,
+            evaluations=self.evaluations,
         )
 
 

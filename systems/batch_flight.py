@@ -3,8 +3,9 @@
 Each sample takes steps of DOP853 (see `runge_kutta`), controlled by its own error
 estimate and ended at its own kinks: releases, ends of strokes and rows of load tables
 at times that are known beforehand, and strokes, corners of profiles and hinge angles
-that are found within a step. What a sample does depends on its own numbers, not on
-those of its neighbours in the batch.
+that are found within a step. Where kinks of all samples are near, as ends of strokes
+are, DOPRI5 goes from one to the next with half the stages. What a sample does depends
+on its own numbers, not on those of its neighbours in the batch, but for round-off.
 
 Everything is differentiable in forward mode: steps end where events are, whose times
 carry their derivatives; only the choice of the number of steps carries none.
@@ -19,7 +20,7 @@ import numpy as np
 from jax import lax
 
 from drakesep.systems import batch_polynomials as polynomials
-from drakesep.systems import joint_laws, lobatto, motion_laws, runge_kutta
+from drakesep.systems import joint_laws, lobatto, motion_laws
 from drakesep.systems.batch_equations import (
     BatchEquations,
     Lanes,
@@ -30,6 +31,7 @@ from drakesep.systems.batch_equations import (
 from drakesep.systems.geometry import mated_orientation
 from drakesep.systems.motion_laws import BodyState
 from drakesep.systems.pushers import DisplacementSpring
+from drakesep.systems.runge_kutta import DOP853, DOPRI5, Method
 from drakesep.systems.vectors import TINY
 
 
@@ -42,13 +44,25 @@ _PHASE = 0.8
 """First guess of a step, rad of the fastest motion, at a tolerance of 1e-8."""
 _TURN = 0.4
 """Largest rotation in a step, rad: its nodes resolve rates and angles to 1e-9."""
-_WEIGHTS = np.concatenate(
-    [
-        np.zeros((1, runge_kutta.STAGES)),
-        runge_kutta.weights_at(lobatto.THETA[1:-1]),
-        runge_kutta.B[None],
-    ]
-)
+_SHORT = 0.05
+"""Part of the wanted step below which DOPRI5 is as exact, to round-off."""
+
+
+class _Weights(NamedTuple):
+    """What makes a step of the stages' derivatives: numbers, or their traces."""
+
+    method: Method
+    at_nodes: Lanes
+    """(8, 16) weights of the stages for the states at the nodes of `lobatto`."""
+
+    @classmethod
+    def of(cls, method: Method) -> "_Weights":
+        # At the ends exactly: nothing, and the step's own.
+        inner = method.weights_at(lobatto.THETA[1:-1])
+        return cls(method, np.vstack([0.0 * method.B, inner, method.B]))
+
+
+_LONG, _BRIEF = _Weights.of(DOP853), _Weights.of(DOPRI5)
 
 
 class Step(NamedTuple):
@@ -101,6 +115,7 @@ class _Flight(NamedTuple):
     """(n,) that the next would like to take, s."""
     status: Lanes
     steps: Lanes
+    evaluations: Lanes
     folded: Any
 
 
@@ -113,6 +128,8 @@ class Landing(NamedTuple):
     """(n,) at which they ended, s."""
     steps: Lanes
     """(n,) taken, the rejected among them."""
+    evaluations: Lanes
+    """(n,) of the equations."""
     released: Lanes
     """(a, n), s; infinite for attachments that hold."""
     stroke_ends: Lanes
@@ -182,6 +199,7 @@ class BatchFlight:
             step=jnp.full(n, jnp.nan),
             status=jnp.full(n, FLYING),
             steps=jnp.zeros(n, dtype=int),
+            evaluations=jnp.zeros(n, dtype=int),
             folded=fold.start(numbers),
         )
         flight = lax.while_loop(
@@ -193,6 +211,7 @@ class BatchFlight:
             flight.status,
             flight.t,
             flight.steps,
+            flight.evaluations,
             flight.mode.released,
             flight.stroke_ends,
             flight.folded,
@@ -212,19 +231,25 @@ class BatchFlight:
         pieces = jnp.maximum(jnp.ceil(_still(left / wanted) - 1e-9), 1.0)
         h = left / pieces
 
-        K = self._stages(flight, h, numbers)
-        error = self._error(K)
+        short = jnp.where(flying, h < _SHORT * wanted, True).all()
+        weights: _Weights = jax.tree.map(
+            lambda long, brief: jnp.where(short, brief, long), _LONG, _BRIEF
+        )
+        method = weights.method
+
+        K = self._stages(flight, h, method, numbers)
+        error = self._error(K, method)
         accepted = flying & (error <= 1.0)
         moved = jnp.where(accepted, h, 0.0)
         nodes, fraction, beyond, crossed = self._to_first_event(
-            flight, K, accepted, moved, numbers
+            flight, K, weights, accepted, moved, numbers
         )
         t_new = jnp.where(pieces > 1.0, t + h, end)
         t_new = jnp.where(fraction < 1.0, t + fraction * h, t_new)
         separating, separated = self._progress(mode)
         step = Step(t, fraction * moved, nodes, mode, separating, separated)
         factor = jnp.clip(
-            _SAFETY * (error + TINY) ** (-1.0 / runge_kutta.ORDER_OF_ERROR),
+            _SAFETY * (error + TINY) ** (-1.0 / method.order_of_error),
             _SHRINK,
             _GROW,
         )
@@ -237,6 +262,7 @@ class BatchFlight:
             beyond=beyond,
             step=jnp.where(flying, controlled, flight.step),
             steps=flight.steps + flying,
+            evaluations=flight.evaluations + jnp.where(flying, method.stages, 0),
             folded=fold.add(flight.folded, numbers, step),
         )
         flight = self._latch_crossed(flight, crossed)
@@ -359,48 +385,47 @@ class BatchFlight:
             K = K + jnp.where(held, gains[0] * moving + gains[2] * turning, 0.0)
             D = D + jnp.where(held, gains[1] * moving + gains[3] * turning, 0.0)
         frequency = jnp.maximum(frequency, jnp.maximum(jnp.sqrt(K + TINY), D))
-        scale = (self._tolerance / 1e-8) ** (1.0 / runge_kutta.ORDER_OF_ERROR)
+        scale = (self._tolerance / 1e-8) ** (1.0 / DOP853.order_of_error)
         return _still(_PHASE * scale / (frequency + 1e-3))
 
     # A step.
 
-    def _stages(self, flight: _Flight, h: Lanes, numbers: Numbers) -> Lanes:
+    def _stages(
+        self, flight: _Flight, h: Lanes, method: Method, numbers: Numbers
+    ) -> Lanes:
         """Return (16, 13, m, n) derivatives at the stages of a step."""
         x, t, mode = flight.x, flight.t, flight.mode
-        A = jnp.array(runge_kutta.A)
-        times = t + jnp.array(runge_kutta.C)[:, None] * h
+        times = t + method.C[:, None] * h
         timed = self._equations.at_times(times, numbers, mode)
 
         def stages(holding: bool) -> Callable[[None], Lanes]:
             def stage(i: int, K: Lanes) -> Lanes:
-                y = x + h * jnp.tensordot(A[i], K, 1)
+                y = x + h * jnp.tensordot(method.A[i], K, 1)
                 now = jax.tree.map(lambda lanes: lanes[i], timed)
                 k = self._equations.derivative(holding, now, y, numbers, mode)
                 return K.at[i].set(k)
 
-            K = jnp.zeros((runge_kutta.STAGES, *x.shape))
-            return lambda _: lax.fori_loop(0, runge_kutta.STAGES, stage, K)
+            K = jnp.zeros((len(method.A), *x.shape))
+            return lambda _: lax.fori_loop(0, method.stages, stage, K)
 
         if not self._equations.holds:
             return stages(False)(None)
         held = jnp.isinf(mode.released).any()
         return lax.cond(held, stages(True), stages(False), None)
 
-    def _error(self, K: Lanes) -> Lanes:
+    def _error(self, K: Lanes, method: Method) -> Lanes:
         """Return (n,) the error estimate of a step over its share of the tolerance."""
-        K = _still(K)
         share = self._tolerance / self._separation.duration
-        fifth, third = (
-            (jnp.tensordot(E, K, 1) ** 2).sum(axis=(0, 1)) / share**2
-            for E in (runge_kutta.E5, runge_kutta.E3)
-        )
+        errors = jnp.tensordot(method.errors, _still(K), 1) / share
+        square, tempering = (errors**2).sum(axis=(1, 2))
         states = K.shape[1] * K.shape[2]
-        return fifth / jnp.sqrt((fifth + 0.01 * third) * states + TINY)
+        return square / jnp.sqrt((square + 0.01 * tempering) * states + TINY)
 
     def _to_first_event(
         self,
         flight: _Flight,
         K: Lanes,
+        weights: _Weights,
         accepted: Lanes,
         moved: Lanes,
         numbers: Numbers,
@@ -411,7 +436,7 @@ class BatchFlight:
             (13, 8, m, n) states, (n,) the fraction of the step that was taken, (e, n)
             which events are now beyond their threshold, and (e, n) which happened.
         """
-        change = jnp.tensordot(_WEIGHTS, K, 1)
+        change = jnp.tensordot(weights.at_nodes, K, 1)
         nodes = flight.x + jnp.where(accepted, moved * change, 0.0)
         nodes = jnp.moveaxis(nodes, 0, 1)
         whole = jnp.ones_like(moved)
@@ -435,7 +460,7 @@ class BatchFlight:
             fraction = jnp.minimum(jnp.take_along_axis(at, first, 0)[0], 1.0)
             index = jnp.arange(len(at))[:, None]
             happened = (index == first) & (at < 1.0)
-            powers = jnp.tensordot(runge_kutta.POWERS, K, 1)
+            powers = jnp.tensordot(weights.method.powers, K, 1)
             theta = lobatto.THETA[:, None] * fraction
             total = jnp.zeros_like(change)
             for coefficient in powers[::-1]:
