@@ -176,10 +176,9 @@ def with_bodies(separation: Separation, count: int) -> Separation:
     payload = separation.body(separation.B)
     bodies, attachments = list(separation.bodies), list(separation.attachments)
     for i in range(count - 2):
+        place = (5.0 * (i + 1), 0.0, 0.0)
         bodies.append(
-            dataclasses.replace(
-                payload, name=f"more_{i}", p_ABo=(5.0 * (i + 1), 0.0, 0.0)
-            )
+            dataclasses.replace(payload, name=f"more_{i}", p_ABo=place, elements=())
         )
         a = separation.attachments[0]
         attachments.append(
