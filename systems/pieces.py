@@ -80,6 +80,14 @@ def farthest(node: Node, n_B: Array) -> Array:
     return p
 
 
+def reach(node: Node, n_B: Array) -> float:
+    """Return how far a node reaches along a direction, both in its body, m."""
+    if node.corners is None:
+        return float(n_B @ farthest(node, n_B))
+    along = node.corners @ n_B
+    return float(along[along.argmax()])
+
+
 def leaves_of(node: Node) -> list[Node]:
     """Return the pieces that a node holds; itself if it is one."""
     if not node.children:

@@ -14,7 +14,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from drakesep.systems.elements import Element, Mesh
 from drakesep.systems.least_distance import least_distance
 from drakesep.systems.mesh_files import encloses
-from drakesep.systems.pieces import Node, farthest, mesh_of, place_of, tree_of
+from drakesep.systems.pieces import Node, farthest, mesh_of, place_of, reach, tree_of
 from drakesep.systems.run import Array
 
 
@@ -26,6 +26,13 @@ _ROOM = 128
 """Geometries of a scene: one more takes Drake the longer, the more there are."""
 
 
+class _Points(NamedTuple):
+    """Nearest points of two nodes, each in its node's frame, m; as Drake names them."""
+
+    p_ACa: Array
+    p_BCb: Array
+
+
 class Told(NamedTuple):
     """What was measured between two nodes."""
 
@@ -35,10 +42,10 @@ class Told(NamedTuple):
     """What it is at least, m: that of a plane between them."""
     n_A: Array
     """Across the plane, from the first to the second."""
-    p_GCa: Array
-    p_GCb: Array
-    """Nearest points, each in its node's frame, m."""
-
+    points: Any
+    """`_Points`, or Drake's own: taken out where they are wanted, which is seldom."""
+    is_swapped: bool
+    """Whether the points' A is the second node."""
     is_sharp: bool
     """Whether the distance is certain, or as certain as it can be."""
 
@@ -93,16 +100,17 @@ class Proximity:
         tells more.
         """
         a, told = self._scene(pair).measure(pair, self._X_AB)
-        n_A: Array = -told.nhat_BA_W if told.id_A == a else told.nhat_BA_W
-        distance = float(told.distance)
-        points = told.p_ACa, told.p_BCb
-        if told.id_A != a:
-            points = points[1], points[0]
-        if distance <= TOUCHING or not np.isfinite(n_A).all():
-            return Told(distance, -np.inf, n_A, *points, is_sharp=True)
-        first, second = self._farthest(pair, n_A)
-        low = float(n_A @ (second - first))
-        return Told(distance, low, n_A, *points, is_sharp=distance - low <= _LOOSE)
+        is_swapped = told.id_A != a
+        n_A: Array = told.nhat_BA_W if is_swapped else -told.nhat_BA_W
+        distance: float = told.distance
+        # Between shapes that touch, the normal may be no number.
+        if distance <= TOUCHING or not n_A @ n_A > 0.0:
+            return Told(distance, -np.inf, n_A, told, is_swapped, is_sharp=True)
+        first, second = pair
+        to_second = float(n_A @ self._p_AoBo_A) - reach(second, -n_A @ self._R_AB)
+        low = to_second - reach(first, n_A)
+        is_sharp = distance - low <= _LOOSE
+        return Told(distance, low, n_A, told, is_swapped, is_sharp)
 
     def sharpen(self, pair: Pair, told: Told) -> Told:
         """Return how near two nodes are, as they are placed and certainly."""
@@ -113,8 +121,8 @@ class Proximity:
             found.distance,
             found.low,
             found.n,
-            a.X_BG.inverse() @ found.first,
-            b.X_BG.inverse() @ second_B,
+            _Points(a.X_BG.inverse() @ found.first, b.X_BG.inverse() @ second_B),
+            is_swapped=False,
             is_sharp=True,
         )
 
@@ -180,7 +188,10 @@ class _Scene:
 def nearest_of(pair: Pair, told: Told) -> Nearest:
     """Return what was told of two nodes, in the axes of their bodies."""
     a, b = pair
-    return Nearest(told.distance, a.X_BG @ told.p_GCa, b.X_BG @ told.p_GCb, told.n_A)
+    p_GCa, p_GCb = told.points.p_ACa, told.points.p_BCb
+    if told.is_swapped:
+        p_GCa, p_GCb = p_GCb, p_GCa
+    return Nearest(told.distance, a.X_BG @ p_GCa, b.X_BG @ p_GCb, told.n_A)
 
 
 def is_leaf(pair: Pair) -> bool:
