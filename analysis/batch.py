@@ -8,6 +8,7 @@ told in `drakesep.systems.batch_flight`.
 import functools
 import math
 import os
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -47,8 +48,11 @@ MAX_STEPS = 20_000
 _CHUNK = {"cpu": 128}
 """Rows that are flown together: on a CPU as many as its cache holds."""
 _CHUNK_OF_ACCELERATOR = 65_536
-_CALL = 8
-"""Chunks in a call of a program, at most: between calls threads wait for Python."""
+_CHUNKS, _LANES = 8, 1024
+"""In a call of a program, at most, but for one chunk: between calls threads wait for
+Python."""
+_CALL = 0.5
+"""Of a call that may be interrupted only at its end, at most, s."""
 _OPTIONS = {
     "cpu": {
         # As fast, and compiled in half the time.
@@ -81,7 +85,7 @@ class BatchResult:
 
 
 class _Flown(NamedTuple):
-    """What comes out of a compiled program, for a chunk."""
+    """What comes out of a compiled program, for some chunks."""
 
     metrics: Lanes
     """(n_m, n)."""
@@ -226,8 +230,9 @@ class Batch:
         rows = self._check_values(values)
         failures = check_rows(self.separation, self.names, rows)
         runs: list[Run] = []
-        for first in range(0, len(rows), _RUNS):
-            chunk = rows[first : first + _RUNS]
+        size = min(_RUNS, self._figures.lanes)
+        for first in range(0, len(rows), size):
+            chunk = rows[first : first + size]
             mine = {
                 i - first: why
                 for i, why in failures.items()
@@ -298,7 +303,8 @@ class Batch:
     ) -> Iterator[tuple[slice, _Flown]]:
         """Yield parts of the rows in order, of some chunks, with what came of them."""
         chunks = -(-len(rows) // program.chunk)
-        size = min(program.chunk * max(chunks // self._workers, 1), program.lanes)
+        most = min(chunks // self._workers, program.affordable)
+        size = program.chunk * max(most, 1)
         parts = [
             slice(start, min(start + size, len(rows)))
             for start in range(0, len(rows), size)
@@ -315,13 +321,13 @@ class Batch:
                 raise
 
     def _filled(self, rows: Array, count: int) -> Array:
-        """Return (n_p, count) lanes of fewer rows: every chunk has the same size."""
+        """Return (n_p, count) lanes of fewer rows: every call has the same size."""
         lanes = np.tile(self.nominal[:, None], count)
         lanes[:, : len(rows)] = rows.T
         return lanes
 
     def _why_not(self, flown: _Flown) -> dict[int, str]:
-        """Return why rows of a chunk failed."""
+        """Return why rows of a part failed."""
         landing = flown.landing
         finite = np.isfinite(flown.metrics).all(axis=0)
         if flown.slopes is not None:
@@ -537,13 +543,22 @@ class _Program:
             chunk: lanes that are flown together.
         """
         self.chunk = chunk
-        self.lanes = max(_CALL, -(-_RUNS // chunk)) * chunk
+        self.lanes = min(max(_LANES // chunk, 1), _CHUNKS) * chunk
+        self._seconds = _CALL  # of a chunk: first of all, slow ones are reckoned with
         self._fly = jax.jit(fly)  # it is looked at twice, and traced once
         self._program = compiled(self._fly_chunks)
 
+    @property
+    def affordable(self) -> int:
+        """Chunks in a call, by how long the last one took."""
+        return min(self.lanes // self.chunk, int(_CALL / self._seconds))
+
     def __call__(self, values: Array, count: int) -> _Flown:
         """Return what comes of the first lanes of values (n_p, lanes)."""
-        flown = _call(self._program, values, np.array(-(-count // self.chunk)))
+        chunks = -(-count // self.chunk)
+        begin = time.perf_counter()
+        flown = _call(self._program, values, np.array(chunks))
+        self._seconds = (time.perf_counter() - begin) / max(chunks, 1)
         trimmed: _Flown = jax.tree.map(lambda x: x[..., :count], flown)
         return trimmed
 

@@ -5,7 +5,8 @@ estimate and ended at its own kinks: releases, ends of strokes and rows of load 
 at times that are known beforehand, and strokes, corners of profiles and hinge angles
 that are found within a step. Where kinks of all samples are near, as ends of strokes
 are, DOPRI5 goes from one to the next with half the stages. What a sample does depends
-on its own numbers, not on those of its neighbours in the batch, but for round-off.
+on its own numbers; on those of its neighbours in the batch by less than a hundredth
+of its tolerance, as they choose between the two.
 
 Everything is differentiable in forward mode: steps end where events are, whose times
 carry their derivatives; only the choice of the number of steps carries none.
@@ -44,8 +45,8 @@ _PHASE = 0.8
 """First guess of a step, rad of the fastest motion, at a tolerance of 1e-8."""
 _TURN = 0.4
 """Largest rotation in a step, rad: its nodes resolve rates and angles to 1e-9."""
-_SHORT = 0.05
-"""Part of the wanted step below which DOPRI5 is as exact, to round-off."""
+_SHORT = 0.02
+"""Part of the wanted step below which DOPRI5 is as exact."""
 
 
 class _Weights(NamedTuple):
@@ -129,7 +130,7 @@ class Landing(NamedTuple):
     steps: Lanes
     """(n,) taken, the rejected among them."""
     evaluations: Lanes
-    """(n,) of the equations."""
+    """(n,) of the equations; those of a short step depend on the neighbours."""
     released: Lanes
     """(a, n), s; infinite for attachments that hold."""
     stroke_ends: Lanes

@@ -10,7 +10,7 @@ from drakesep.systems import lobatto
 from drakesep.systems.batch_equations import Lanes
 
 
-_BISECTIONS, _NEWTONS = 2, 3
+_NEWTONS = 3
 
 
 def polynomial(c: Lanes, xi: Lanes) -> Lanes:
@@ -32,20 +32,29 @@ def derivative(c: Lanes) -> Lanes:
     return c[1:] * powers.reshape(-1, *[1] * (c.ndim - 1))
 
 
-def root(c: Lanes, low: Lanes, high: Lanes) -> Lanes:
+def root(c: Lanes, low: Lanes, high: Lanes, *, bisections: int = 5) -> Lanes:
     """Return the roots between two places; without derivative.
 
-    From where the straight line between both places crosses zero, by Newton's method,
-    or by halves where that would leave what is known to hold the root. Where there is
-    none, something between the places is returned.
+    Halves come first: where a polynomial only just crosses zero, Newton's method alone
+    creeps. Then it goes on from the chord, or by halves where it would leave what is
+    known to hold the root. Where there is none, something between the places is
+    returned.
 
     Args:
         c: (k, ...) coefficients.
         low: lower places.
         high: upper places.
+        bisections: how often to halve at first.
     """
     c, low, high = (lax.stop_gradient(x) for x in (c, low, high))
     at_low, at_high = polynomial(c, low), polynomial(c, high)
+    for _ in range(bisections):
+        middle = 0.5 * (low + high)
+        value = polynomial(c, middle)
+        beyond = jnp.sign(value) == jnp.sign(at_high)
+        low, at_low = jnp.where(beyond, low, middle), jnp.where(beyond, at_low, value)
+        high = jnp.where(beyond, middle, high)
+        at_high = jnp.where(beyond, value, at_high)
     change = at_high - at_low
     part = -at_low / jnp.where(change == 0.0, 1.0, change)
     xi = low + jnp.clip(part, 0.0, 1.0) * (high - low)
@@ -99,7 +108,9 @@ def pieces(values: Lanes) -> Pieces:
     low, high = lobatto.XI[:-1, None, None], lobatto.XI[1:, None, None]
 
     def with_turns(_: None) -> tuple[Lanes, Lanes]:
-        xi = jnp.where(turns, root(derivative(c)[:, None], low, high), low)
+        # A slope that only just crosses zero leaves the value as it is.
+        turning = root(derivative(c)[:, None], low, high, bisections=0)
+        xi = jnp.where(turns, turning, low)
         return xi, polynomial(c[:, None], xi)
 
     def without(_: None) -> tuple[Lanes, Lanes]:

@@ -84,8 +84,7 @@ def reach(node: Node, n_B: Array) -> float:
     """Return how far a node reaches along a direction, both in its body, m."""
     if node.corners is None:
         return float(n_B @ farthest(node, n_B))
-    along = node.corners @ n_B
-    return float(along[along.argmax()])
+    return float((node.corners @ n_B).max())
 
 
 def leaves_of(node: Node) -> list[Node]:

@@ -4,6 +4,7 @@ Between the convex pieces of `drakesep.systems.pieces`, whose trees of boxes tel
 come near.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -104,7 +105,7 @@ class Proximity:
         n_A: Array = told.nhat_BA_W if is_swapped else -told.nhat_BA_W
         distance: float = told.distance
         # Between shapes that touch, the normal may be no number.
-        if distance <= TOUCHING or not n_A @ n_A > 0.0:
+        if distance <= TOUCHING or not math.isfinite(n_A @ n_A):
             return Told(distance, -np.inf, n_A, told, is_swapped, is_sharp=True)
         first, second = pair
         to_second = float(n_A @ self._p_AoBo_A) - reach(second, -n_A @ self._R_AB)

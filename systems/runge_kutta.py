@@ -54,22 +54,22 @@ def _padded(weights: Array, *shape: int) -> Array:
 
 def _dop853() -> Method:
     method = scipy.integrate.DOP853
-    own, stages = 12, 16  # the 13th is at the end of the step
-    A = _padded(method.A, stages)
+    own = 12  # the 13th is at the end of the step
+    A = _padded(method.A, MOST_STAGES)
     A[own] = _padded(method.B)
-    A[own + 1 :] = _padded(method.A_EXTRA, stages - own - 1)
-    first, last = np.eye(stages)[0], np.eye(stages)[own]
+    A[own + 1 :] = _padded(method.A_EXTRA, MOST_STAGES - own - 1)
+    first, last = np.eye(MOST_STAGES)[0], np.eye(MOST_STAGES)[own]
     B = _padded(method.B)
     # The continuous extension, II.6.30, factor by factor.
     rows = [B, first - B, 2.0 * B - (first + last), *_padded(method.D, 4)]
     theta = Polynomial([0.0, 1.0])
     basis = Polynomial([1.0])
-    powers = np.zeros((8, stages))
+    powers = np.zeros((8, MOST_STAGES))
     for i, row in enumerate(rows):
         basis = basis * (theta if i % 2 == 0 else 1.0 - theta)
         powers[: len(basis.coef)] += np.outer(basis.coef, row)
     return Method(
-        stages=stages,
+        stages=MOST_STAGES,
         order_of_error=7,
         A=A,
         B=B,

@@ -49,3 +49,26 @@ def test_pieces_have_the_extremes_of_sines(phase):
     expected = np.where(top, 1.0, np.maximum(values[0], values[-1]))
     # the polynomial's own error, as above
     assert found.max(axis=0) == pytest.approx(expected, abs=phase**8 / 1e7 + 1e-14)
+
+
+@pytest.mark.parametrize("excess", [1e-1, 1e-2, 1e-3, 1e-4])
+def test_place_where_a_peak_only_just_passes_a_level(excess):
+    """With its derivative: what deviations, strokes and hinge angles are found by."""
+    phase = 0.4
+    start = np.linspace(0.5 * np.pi - 0.9 * phase, 0.5 * np.pi - 0.1 * phase, 9)
+    values = np.sin(start + phase * lobatto.THETA[:, None])[:, None, :]
+    rise = 1.0 - np.sin(start)
+    level = 1.0 - excess * rise
+
+    def place(level):
+        some = polynomials.pieces(values)
+        return polynomials.first_place(some, some.values > level, level[None])[0]
+
+    with jax.enable_x64(True):
+        theta, slope = jax.jvp(place, (level,), (np.ones_like(level),))
+    passed = np.arcsin(level)
+    # Newton's last step leaves the square of an error, over that of a peak's width.
+    assert np.array(theta) == pytest.approx((passed - start) / phase, abs=1e-7)
+    # near the peak the derivative doubles within a thousandth of the step
+    expected = 1.0 / (phase * np.cos(passed))
+    assert np.array(slope) == pytest.approx(expected, rel=1e-3)
