@@ -25,6 +25,8 @@ from drakesep.systems.run import Array, Run
 
 CLEARANCE = "clearance"
 """The figure: how near the nearest elements come, m; of some runs only."""
+LOWEST = f"lowest_{CLEARANCE}"
+"""The objective."""
 _MOMENTS = 25
 """At which all pairs are looked at, for which of them may come nearest."""
 
@@ -46,7 +48,7 @@ class LowestClearance(Objective):
         *,
         touching: Sequence[Sequence[str]] = (),
         until_separation: float | None = None,
-        name: str = "lowest_clearance",
+        name: str = LOWEST,
     ):
         """Prepare.
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from drakesep.analysis.lowest_clearance import LowestClearance
+from drakesep.analysis.lowest_clearance import LOWEST, LowestClearance
 from drakesep.analysis.objectives import (
     OBJECTIVES,
     AnyObjective,
@@ -34,7 +34,7 @@ def choose_objectives(
         clearance = case.lowest_clearance()
         known.setdefault(clearance.name, clearance)
     listed = [wanted] if isinstance(wanted, str) or callable(wanted) else wanted
-    if "lowest_clearance" in listed and not case.has_clearance:
+    if LOWEST in listed and not case.has_clearance:
         raise InputError(
             "lowest_clearance: needs geometry on two bodies that does not touch while "
             "mated, got none"

@@ -170,7 +170,8 @@ def animate(
         typer.Option(
             "--run",
             help="Label of a run of that table; can be repeated; all worst cases of "
-            "the paper's objectives if not given, or all if there are none of these.",
+            "the paper's objectives and of the clearance if not given, or all if there "
+            "are none of these.",
         ),
     ] = None,
 ) -> None:

@@ -12,6 +12,7 @@ from drakesep.analysis.ascent import Iteration
 from drakesep.analysis.clearance_of_pair import Clearance
 from drakesep.analysis.dispersions import Box
 from drakesep.analysis.growth import Growth
+from drakesep.analysis.lowest_clearance import LOWEST
 from drakesep.analysis.metrics import ANGLES, AXES
 from drakesep.analysis.objectives import OBJECTIVES, Objective
 from drakesep.analysis.requirements import Finding, Requirement
@@ -160,8 +161,8 @@ def read_runs(
 
     Args:
         file: the table.
-        labels: of the runs; if None the worst cases of the paper's objectives, or all
-            worst cases if there are none of these.
+        labels: of the runs; if None the worst cases of the paper's objectives and of
+            the clearance, or all worst cases if there are none of these.
 
     Raises:
         ValueError: it is no such table, or has no such run.
@@ -174,8 +175,8 @@ def read_runs(
         raise InputError(f"{file}: must be a table of runs with a column label")
     known = frame["label"].astype(str).tolist()
     worst = [label for label in known if label.startswith("worst_")]
-    of_paper = [label for label in worst if label.removeprefix("worst_") in OBJECTIVES]
-    wanted = labels or of_paper or worst
+    shown = [f"worst_{name}" for name in (*OBJECTIVES, LOWEST)]
+    wanted = labels or [label for label in worst if label in shown] or worst
     for label in wanted:
         if label not in known:
             raise InputError(f"{file}: {unknown('run', label, known)}")

@@ -79,7 +79,8 @@ def test_command(capsys, monkeypatch, tmp_path, vega_verification):
 
 def test_runs_of_a_table(vega_verification, tmp_path):
     table = vega_verification.folder / "worst_cases.csv"
-    assert set(read_runs(table)) == {f"worst_{k}" for k in ("L1", "L2", "Linf", "PM")}
+    shown = ("L1", "L2", "Linf", "PM", "lowest_clearance")
+    assert set(read_runs(table)) == {f"worst_{name}" for name in shown}
     with pytest.raises(InputError, match="unknown run 'worst_L3'; did you mean"):
         read_runs(table, ["worst_L3"])
     (tmp_path / "other.csv").write_text("a,b\n1,2\n")
