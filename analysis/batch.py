@@ -8,21 +8,24 @@ told in `drakesep.systems.batch_flight`.
 import functools
 import math
 import os
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pandas as pd
-from jax import lax
 from numpy.typing import ArrayLike, NDArray
 
 from drakesep.analysis.batch_metrics import MetricsFold
+from drakesep.analysis.batch_program import (
+    Program,
+    call,
+    compiler_options,
+    keep_programs,
+)
 from drakesep.analysis.metrics import METRICS
 from drakesep.systems import batch_flight
 from drakesep.systems.batch_checks import check_rows
@@ -48,20 +51,6 @@ MAX_STEPS = 20_000
 _CHUNK = {"cpu": 128}
 """Rows that are flown together: on a CPU as many as its cache holds."""
 _CHUNK_OF_ACCELERATOR = 65_536
-_CHUNKS, _LANES = 8, 1024
-"""In a call of a program, at most, but for one chunk: between calls threads wait for
-Python."""
-_CALL = 0.5
-"""Of a call that may be interrupted only at its end, at most, s."""
-_OPTIONS = {
-    "cpu": {
-        # As fast, and compiled in half the time.
-        "xla_cpu_use_fusion_emitters": False,
-        "xla_backend_optimization_level": 1,
-        "xla_cpu_prefer_vector_width": 512,
-    }
-}
-"""For the compiler, as far as it knows them: they change speed alone."""
 _RUNS = 16
 """Rows whose motion is sampled together."""
 _TIMES = 256
@@ -147,7 +136,7 @@ class Batch:
         _check_released(separation)
         _check_free(separation)
         check_positive("tolerance", tolerance)
-        _keep_programs()
+        keep_programs()
         platform = jax.default_backend()
         chunk = _CHUNK.get(platform, _CHUNK_OF_ACCELERATOR) if chunk is None else chunk
         if workers is None:
@@ -174,11 +163,13 @@ class Batch:
         timed = any(name.endswith((".release_time", ".start")) for name in names)
         self._flight_of_slopes = flight(one_by_one=timed)
         self._fold = MetricsFold(self._equations, deviation_limits)
-        compiled = functools.partial(jax.jit, compiler_options=_options(platform))
+        compiled = functools.partial(
+            jax.jit, compiler_options=compiler_options(platform)
+        )
         # Lanes of slopes carry twice as much, and a row has n_p.
         few = -(-chunk // (2 * len(names)))
-        self._figures = _Program(compiled, self._fly_figures, chunk)
-        self._figures_and_slopes = _Program(compiled, self._fly_slopes, few)
+        self._figures = Program(compiled, self._fly_figures, chunk)
+        self._figures_and_slopes = Program(compiled, self._fly_slopes, few)
         self._motion = compiled(self._fly_motion)
 
     def run(
@@ -263,7 +254,7 @@ class Batch:
 
     def _run(
         self,
-        program: "_Program",
+        program: Program,
         values: Values,
         on_progress: Progress | None,
     ) -> BatchResult:
@@ -299,7 +290,7 @@ class Batch:
         )
 
     def _fly_parts(
-        self, program: "_Program", rows: Array
+        self, program: Program, rows: Array
     ) -> Iterator[tuple[slice, _Flown]]:
         """Yield parts of the rows in order, of some chunks, with what came of them."""
         chunks = -(-len(rows) // program.chunk)
@@ -311,7 +302,9 @@ class Batch:
         ]
 
         def fly(part: slice) -> _Flown:
-            return program(self._filled(rows[part], program.lanes), len(rows[part]))
+            lanes = self._filled(rows[part], program.lanes)
+            flown: _Flown = program(lanes, len(rows[part]))
+            return flown
 
         with ThreadPoolExecutor(self._workers) as pool:
             try:
@@ -429,7 +422,7 @@ class Batch:
         times = np.full((-(-longest // _TIMES) * _TIMES, _RUNS), np.inf)
         for plan in plans:
             times[: len(plan.times), plan.row] = plan.times
-        signals: Array = np.asarray(_call(self._motion, lanes, times))
+        signals: Array = np.asarray(call(self._motion, lanes, times))
         return signals
 
 
@@ -526,88 +519,6 @@ def _check_free(separation: Separation) -> None:
         )
 
 
-class _Program:
-    """Flies lanes, chunk after chunk, in a single call."""
-
-    def __init__(
-        self,
-        compiled: Callable[[Callable[..., Any]], Callable[..., Any]],
-        fly: Callable[[Lanes], _Flown],
-        chunk: int,
-    ):
-        """Prepare.
-
-        Args:
-            compiled: makes programs of functions.
-            fly: flies the lanes (n_p, chunk) of one chunk.
-            chunk: lanes that are flown together.
-        """
-        self.chunk = chunk
-        self.lanes = min(max(_LANES // chunk, 1), _CHUNKS) * chunk
-        self._seconds = _CALL  # of a chunk: first of all, slow ones are reckoned with
-        self._fly = jax.jit(fly)  # it is looked at twice, and traced once
-        self._program = compiled(self._fly_chunks)
-
-    @property
-    def affordable(self) -> int:
-        """Chunks in a call, by how long the last one took."""
-        return min(self.lanes // self.chunk, int(_CALL / self._seconds))
-
-    def __call__(self, values: Array, count: int) -> _Flown:
-        """Return what comes of the first lanes of values (n_p, lanes)."""
-        chunks = -(-count // self.chunk)
-        begin = time.perf_counter()
-        flown = _call(self._program, values, np.array(chunks))
-        self._seconds = (time.perf_counter() - begin) / max(chunks, 1)
-        trimmed: _Flown = jax.tree.map(lambda x: x[..., :count], flown)
-        return trimmed
-
-    def _fly_chunks(self, values: Lanes, chunks: Lanes) -> Any:
-        def chunk(i: int) -> Lanes:
-            return lax.dynamic_slice_in_dim(values, i * self.chunk, self.chunk, -1)
-
-        def fly(i: int, flown: _Flown) -> Any:
-            def put(x: Lanes, mine: Lanes) -> Lanes:
-                return lax.dynamic_update_slice_in_dim(x, mine, i * self.chunk, -1)
-
-            return jax.tree.map(put, flown, self._fly(chunk(i)))
-
-        def nothing(x: Any) -> Lanes:
-            return jnp.zeros((*x.shape[:-1], self.lanes), x.dtype)
-
-        shapes = jax.eval_shape(self._fly, chunk(0))
-        return lax.fori_loop(0, chunks, fly, jax.tree.map(nothing, shapes))
-
-
-def _call(program: Callable[..., Any], *arrays: Array) -> Any:
-    """Call a program in double precision, whatever the caller's JAX is set to."""
-    with jax.enable_x64(True):
-        return jax.tree.map(np.asarray, program(*map(jnp.asarray, arrays)))
-
-
 def _of_row(landing: Landing, row: int) -> Landing:
     mine: Landing = jax.tree.map(lambda x: x[..., row], landing)
     return mine
-
-
-@functools.cache
-def _options(platform: str) -> dict[str, Any]:
-    """Return the compiler's options, without those that its version has not got."""
-
-    def known(option: tuple[str, Any]) -> bool:
-        trivial = jax.jit(lambda x: x, compiler_options=dict([option]))
-        try:
-            trivial.lower(0.0).compile()
-        except jax.errors.JaxRuntimeError:
-            return False
-        return True
-
-    return dict(filter(known, _OPTIONS.get(platform, {}).items()))
-
-
-def _keep_programs() -> None:
-    """Let JAX keep compiled programs on disk, unless its user has said where."""
-    if jax.config.values["jax_compilation_cache_dir"] is None:
-        home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-        folder = Path(home) / "drakesep" / "jax"
-        jax.config.update("jax_compilation_cache_dir", str(folder))  # type: ignore[no-untyped-call]
