@@ -1,15 +1,13 @@
 """Many runs of one separation, over worker processes."""
 
-import contextlib
 import os
-import signal
-import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import TracebackType
 from typing import Self
 
 from loky import ProcessPoolExecutor
 
+from drakesep.analysis.interrupts import interrupts_ignored
 from drakesep.systems.checks import InputError
 from drakesep.systems.model import Separation
 from drakesep.systems.run import Run
@@ -52,7 +50,7 @@ class Fleet:
                 initializer=_prepare,
                 initargs=(separation, integration),
             )
-            with _interrupts_ignored():  # by the workers, which inherit it
+            with interrupts_ignored():  # by the workers, which inherit it
                 for _ in range(workers):
                     self._pool.submit(_nothing)
 
@@ -97,19 +95,6 @@ class Fleet:
     ) -> None:
         if self._pool is not None:
             self._pool.shutdown(wait=True, kill_workers=error is not None)
-
-
-@contextlib.contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    # Only the main thread may set handlers, and only it is interrupted.
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, handler)
 
 
 _simulation: Simulation | None = None

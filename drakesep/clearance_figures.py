@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,6 +11,7 @@ from matplotlib.path import Path as Outline
 
 from drakesep.analysis.clearance_of_pair import Clearance
 from drakesep.figures import COLOURS, DASHES, LIMIT
+from drakesep.pictures import Approach
 from drakesep.systems.element_pairs import Names
 from drakesep.systems.elements import Element
 from drakesep.systems.pieces import Node, farthest, leaves_of, tree_of
@@ -73,17 +73,6 @@ def clearance_figure(
 
 def _positive(distances: Array) -> Array:
     return distances[distances > 0.0] if (distances > 0.0).any() else np.ones(1)
-
-
-class Approach(NamedTuple):
-    """How near the nearest pair of a run is while B moves away."""
-
-    label: str
-    pair: str
-    separation: Array
-    """(n,) how far B has moved along A's x axis, m."""
-    distance: Array
-    """(n,) m."""
 
 
 def save_approaches(

@@ -1,7 +1,7 @@
 """The worst cases against the requirements, and the room that tolerances leave."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pandas as pd
@@ -17,6 +17,7 @@ from drakesep.analysis.search import (
 )
 from drakesep.analysis.worst_case import WorstCase
 from drakesep.flights import NOMINAL
+from drakesep.pictures import Pictures
 from drakesep.worst_cases import WorstCases
 
 
@@ -94,12 +95,12 @@ class Verification(WorstCases):
         self.growths = [(r, g) for (r, i), g in least.items() if i is None]
         self.single_growths = [(r, g) for (r, i), g in least.items() if i is not None]
 
-    def save_runs(self, directory: str | Path) -> None:
-        """Write the figures and motions into a folder."""
-        super().save_runs(directory)
-        folder = Path(directory)
-        for label, motion in self.motions.items():
-            tables.write_csv(motion, folder / f"motion_{label}.csv")
+    @property
+    def pictures(self) -> Pictures:
+        """What shows the runs, and their motions."""
+        flown = {f.label: f.run.motion for f in self.flights}
+        motions = {label: motion for label, motion in flown.items() if motion}
+        return replace(super().pictures, motions=motions)
 
 
 def _limits(case: WorstCase, value: float, n: int) -> list[Limit]:

@@ -1,8 +1,9 @@
 """The study of the worst cases: fly the references, search, confirm, write down."""
 
+import contextlib
 import functools
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, wait
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
@@ -26,10 +27,11 @@ from drakesep.analysis.search import (
 from drakesep.analysis.search import OnProgress as Tell
 from drakesep.analysis.searches import check_search
 from drakesep.analysis.worst_case import WorstCase, find_worst_cases
+from drakesep.beside import beside
 from drakesep.case import Case
 from drakesep.case_objectives import the_clearance
 from drakesep.confirmation import confirm
-from drakesep.flights import NOMINAL, as_flight
+from drakesep.flights import NOMINAL, Flight, as_flight
 from drakesep.systems.checks import InputError
 from drakesep.systems.run import Run
 from drakesep.systems.simulation import Simulation
@@ -101,23 +103,27 @@ def search(
         Batch(case.separation, case.box.names)  # refuses what it does not know, at once
     study.objectives = tuple(objectives)
     study.clearance = study.clearance or the_clearance(objectives)
-    nominal = Simulation(case.separation, case.integration).run({})
-    if nominal.motion is None:
-        raise RuntimeError(f"the nominal run failed: {nominal.message}")
-    light = nominal.steps <= _LIGHT
-    batch = None
-    if objectives and not alone:
-        # First of all: its programs are compiled beside what comes next.
-        batch = _batch(case, objectives, derivatives=light)
-        workers = 1 if light and workers is None else workers
-    study.flights.append(as_flight(NOMINAL, nominal, case, study.clearance))
+    measures_or_draws = study.clearance is not None or output is not None
 
     def tell(progress: SearchProgress) -> None:
         if on_progress is not None:
             on_progress(Progress(objectives=study.objectives, search=progress))
 
-    with Fleet(case.separation, case.integration, workers=workers) as fleet:
-        _fly_published(study, fleet)
+    with contextlib.ExitStack() as stack:
+        aside = stack.enter_context(beside(workers if measures_or_draws else 1))
+        nominal = Simulation(case.separation, case.integration).run({})
+        if nominal.motion is None:
+            raise RuntimeError(f"the nominal run failed: {nominal.message}")
+        light = nominal.steps <= _LIGHT
+        batch = None
+        if objectives and not alone:
+            # First of all: its programs are compiled beside what comes next.
+            batch = _batch(case, objectives, derivatives=light)
+            workers = 1 if light and workers is None else workers
+        fleet = stack.enter_context(
+            Fleet(case.separation, case.integration, workers=workers)
+        )
+        _fly_references(study, nominal, fleet, aside)
         _write_down(study, output)
         more: Callable[[], None] = _nothing
         if objectives:
@@ -135,7 +141,7 @@ def search(
             study.worst = worst
             _write_down(study, output)
             more = functools.partial(afterwards, problem, settings, tell)
-        _save_runs_beside(study, output, more)
+        _draw_beside(study, output, aside, more)
 
 
 def _is_alone(searches: Sequence[str] | None) -> bool:
@@ -164,17 +170,18 @@ def _write_down(study: WorstCases, output: Path | None) -> None:
         study.save_tables(output)
 
 
-def _save_runs_beside(
-    study: WorstCases, output: Path | None, more: Callable[[], None]
+def _draw_beside(
+    study: WorstCases, output: Path | None, aside: Executor, more: Callable[[], None]
 ) -> None:
     """Draw the runs while more is found, which changes nothing about them."""
-    with ThreadPoolExecutor(1) as beside:
-        if output is not None:
-            saved = beside.submit(study.save_runs, output)
+    drawn = [] if output is None else [aside.submit(study.pictures.save, output)]
+    try:
         more()
+    finally:
+        wait(drawn)
     _write_down(study, output)  # whatever becomes of the pictures
-    if output is not None:
-        saved.result()
+    for picture in drawn:
+        picture.result()
 
 
 def _affordable(
@@ -230,14 +237,28 @@ def _find(
     )
 
 
-def _fly_published(study: WorstCases, fleet: Fleet) -> None:
+def _fly_references(
+    study: WorstCases, nominal: Run, fleet: Fleet, aside: Executor
+) -> None:
+    """Fly the published runs, and tell of them and of the nominal one."""
     case = study.case
-    variations = [case.published_values(published) for published in case.published]
-    for published, run in zip(case.published, fleet.fly(variations), strict=True):
-        flight = as_flight(
-            published.label, run, case, study.clearance, published=published
+    runs = fleet.fly([case.published_values(published) for published in case.published])
+    labels = [NOMINAL, *(published.label for published in case.published)]
+    untold = [
+        functools.partial(as_flight, label, run, case, study.clearance, published=its)
+        for label, run, its in zip(
+            labels, [nominal, *runs], [None, *case.published], strict=True
         )
-        study.flights.append(flight)
+    ]
+    if study.clearance is None:
+        study.flights += _told(untold)
+    else:
+        # Together: elements are cut into pieces once.
+        study.flights += aside.submit(_told, untold).result()
+
+
+def _told(untold: Sequence[Callable[[], Flight]]) -> list[Flight]:
+    return [tell() for tell in untold]
 
 
 def _drake(case: Case, objectives: Sequence[Objective], fleet: Fleet) -> RunEvaluator:

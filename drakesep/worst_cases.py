@@ -3,7 +3,6 @@
 import functools
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -17,10 +16,7 @@ from drakesep.analysis.worst_case import WorstCase
 from drakesep.case import Case
 from drakesep.flights import Flight
 from drakesep.folder import writable_folder
-
-
-if TYPE_CHECKING:
-    from drakesep.clearance_figures import Approach
+from drakesep.pictures import Approach, Pictures
 
 
 @dataclass(kw_only=True)
@@ -153,27 +149,23 @@ class WorstCases:
     def save(self, directory: str | Path) -> None:
         """Write the tables, and what shows the runs, into a folder."""
         self.save_tables(directory)
-        self.save_runs(directory)
+        self.pictures.save(Path(directory))
 
-    def save_runs(self, directory: str | Path) -> None:
-        """Write the figures into a folder."""
-        from drakesep import clearance_figures, figures  # half a second, when drawn
-
-        folder = Path(directory)
-        shown = [f for f in self.flights if f.run.motion is not None and _shown(f)]
-        figures.save_figures(shown, self.case.limits, folder)
-        if self.worst:
-            figures.save_tornado(self._nearest_sensitivities, folder)
-        if self._approaches:
-            limits = [r.limit for r in self.case.limits if r.metric == CLEARANCE]
-            limit = limits[0] if limits else None
-            clearance_figures.save_approaches(self._approaches, limit, folder)
+    @property
+    def pictures(self) -> Pictures:
+        """What shows the runs."""
+        clearances = [r.limit for r in self.case.limits if r.metric == CLEARANCE]
+        return Pictures(
+            flights=[f for f in self.flights if f.run.motion is not None and _shown(f)],
+            limits=self.case.limits,
+            sensitivities=self._nearest_sensitivities if self.worst else None,
+            approaches=self._approaches,
+            clearance_limit=clearances[0] if clearances else None,
+        )
 
     @functools.cached_property
-    def _approaches(self) -> "list[Approach]":
+    def _approaches(self) -> list[Approach]:
         """Of the nominal run and of the worst clearance, if it was looked for."""
-        from drakesep.clearance_figures import Approach
-
         if self.clearance is None:
             return []
         approaches = []
