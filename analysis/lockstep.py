@@ -1,15 +1,16 @@
 """Many sequential searches side by side, whose questions are answered all at once.
 
 A search such as scipy's SLSQP asks for one point after another; a batch engine answers
-hundreds for the price of one. Each search runs in a thread of its own and waits for its
-answer; when all have asked, their questions are answered together, in their order. What
-is answered with what does not depend on timing, nor does any result.
+hundreds for the price of one. Each search runs in a thread of its own, one after the
+other, until it asks; when all have asked, their questions are answered together, in
+their order. What is answered with what does not depend on timing, nor does any
+result.
 """
 
 import queue
 import threading
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 
 Question = TypeVar("Question")
@@ -42,63 +43,72 @@ def side_by_side(
     return results
 
 
-class _Asked(NamedTuple):
-    question: Any
-
-
-class _Ended(NamedTuple):
-    result: Any
-    error: BaseException | None
-
-
 class _Abandoned(Exception):
     """Raised in a search whose question will not be answered."""
-
-
-def _seat(heard: tuple[int, Any]) -> int:
-    return heard[0]
 
 
 def _run(
     tasks: Sequence[Task[Any, Any, Result]], answer: Callable[[list[Any]], list[Any]]
 ) -> list[Result]:
-    said: queue.SimpleQueue[tuple[int, _Asked | _Ended]] = queue.SimpleQueue()
-    answers: list[queue.SimpleQueue[Any]] = [queue.SimpleQueue() for _ in tasks]
-
-    def work(i: int) -> None:
-        def ask(question: Any) -> Any:
-            said.put((i, _Asked(question)))
-            reply = answers[i].get()
-            if isinstance(reply, _Abandoned):
-                raise reply
-            return reply
-
-        try:
-            said.put((i, _Ended(tasks[i](ask), None)))
-        except BaseException as error:
-            said.put((i, _Ended(None, error)))
-
-    for i in range(len(tasks)):
-        threading.Thread(target=work, args=(i,), daemon=True).start()
-    results: dict[int, Result] = {}
-    waiting: dict[int, Any] = {}
+    searches = [_Search(task) for task in tasks]
     try:
-        while len(results) < len(tasks):
-            busy = len(tasks) - len(results) - len(waiting)
-            for i, what in sorted((said.get() for _ in range(busy)), key=_seat):
-                if isinstance(what, _Asked):
-                    waiting[i] = what.question
-                elif what.error is not None:
-                    raise what.error
-                else:
-                    results[i] = what.result
-            asking = sorted(waiting)
-            replies = answer([waiting[i] for i in asking]) if asking else []
-            for i, reply in zip(asking, replies, strict=True):
-                if reply is not None:
+        waiting = {i: search for i, search in enumerate(searches) if search.go_on()}
+        while waiting:
+            questions = [search.question for search in waiting.values()]
+            for i, reply in zip([*waiting], answer(questions), strict=True):
+                if reply is not None and not waiting[i].go_on(reply):
                     del waiting[i]
-                    answers[i].put(reply)
     finally:
-        for mailbox in answers:
-            mailbox.put(_Abandoned())
-    return [results[i] for i in range(len(tasks))]
+        for search in searches:
+            search.abandon()
+    return [search.result for search in searches]
+
+
+class _Search:
+    """A task in a thread of its own, which runs only while its caller waits for it.
+
+    One at a time: threads that all want to run hold each other up.
+    """
+
+    def __init__(self, task: Task[Any, Any, Any]):
+        self.question: Any = None
+        self.result: Any = None
+        self._error: BaseException | None = None
+        self._task = task
+        self._replies: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._rests: queue.SimpleQueue[bool] = queue.SimpleQueue()
+        self._thread = threading.Thread(target=self._work, daemon=True)
+
+    def go_on(self, reply: Any = None) -> bool:
+        """Let it go on to its next question, or to its end; return whether it asks.
+
+        Args:
+            reply: to its last question.
+        """
+        if self._thread.ident is None:
+            self._thread.start()
+        else:
+            self._replies.put(reply)
+        asks = self._rests.get()
+        if self._error is not None:
+            raise self._error
+        return asks
+
+    def abandon(self) -> None:
+        """End it, if it waits for an answer."""
+        self._replies.put(_Abandoned())
+
+    def _work(self) -> None:
+        try:
+            self.result = self._task(self._ask)
+        except BaseException as error:
+            self._error = error
+        self._rests.put(False)
+
+    def _ask(self, question: Any) -> Any:
+        self.question = question
+        self._rests.put(True)
+        reply = self._replies.get()
+        if isinstance(reply, _Abandoned):
+            raise reply
+        return reply
