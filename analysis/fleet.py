@@ -59,7 +59,7 @@ class Fleet:
         variations: Sequence[Mapping[str, float]],
         on_progress: Callable[[int, int], None] = lambda *_: None,
     ) -> list[Run]:
-        """Fly each variation.
+        """Fly each variation; those that are equal, once.
 
         Args:
             variations: new values by parameter name, in SI, for each run.
@@ -71,11 +71,14 @@ class Fleet:
         Raises:
             ValueError: a parameter is unknown, or its value is not physical.
         """
-        runs = []
-        for run in self._flown(variations):
-            runs.append(run)
-            on_progress(len(runs), len(variations))
-        return runs
+        keys = [frozenset(values.items()) for values in variations]
+        different = dict(zip(keys, variations, strict=True))
+        runs: dict[frozenset[tuple[str, float]], Run] = {}
+        flown = self._flown([*different.values()])
+        for key, run in zip(different, flown, strict=True):
+            runs[key] = run
+            on_progress(len(runs), len(different))
+        return [runs[key] for key in keys]
 
     def _flown(self, variations: Sequence[Mapping[str, float]]) -> Iterator[Run]:
         if self._pool is None or len(variations) == 1:

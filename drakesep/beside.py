@@ -24,13 +24,14 @@ _process: ProcessPoolExecutor | None = None
 
 
 @contextlib.contextmanager
-def beside(workers: int | None) -> Iterator[Executor]:
+def beside(workers: int | None, *, keep: bool = True) -> Iterator[Executor]:
     """Return what takes over work: a process, or a thread if there is to be only one.
 
     If the caller fails or is interrupted, the process is stopped.
 
     Args:
         workers: number of processes; one per core if None.
+        keep: whether the process is kept for a minute.
     """
     if (workers or os.cpu_count() or 1) == 1:
         with ThreadPoolExecutor(1) as thread:
@@ -42,6 +43,8 @@ def beside(workers: int | None) -> Iterator[Executor]:
     except BaseException:
         _stop(process)
         raise
+    if not keep:
+        _stop(process)
 
 
 def _running() -> ProcessPoolExecutor:

@@ -266,7 +266,7 @@ def _beside(workers: int | None) -> Iterator[None]:
     """Let the process beside a study import what it needs while this one does."""
     from drakesep.beside import beside
 
-    with beside(workers):
+    with beside(workers, keep=False):
         yield
 
 

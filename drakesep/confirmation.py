@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from drakesep.analysis.ascent import SearchStatus
+from drakesep.analysis.clearance_of_pair import Clearance
 from drakesep.analysis.fleet import Fleet
 from drakesep.analysis.lowest_clearance import CLEARANCE, LowestClearance
 from drakesep.analysis.metrics import METRICS
@@ -71,13 +72,18 @@ def _look_for_nearer(study: WorstCases, clearance: LowestClearance) -> None:
     """
     least = min(f.nearest.minimum for f in study.flights if f.nearest is not None)
     label = ""
+    looked: dict[int, Clearance | None] = {}
     for i, flight in enumerate(study.flights):
         if flight.nearest is None and flight.run.motion is not None:
-            nearer = clearance.nearer(flight.run, least)
+            run = id(flight.run)  # of what is worst for several, there is one
+            if run not in looked:
+                looked[run] = clearance.nearer(flight.run, least)
+            nearer = looked[run]
             if nearer is not None:
                 figures = {**flight.figures, CLEARANCE: nearer.minimum}
                 study.flights[i] = replace(flight, nearest=nearer, figures=figures)
-                least, label = nearer.minimum, flight.label
+                if nearer.minimum < least:
+                    least, label = nearer.minimum, flight.label
     if label:
         study.flights[:] = [
             replace(f, status=f"failed: {label} comes nearer, to {1e3 * least:.3f} mm")

@@ -357,7 +357,6 @@ class BatchFlight:
         mode = flight.mode
         frequency = _fastest(flight.x)
         lightness = 1.0 / numbers.mass
-        slenderness = 1.0 / jnp.stack(tuple(numbers.I_BBcm_B)[:3]).min(axis=0)
         pushing = self._equations.pushing(mode)
         for k, i in enumerate(self._equations.spring_attachments):
             spring = numbers.frequency[k]
@@ -367,7 +366,16 @@ class BatchFlight:
                 stiffness = numbers.force_max[k] / numbers.stroke[k]
                 spring = jnp.sqrt(len(pushing) * stiffness * light)
             frequency = jnp.maximum(frequency, jnp.where(pushing[k], spring, 0.0))
-        K, D = jnp.zeros_like(frequency), jnp.zeros_like(frequency)
+        if self._equations.holds:
+            frequency = jnp.maximum(frequency, self._held_frequency(numbers, mode))
+        scale = (self._tolerance / 1e-8) ** (1.0 / DOP853.order_of_error)
+        return _still(_PHASE * scale / (frequency + 1e-3))
+
+    def _held_frequency(self, numbers: Numbers, mode: Mode) -> Lanes:
+        """Return (n,) the fastest motion of bodies in the joints that hold, rad/s."""
+        lightness = 1.0 / numbers.mass
+        slenderness = 1.0 / jnp.stack(tuple(numbers.I_BBcm_B)[:3]).min(axis=0)
+        K, D = jnp.zeros_like(lightness[0]), jnp.zeros_like(lightness[0])
         for i, attachment in enumerate(self._separation.attachments):
             gains = np.reshape(attachment.joint.held_gains(), (4, 3)).max(axis=1)
             a, b = self._equations.ends[i]
@@ -385,9 +393,7 @@ class BatchFlight:
             held = jnp.isinf(mode.released[i])
             K = K + jnp.where(held, gains[0] * moving + gains[2] * turning, 0.0)
             D = D + jnp.where(held, gains[1] * moving + gains[3] * turning, 0.0)
-        frequency = jnp.maximum(frequency, jnp.maximum(jnp.sqrt(K + TINY), D))
-        scale = (self._tolerance / 1e-8) ** (1.0 / DOP853.order_of_error)
-        return _still(_PHASE * scale / (frequency + 1e-3))
+        return jnp.maximum(jnp.sqrt(K + TINY), D)
 
     # A step.
 

@@ -31,6 +31,18 @@ def test_order_does_not_matter():
         assert np.array_equal(a.motion.rate, b.motion.rate)
 
 
+def test_equal_variations_are_flown_once():
+    told = []
+    with Fleet(generic_pair(), workers=1) as fleet:
+        first, other, again = fleet.fly(
+            [VARIATIONS[0], VARIATIONS[1], dict(VARIATIONS[0])],
+            lambda *done: told.append(done),
+        )
+    assert again is first
+    assert other.separation != first.separation
+    assert told == [(1, 2), (2, 2)]
+
+
 def test_bad_values_reach_the_caller():
     with (
         Fleet(generic_pair(), workers=2) as fleet,
