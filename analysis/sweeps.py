@@ -4,6 +4,8 @@ A point is flown once for all objectives.
 """
 
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +25,7 @@ from drakesep.systems.checks import InputError
 
 
 Array = NDArray[np.float64]
+_T = TypeVar("_T")
 
 _KEPT = 4
 """Candidates of a sweep, for each objective: an ascent starts there."""
@@ -96,8 +99,11 @@ def sample(
     rng = np.random.default_rng(settings.seed)
     total = settings.samples
     best = Best("samples", problem)
-    for first in range(0, total, _SWEEP):
-        u = problem.tolerances.draw(min(_SWEEP, total - first), rng)
+    draws = (
+        problem.tolerances.draw(min(_SWEEP, total - first), rng)
+        for first in range(0, total, _SWEEP)
+    )
+    for u in _ahead(draws):
         _fly_all(problem, u, best, total, on_progress)
     return best.searched(f"{total} random samples")
 
@@ -135,7 +141,7 @@ def sweep_vertices(
     best = Best("vertices", problem)
     if 2**n <= settings.vertices:
         drawn_back = 0
-        for u, drawn in _vertices(problem.tolerances, np.zeros(n)):
+        for u, drawn in _ahead(_vertices(problem.tolerances, np.zeros(n))):
             drawn_back += drawn
             _fly_all(problem, u, best, 2**n, on_progress)
         note = f"all {2**n} vertices"
@@ -189,6 +195,15 @@ def _one_signed(problem: Problem, settings: SearchSettings, known: Known) -> Arr
         sign[:, (sign == 0.0).all(axis=0)] = 1.0  # of no matter: either bound does
         signs[k] = np.where((sign == sign[0]).all(axis=0), sign[0], 0.0)
     return signs
+
+
+def _ahead(items: Iterator[_T]) -> Iterator[_T]:
+    """Yield items, each made while the one before it is at work."""
+    with ThreadPoolExecutor(1) as thread:
+        following = thread.submit(next, items, None)
+        while (item := following.result()) is not None:
+            following = thread.submit(next, items, None)
+            yield item
 
 
 def _vertices(tolerances: ToleranceSet, held: Array) -> Iterator[tuple[Array, int]]:

@@ -1,6 +1,6 @@
 """The worst cases flown in Drake, and held against what searches say of them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -25,7 +25,6 @@ _CONFIRMED = 1e-4
 
 def confirm(
     study: WorstCases,
-    worst: Sequence[WorstCase],
     fleet: Fleet,
     on_progress: OnProgress,
 ) -> None:
@@ -37,7 +36,7 @@ def confirm(
         if study.objectives[c.objective].name in OBJECTIVES
     ]
     variations: list[Mapping[str, float]] = [case.box.values(c.u) for c in ends]
-    variations += [case.values for case in worst]
+    variations += [found.values for found in study.worst]
     runs = fleet.fly(
         variations,
         lambda done, total: on_progress(
@@ -59,7 +58,7 @@ def confirm(
             )
         )
     points = sum(searched.points for searched in study.searched)
-    for found, run in zip(worst, runs[len(ends) :], strict=True):
+    for found, run in zip(study.worst, runs[len(ends) :], strict=True):
         study.flights.append(_confirmed(study, found, run, points))
     if study.clearance is not None:
         _look_for_nearer(study, study.clearance)

@@ -10,6 +10,7 @@ from drakesep.analysis.requirements import deviation_limits
 from drakesep.case import Case
 from drakesep.case_sections import PublishedSection
 from drakesep.systems.run import Run
+from drakesep.systems.simulation import Simulation
 
 
 NOMINAL = "nominal"
@@ -57,3 +58,17 @@ def as_flight(
             found["nearest"] = nearest = clearance.nearest(run)
             figures_[CLEARANCE] = nearest.minimum
     return Flight(label=label, run=run, figures=figures_, **found)  # type: ignore[arg-type]
+
+
+def references(
+    case: Case, nominal: Run, clearance: LowestClearance | None = None
+) -> list[Flight]:
+    """Fly the published runs of a case, and return them after the nominal one."""
+    simulation = Simulation(case.separation, case.integration)
+    flights = [as_flight(NOMINAL, nominal, case, clearance)]
+    for published in case.published:
+        run = simulation.run(case.published_values(published))
+        flights.append(
+            as_flight(published.label, run, case, clearance, published=published)
+        )
+    return flights

@@ -24,15 +24,20 @@ class Approach(NamedTuple):
     """(n,) m."""
 
 
+def save_sensitivities(sensitivities: pd.DataFrame, folder: Path) -> None:
+    """Draw `WorstCases.sensitivities` into a folder."""
+    from drakesep import figures  # half a second, when drawn
+
+    figures.save_tornado(sensitivities, folder)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Pictures:
-    """Figures of a study, and the motions of its runs, as they are written down."""
+    """Figures of a study's runs, and their motions, as they are written down."""
 
     flights: Sequence[Flight]
     """Whose motion is drawn."""
     limits: Sequence[Requirement]
-    sensitivities: pd.DataFrame | None = None
-    """As `WorstCases.sensitivities` has them."""
     approaches: Sequence[Approach] = ()
     clearance_limit: float | None = None
     """m."""
@@ -44,8 +49,6 @@ class Pictures:
         from drakesep import clearance_figures, figures  # half a second, when drawn
 
         figures.save_figures(self.flights, self.limits, folder)
-        if self.sensitivities is not None:
-            figures.save_tornado(self.sensitivities, folder)
         if self.approaches:
             clearance_figures.save_approaches(
                 self.approaches, self.clearance_limit, folder

@@ -31,7 +31,8 @@ from drakesep.beside import beside
 from drakesep.case import Case
 from drakesep.case_objectives import the_clearance
 from drakesep.confirmation import confirm
-from drakesep.flights import NOMINAL, Flight, as_flight
+from drakesep.flights import Flight, references
+from drakesep.pictures import save_sensitivities
 from drakesep.systems.checks import InputError
 from drakesep.systems.run import Run
 from drakesep.systems.simulation import Simulation
@@ -123,9 +124,10 @@ def search(
         fleet = stack.enter_context(
             Fleet(case.separation, case.integration, workers=workers)
         )
-        _fly_references(study, nominal, fleet, aside)
+        study.flights += _references(study, nominal, aside)
         _write_down(study, output)
         more: Callable[[], None] = _nothing
+        drawn = []
         if objectives:
             problem = Problem(
                 tolerances=case.tolerance_set,
@@ -137,11 +139,22 @@ def search(
             names = ["sqp"] if alone else names
             worst = _find(study, problem, names, settings, output, tell)
             study.nominal_slopes = _slopes_at_nominal(problem)
-            confirm(study, worst, fleet, tell)
             study.worst = worst
+            if output is not None:
+                slopes = study.nearest_sensitivities
+                drawn.append(aside.submit(save_sensitivities, slopes, output))
+            confirm(study, fleet, tell)
             _write_down(study, output)
             more = functools.partial(afterwards, problem, settings, tell)
-        _draw_beside(study, output, aside, more)
+        if output is not None:
+            drawn.append(aside.submit(study.pictures.save, output))
+        try:
+            more()  # which changes nothing about the runs that are drawn
+        finally:
+            wait(drawn)
+        _write_down(study, output)  # whatever becomes of the pictures
+        for picture in drawn:
+            picture.result()
 
 
 def _is_alone(searches: Sequence[str] | None) -> bool:
@@ -168,20 +181,6 @@ def _is_alone(searches: Sequence[str] | None) -> bool:
 def _write_down(study: WorstCases, output: Path | None) -> None:
     if output is not None:
         study.save_tables(output)
-
-
-def _draw_beside(
-    study: WorstCases, output: Path | None, aside: Executor, more: Callable[[], None]
-) -> None:
-    """Draw the runs while more is found, which changes nothing about them."""
-    drawn = [] if output is None else [aside.submit(study.pictures.save, output)]
-    try:
-        more()
-    finally:
-        wait(drawn)
-    _write_down(study, output)  # whatever becomes of the pictures
-    for picture in drawn:
-        picture.result()
 
 
 def _affordable(
@@ -237,28 +236,11 @@ def _find(
     )
 
 
-def _fly_references(
-    study: WorstCases, nominal: Run, fleet: Fleet, aside: Executor
-) -> None:
-    """Fly the published runs, and tell of them and of the nominal one."""
-    case = study.case
-    runs = fleet.fly([case.published_values(published) for published in case.published])
-    labels = [NOMINAL, *(published.label for published in case.published)]
-    untold = [
-        functools.partial(as_flight, label, run, case, study.clearance, published=its)
-        for label, run, its in zip(
-            labels, [nominal, *runs], [None, *case.published], strict=True
-        )
-    ]
+def _references(study: WorstCases, nominal: Run, aside: Executor) -> list[Flight]:
+    """Return the nominal and the published runs."""
     if study.clearance is None:
-        study.flights += _told(untold)
-    else:
-        # Together: elements are cut into pieces once.
-        study.flights += aside.submit(_told, untold).result()
-
-
-def _told(untold: Sequence[Callable[[], Flight]]) -> list[Flight]:
-    return [tell() for tell in untold]
+        return references(study.case, nominal)
+    return aside.submit(references, study.case, nominal, study.clearance).result()
 
 
 def _drake(case: Case, objectives: Sequence[Objective], fleet: Fleet) -> RunEvaluator:

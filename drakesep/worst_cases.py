@@ -16,7 +16,7 @@ from drakesep.analysis.worst_case import WorstCase
 from drakesep.case import Case
 from drakesep.flights import Flight
 from drakesep.folder import writable_folder
-from drakesep.pictures import Approach, Pictures
+from drakesep.pictures import Approach, Pictures, save_sensitivities
 
 
 @dataclass(kw_only=True)
@@ -105,8 +105,8 @@ class WorstCases:
         )
 
     @property
-    def _nearest_sensitivities(self) -> pd.DataFrame:
-        """Those of the paper's objectives, and of a requirement's worse direction."""
+    def nearest_sensitivities(self) -> pd.DataFrame:
+        """Sensitivities of the paper's objectives, and in each worse direction."""
         left_out = set()
         values = {case.name: case.value for case in self.worst}
         for requirement in self.case.limits:
@@ -149,7 +149,10 @@ class WorstCases:
     def save(self, directory: str | Path) -> None:
         """Write the tables, and what shows the runs, into a folder."""
         self.save_tables(directory)
-        self.pictures.save(Path(directory))
+        folder = Path(directory)
+        if self.worst:
+            save_sensitivities(self.nearest_sensitivities, folder)
+        self.pictures.save(folder)
 
     @property
     def pictures(self) -> Pictures:
@@ -158,7 +161,6 @@ class WorstCases:
         return Pictures(
             flights=[f for f in self.flights if f.run.motion is not None and _shown(f)],
             limits=self.case.limits,
-            sensitivities=self._nearest_sensitivities if self.worst else None,
             approaches=self._approaches,
             clearance_limit=clearances[0] if clearances else None,
         )
