@@ -10,7 +10,7 @@ import contextlib
 import os
 import threading
 from collections.abc import Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, ThreadPoolExecutor
 
 from loky import ProcessPoolExecutor
 
@@ -21,13 +21,14 @@ _KEPT = 60.0
 """Without work, s."""
 _lock = threading.Lock()
 _process: ProcessPoolExecutor | None = None
+_users = 0
 
 
 @contextlib.contextmanager
 def beside(workers: int | None, *, keep: bool = True) -> Iterator[Executor]:
     """Return what takes over work: a process, or a thread if there is to be only one.
 
-    If the caller fails or is interrupted, the process is stopped.
+    If the caller fails or is interrupted, the process is stopped, unless others use it.
 
     Args:
         workers: number of processes; one per core if None.
@@ -37,31 +38,38 @@ def beside(workers: int | None, *, keep: bool = True) -> Iterator[Executor]:
         with ThreadPoolExecutor(1) as thread:
             yield thread
         return
-    process = _running()
+    process = _join()
     try:
         yield process
     except BaseException:
-        _stop(process)
+        keep = False
         raise
-    if not keep:
-        _stop(process)
+    finally:
+        _leave(process, keep=keep)
 
 
-def _running() -> ProcessPoolExecutor:
-    global _process
-    with _lock:
-        if _process is None:
-            with interrupts_ignored():  # by the process, which inherits it
-                _process = ProcessPoolExecutor(
-                    max_workers=1, timeout=_KEPT, initializer=_import
-                )
-                _process.submit(_nothing)  # so that it starts
+def _join() -> ProcessPoolExecutor:
+    """Return the process, started anew if there is none."""
+    global _process, _users
+    with _lock, interrupts_ignored():  # by the process, which inherits it
+        _users += 1
+        if _process is not None:
+            with contextlib.suppress(BrokenExecutor):
+                _process.submit(_nothing)
+                return _process
+        _process = ProcessPoolExecutor(
+            max_workers=1, timeout=_KEPT, initializer=_import
+        )
+        _process.submit(_nothing)  # so that it starts
         return _process
 
 
-def _stop(process: ProcessPoolExecutor) -> None:
-    global _process
+def _leave(process: ProcessPoolExecutor, *, keep: bool) -> None:
+    global _process, _users
     with _lock:
+        _users -= 1
+        if keep or _users:
+            return
         if _process is process:
             _process = None
     process.shutdown(wait=True, kill_workers=True)

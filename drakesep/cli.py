@@ -47,7 +47,10 @@ ChangesOption = Annotated[
     ),
 ]
 WorkersOption = Annotated[
-    int | None, typer.Option(min=1, help="Processes; one per core if not given.")
+    int | None,
+    typer.Option(
+        min=1, help="Processes; one per core if not given; 1: this one alone."
+    ),
 ]
 
 FAILED, BAD_INPUT, INTERRUPTED, TERMINATED = 1, 2, 130, 143

@@ -89,7 +89,8 @@ def search(
         searches: names out of `SEARCHES`, or `DRAKE` alone; `default_searches` if None.
         effort: how hard to search; what is left out, the length of a run decides.
         output: folder that receives the tables as the study goes on.
-        workers: number of processes that fly Drake; one per core if None.
+        workers: number of processes; one per core if None; with 1, all is done in the
+            caller's.
         on_progress: called as the study goes on.
         afterwards: called with the problem, while it can be flown, the settings, and
             what tells of progress.
