@@ -5,7 +5,7 @@ import math
 import threading
 import warnings
 from collections.abc import Callable, Sequence
-from typing import Concatenate, NamedTuple, ParamSpec, TypeAlias, TypeVar
+from typing import Any, Concatenate, NamedTuple, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,6 +84,7 @@ class ClearanceAnalysis:
             ValueError: a pair names no element or two of one body, none is left, a mesh
                 cannot be read, or elements overlap while mated that are not said to.
         """
+        self._made_of = separation, pairs, touching
         self._lock = threading.RLock()
         self.separation = separation
         self.names = element_pairs(separation, pairs)
@@ -104,6 +105,12 @@ class ClearanceAnalysis:
             (A, B): Proximity(elements[A], elements[B])
             for A, B in dict.fromkeys(self.bodies)
         }
+
+    def __reduce__(self) -> tuple[Callable[..., "ClearanceAnalysis"], tuple[Any, ...]]:
+        """Let another process cut elements into pieces anew: Drake's cannot be sent."""
+        separation, pairs, touching = self._made_of
+        again = functools.partial(ClearanceAnalysis, touching=touching)
+        return again, (separation, pairs)
 
     @_alone
     def of(self, run: Run, *, until: float | None = None) -> list[Clearance]:

@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.math import VectorToSkewSymmetric
 from scipy.optimize import minimize_scalar
 
 from drakesep.systems.element_pairs import Names
@@ -32,6 +31,7 @@ from drakesep.systems.proximity import (
     split,
 )
 from drakesep.systems.relative_path import Pose, RelativePath
+from drakesep.systems.vectors import cross
 
 
 Array = NDArray[np.float64]
@@ -386,7 +386,8 @@ class ClearanceOfPair:
         w, acceleration, bending = self._path.bounds(a, b)
         arms = self._known[:, _CENTRE_B] @ pose.R_AB.T
         # Not with np.cross, which takes longer than all the rest.
-        velocities = pose.v_ABo_A + arms @ VectorToSkewSymmetric(pose.w_AB_A).T
+        turned = np.stack(cross(tuple(pose.w_AB_A), tuple(arms.T)), axis=1)
+        velocities = pose.v_ABo_A + turned
         speeds = np.abs(np.einsum("ki,ki->k", velocities, self._known[:, _N_A]))
         curving = acceleration + bending * np.linalg.norm(arms, axis=1)
         turning = w * self._known[:, _RADIUS]

@@ -63,7 +63,7 @@ class Fleet:
 
         Args:
             variations: new values by parameter name, in SI, for each run.
-            on_progress: told how many are done, and of how many.
+            on_progress: told how many different ones are done, and of how many.
 
         Returns:
             The runs in the same order; those that failed say so.
@@ -71,9 +71,10 @@ class Fleet:
         Raises:
             ValueError: a parameter is unknown, or its value is not physical.
         """
-        keys = [frozenset(values.items()) for values in variations]
+        # As they are written: what is wrong with them is not told here.
+        keys = [repr(sorted(values.items())) for values in variations]
         different = dict(zip(keys, variations, strict=True))
-        runs: dict[frozenset[tuple[str, float]], Run] = {}
+        runs: dict[str, Run] = {}
         flown = self._flown([*different.values()])
         for key, run in zip(different, flown, strict=True):
             runs[key] = run

@@ -83,10 +83,6 @@ class LowestClearance(Objective):
         # Once it is needed: cutting elements into pieces takes its time.
         return ClearanceAnalysis(self._separation, self._pairs, touching=self._touching)
 
-    def __getstate__(self) -> dict[str, object]:
-        """Return what another process needs: it cuts elements into pieces anew."""
-        return {k: v for k, v in vars(self).items() if k != "_analysis"}
-
     def nearest(self, run: Run) -> Clearance:
         """Return how near the nearest pair comes in a completed run.
 

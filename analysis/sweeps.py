@@ -198,7 +198,10 @@ def _one_signed(problem: Problem, settings: SearchSettings, known: Known) -> Arr
 
 
 def _ahead(items: Iterator[_T]) -> Iterator[_T]:
-    """Yield items, each made while the one before it is at work."""
+    """Yield items, each made while the one before it is at work.
+
+    Who stops early waits for the one that is being made.
+    """
     with ThreadPoolExecutor(1) as thread:
         following = thread.submit(next, items, None)
         while (item := following.result()) is not None:

@@ -2,81 +2,78 @@
 
 Python runs one thread of a process at a time, and tracing and searches keep it busy:
 what is drawn in a thread beside them takes twice its time, and theirs too. Where there
-is more than one core, a process beside takes it over. It takes a while to import what
-it needs, so that it is started early, and kept for a minute for the next study.
+is more than one core, a process beside takes it over. It takes seconds to import what
+it needs, so that it is started as early as it is known to be needed.
 """
 
 import contextlib
+import multiprocessing
 import os
-import threading
-from collections.abc import Iterator
-from concurrent.futures import BrokenExecutor, Executor, ThreadPoolExecutor
+import signal
+import warnings
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future
+from contextvars import ContextVar
+from typing import Any, TypeVar
 
 from loky import ProcessPoolExecutor
 
 from drakesep.analysis.interrupts import interrupts_ignored
 
 
-_KEPT = 60.0
-"""Without work, s."""
-_lock = threading.Lock()
-_process: ProcessPoolExecutor | None = None
-_users = 0
+_R = TypeVar("_R")
+_process: ContextVar[Executor | None] = ContextVar("process", default=None)
 
 
 @contextlib.contextmanager
-def beside(workers: int | None, *, keep: bool = True) -> Iterator[Executor]:
-    """Return what takes over work: a process, or a thread if there is to be only one.
+def beside(workers: int | None) -> Iterator[Executor | None]:
+    """Start a process that takes over work, or return that which there is already.
 
-    If the caller fails or is interrupted, the process is stopped, unless others use it.
+    It ends with the caller; if that fails or is interrupted, in the midst of its work.
 
     Args:
-        workers: number of processes; one per core if None.
-        keep: whether the process is kept for a minute.
+        workers: number of processes; one per core if None. With 1, or in a process that
+            may not start others, there is none: None.
     """
-    if (workers or os.cpu_count() or 1) == 1:
-        with ThreadPoolExecutor(1) as thread:
-            yield thread
+    one = (os.cpu_count() or 1) == 1 if workers is None else workers <= 1
+    running = _process.get()
+    if running or one or multiprocessing.current_process().daemon:
+        yield running
         return
-    process = _join()
+    with interrupts_ignored():  # by the process, which inherits it
+        process = ProcessPoolExecutor(max_workers=1, initializer=_prepare)
     try:
-        yield process
-    except BaseException:
-        keep = False
-        raise
+        process.submit(_nothing)  # so that it starts
+        token = _process.set(process)
+        try:
+            yield process
+        finally:
+            _process.reset(token)
     finally:
-        _leave(process, keep=keep)
+        process.shutdown(wait=True, kill_workers=True)
 
 
-def _join() -> ProcessPoolExecutor:
-    """Return the process, started anew if there is none."""
-    global _process, _users
-    with _lock, interrupts_ignored():  # by the process, which inherits it
-        _users += 1
-        if _process is not None:
-            with contextlib.suppress(BrokenExecutor):
-                _process.submit(_nothing)
-                return _process
-        _process = ProcessPoolExecutor(
-            max_workers=1, timeout=_KEPT, initializer=_import
-        )
-        _process.submit(_nothing)  # so that it starts
-        return _process
+def submitted(
+    aside: Executor | None, function: Callable[..., _R], *arguments: Any
+) -> Future[_R]:
+    """Return what will come of a function, or has: without a process it is called here.
+
+    Its errors, and that of a process that has died, come when its result is asked for.
+    """
+    called: Future[_R] = Future()
+    try:
+        if aside is not None:
+            return aside.submit(function, *arguments)
+        called.set_result(function(*arguments))
+    except Exception as error:
+        called.set_exception(error)
+    return called
 
 
-def _leave(process: ProcessPoolExecutor, *, keep: bool) -> None:
-    global _process, _users
-    with _lock:
-        _users -= 1
-        if keep or _users:
-            return
-        if _process is process:
-            _process = None
-    process.shutdown(wait=True, kill_workers=True)
-
-
-def _import() -> None:
+def _prepare() -> None:
     """Import what takes long, before it is needed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    warnings.simplefilter("ignore")  # the caller warns of its case itself
     from drakesep import clearance_figures, figures, pictures  # noqa: F401
 
 

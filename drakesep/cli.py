@@ -241,36 +241,26 @@ def worst_case(
     workers: WorkersOption = None,
 ) -> None:
     """Find the worst cases: worst_cases.csv, evidence.csv, figures and more."""
-    console = _console()
-    with _beside(workers):
-        from drakesep import studies
-        from drakesep.case_file import load_case
+    from drakesep import studies
+    from drakesep.case_file import load_case
 
-        loaded = load_case(case)
-        folder = _folder(output, loaded.name, "worst-case")
-        with _progress(console, folder) as on_progress:
-            study = studies.worst_case(
-                loaded,
-                objectives,
-                searches=search,
-                output=folder,
-                workers=workers,
-                on_progress=on_progress,
-                **_given(starts=starts, samples=samples, vertices=vertices, seed=seed),
-            )
+    console = _console()
+    loaded = load_case(case)
+    folder = _folder(output, loaded.name, "worst-case")
+    with _progress(console, folder) as on_progress:
+        study = studies.worst_case(
+            loaded,
+            objectives,
+            searches=search,
+            output=folder,
+            workers=workers,
+            on_progress=on_progress,
+            **_given(starts=starts, samples=samples, vertices=vertices, seed=seed),
+        )
     _print_worst_cases(console, study)
     console.print(f"Tables and figures are in {folder}", markup=False)
     if not study.completed:
         _fail(FAILED, _WHAT_FAILED)
-
-
-@contextlib.contextmanager
-def _beside(workers: int | None) -> Iterator[None]:
-    """Let the process beside a study import what it needs while this one does."""
-    from drakesep.beside import beside
-
-    with beside(workers, keep=False):
-        yield
 
 
 def _given(**effort: int | None) -> "Effort":
@@ -302,13 +292,15 @@ def verify(
 
     Exits with 1 if a requirement is not met.
     """
-    console = _console()
-    with _beside(workers):
-        from drakesep import studies
-        from drakesep.case_file import load_case
+    from drakesep.beside import beside
+    from drakesep.case_file import load_case
 
-        loaded = load_case(case)
-        folder = _folder(output, loaded.name, "verify")
+    console = _console()
+    loaded = load_case(case)
+    folder = _folder(output, loaded.name, "verify")
+    with beside(workers):  # it imports what it needs while this process does
+        from drakesep import studies
+
         with _progress(console, folder) as on_progress:
             study = studies.verify(
                 loaded,

@@ -1,6 +1,6 @@
 """Runs of a study under their labels, with their figures."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from drakesep.analysis.clearance_of_pair import Clearance
@@ -10,7 +10,6 @@ from drakesep.analysis.requirements import deviation_limits
 from drakesep.case import Case
 from drakesep.case_sections import PublishedSection
 from drakesep.systems.run import Run
-from drakesep.systems.simulation import Simulation
 
 
 NOMINAL = "nominal"
@@ -61,14 +60,14 @@ def as_flight(
 
 
 def references(
-    case: Case, nominal: Run, clearance: LowestClearance | None = None
+    case: Case, runs: Sequence[Run], clearance: LowestClearance | None
 ) -> list[Flight]:
-    """Fly the published runs of a case, and return them after the nominal one."""
-    simulation = Simulation(case.separation, case.integration)
-    flights = [as_flight(NOMINAL, nominal, case, clearance)]
-    for published in case.published:
-        run = simulation.run(case.published_values(published))
-        flights.append(
+    """Return the nominal run of a case, and the published ones after it."""
+    nominal, *others = runs
+    return [
+        as_flight(NOMINAL, nominal, case, clearance),
+        *(
             as_flight(published.label, run, case, clearance, published=published)
-        )
-    return flights
+            for published, run in zip(case.published, others, strict=True)
+        ),
+    ]

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from drakesep import tables
 from drakesep.analysis.requirements import Requirement
 from drakesep.flights import Flight
 from drakesep.systems.run import Array, Motion
@@ -24,11 +23,18 @@ class Approach(NamedTuple):
     """(n,) m."""
 
 
-def save_sensitivities(sensitivities: pd.DataFrame, folder: Path) -> None:
-    """Draw `WorstCases.sensitivities` into a folder."""
-    from drakesep import figures  # half a second, when drawn
+@dataclass(frozen=True)
+class Tornado:
+    """What each tolerance does to each objective."""
 
-    figures.save_tornado(sensitivities, folder)
+    sensitivities: pd.DataFrame
+    """As `WorstCases.sensitivities` has them."""
+
+    def save(self, folder: Path) -> None:
+        """Draw it into a folder."""
+        from drakesep import figures  # half a second, when drawn
+
+        figures.save_tornado(self.sensitivities, folder)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +52,7 @@ class Pictures:
 
     def save(self, folder: Path) -> None:
         """Write them into a folder."""
-        from drakesep import clearance_figures, figures  # half a second, when drawn
+        from drakesep import clearance_figures, figures, tables
 
         figures.save_figures(self.flights, self.limits, folder)
         if self.approaches:

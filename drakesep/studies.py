@@ -208,8 +208,8 @@ def worst_case(
         searches: names out of `SEARCHES`, in the order in which they go; or
             ``["drake"]``, which flies Drake alone; `default_searches` if None.
         output: folder that receives the tables as the study goes on.
-        workers: number of processes; one per core if None; with 1, all is done in the
-            caller's.
+        workers: number of processes that fly Drake; one per core if None; with 1, the
+            caller's does all.
         on_progress: called as the study goes on.
         effort: `starts`, `samples`, `vertices`, `generations` and `seed` of
             `SearchSettings`; the length of a run decides what is left out.
@@ -253,8 +253,8 @@ def verify(
         growth: whether to find how far tolerances may grow; None: unless Drake flies
             alone or its nominal run takes more than 2000 steps.
         output: folder that receives tables and figures, tables as the study goes on.
-        workers: number of processes; one per core if None; with 1, all is done in the
-            caller's.
+        workers: number of processes that fly Drake; one per core if None; with 1, the
+            caller's does all.
         on_progress: called as the study goes on.
         effort: `starts`, `samples`, `vertices`, `generations`, `corners` and `seed` of
             `SearchSettings`; the length of a run decides what is left out.

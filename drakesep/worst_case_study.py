@@ -3,7 +3,7 @@
 import contextlib
 import functools
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, wait
+from concurrent.futures import Future, wait
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
@@ -27,12 +27,12 @@ from drakesep.analysis.search import (
 from drakesep.analysis.search import OnProgress as Tell
 from drakesep.analysis.searches import check_search
 from drakesep.analysis.worst_case import WorstCase, find_worst_cases
-from drakesep.beside import beside
+from drakesep.beside import beside, submitted
 from drakesep.case import Case
 from drakesep.case_objectives import the_clearance
 from drakesep.confirmation import confirm
-from drakesep.flights import Flight, references
-from drakesep.pictures import save_sensitivities
+from drakesep.flights import references
+from drakesep.pictures import Tornado
 from drakesep.systems.checks import InputError
 from drakesep.systems.run import Run
 from drakesep.systems.simulation import Simulation
@@ -79,7 +79,7 @@ def search(
     output: Path | None,
     workers: int | None,
     on_progress: OnProgress | None,
-    afterwards: Callable[[Problem, SearchSettings, Tell], None] = _nothing,
+    afterwards: Callable[[Problem, SearchSettings, Tell], None] | None = None,
 ) -> None:
     """Fly the references of a study, search its worst cases and confirm them.
 
@@ -89,11 +89,11 @@ def search(
         searches: names out of `SEARCHES`, or `DRAKE` alone; `default_searches` if None.
         effort: how hard to search; what is left out, the length of a run decides.
         output: folder that receives the tables as the study goes on.
-        workers: number of processes; one per core if None; with 1, all is done in the
-            caller's.
+        workers: number of processes that fly Drake; one per core if None; with 1, the
+            caller's does all.
         on_progress: called as the study goes on.
         afterwards: called with the problem, while it can be flown, the settings, and
-            what tells of progress.
+            what tells of progress; runs are drawn beside it.
     """
     alone = _is_alone(searches)
     # What is wrong is refused before anything is flown.
@@ -105,30 +105,40 @@ def search(
         Batch(case.separation, case.box.names)  # refuses what it does not know, at once
     study.objectives = tuple(objectives)
     study.clearance = study.clearance or the_clearance(objectives)
-    measures_or_draws = study.clearance is not None or output is not None
 
     def tell(progress: SearchProgress) -> None:
         if on_progress is not None:
             on_progress(Progress(objectives=study.objectives, search=progress))
 
+    nominal = Simulation(case.separation, case.integration).run({})
+    if nominal.motion is None:
+        raise RuntimeError(f"the nominal run failed: {nominal.message}")
+    light = nominal.steps <= _LIGHT
+    on_batch = bool(objectives) and not alone
     with contextlib.ExitStack() as stack:
-        aside = stack.enter_context(beside(workers if measures_or_draws else 1))
-        nominal = Simulation(case.separation, case.integration).run({})
-        if nominal.motion is None:
-            raise RuntimeError(f"the nominal run failed: {nominal.message}")
-        light = nominal.steps <= _LIGHT
-        batch = None
-        if objectives and not alone:
-            # First of all: its programs are compiled beside what comes next.
-            batch = _batch(case, objectives, derivatives=light)
-            workers = 1 if light and workers is None else workers
+        aside = None
+        if on_batch and afterwards is not None:
+            aside = stack.enter_context(beside(workers))
+        flown_here = on_batch and light and workers is None
         fleet = stack.enter_context(
-            Fleet(case.separation, case.integration, workers=workers)
+            Fleet(
+                case.separation, case.integration, workers=1 if flown_here else workers
+            )
         )
-        study.flights += _references(study, nominal, aside)
+        published = fleet.fly([case.published_values(p) for p in case.published])
+        # Its programs are compiled beside what comes next.
+        batch = _batch(case, objectives, derivatives=light) if on_batch else None
+        study.flights += submitted(
+            aside, references, case, [nominal, *published], study.clearance
+        ).result()
         _write_down(study, output)
+        drawn: list[Future[None]] = []
+
+        def draw(save: Callable[[Path], None]) -> None:
+            if output is not None:
+                drawn.append(submitted(aside, save, output.absolute()))
+
         more: Callable[[], None] = _nothing
-        drawn = []
         if objectives:
             problem = Problem(
                 tolerances=case.tolerance_set,
@@ -138,17 +148,14 @@ def search(
             several = light and not all(o.costly for o in objectives)
             names = searches or default_searches(len(case.box), settings, light=several)
             names = ["sqp"] if alone else names
-            worst = _find(study, problem, names, settings, output, tell)
+            study.worst = _find(study, problem, names, settings, output, tell)
             study.nominal_slopes = _slopes_at_nominal(problem)
-            study.worst = worst
-            if output is not None:
-                slopes = study.nearest_sensitivities
-                drawn.append(aside.submit(save_sensitivities, slopes, output))
+            draw(Tornado(study.nearest_sensitivities).save)
             confirm(study, fleet, tell)
             _write_down(study, output)
-            more = functools.partial(afterwards, problem, settings, tell)
-        if output is not None:
-            drawn.append(aside.submit(study.pictures.save, output))
+            if afterwards is not None:
+                more = functools.partial(afterwards, problem, settings, tell)
+        draw(study.pictures.save)
         try:
             more()  # which changes nothing about the runs that are drawn
         finally:
@@ -235,13 +242,6 @@ def _find(
     return find_worst_cases(
         problem, searches, settings, on_progress=tell, on_search=keep
     )
-
-
-def _references(study: WorstCases, nominal: Run, aside: Executor) -> list[Flight]:
-    """Return the nominal and the published runs."""
-    if study.clearance is None:
-        return references(study.case, nominal)
-    return aside.submit(references, study.case, nominal, study.clearance).result()
 
 
 def _drake(case: Case, objectives: Sequence[Objective], fleet: Fleet) -> RunEvaluator:

@@ -16,7 +16,7 @@ from drakesep.analysis.worst_case import WorstCase
 from drakesep.case import Case
 from drakesep.flights import Flight
 from drakesep.folder import writable_folder
-from drakesep.pictures import Approach, Pictures, save_sensitivities
+from drakesep.pictures import Approach, Pictures, Tornado
 
 
 @dataclass(kw_only=True)
@@ -151,7 +151,7 @@ class WorstCases:
         self.save_tables(directory)
         folder = Path(directory)
         if self.worst:
-            save_sensitivities(self.nearest_sensitivities, folder)
+            Tornado(self.nearest_sensitivities).save(folder)
         self.pictures.save(folder)
 
     @property

@@ -23,6 +23,15 @@ def test_same_runs_whatever_the_number_of_workers():
         assert np.array_equal(alone.motion.acceleration, together.motion.acceleration)
 
 
+@pytest.mark.parametrize("wrong", [[1200.0], True, "heavy", None])
+def test_what_is_no_number_is_refused(wrong):
+    with (
+        Fleet(generic_pair(), workers=1) as fleet,
+        pytest.raises(ValueError, match=r"upper.mass must be a number, got "),
+    ):
+        fleet.fly([{"upper.mass": 1.0}, {"upper.mass": wrong}])
+
+
 def test_order_does_not_matter():
     with Fleet(generic_pair(), workers=1) as fleet:
         forwards = fleet.fly(VARIATIONS)

@@ -1,65 +1,71 @@
-"""Work beside a study: in a process, which ends with what fails."""
+"""Work beside a study: in a process, which ends with its caller."""
 
+import multiprocessing
 import os
 import signal
 import time
 
 import pytest
 
-from drakesep.beside import beside
+from drakesep.beside import beside, submitted
 
 
-def test_a_process_takes_over_and_is_kept_for_the_next():
+def test_a_process_takes_over_until_its_caller_ends():
     with beside(2) as aside:
-        pid = aside.submit(os.getpid).result()
-    assert pid != os.getpid()
-    with beside(2) as aside:
-        assert aside.submit(os.getpid).result() == pid
-
-
-def test_one_process_does_all_itself():
-    with beside(1) as aside:
-        assert aside.submit(os.getpid).result() == os.getpid()
-
-
-def test_errors_come_back():
-    with beside(2) as aside:
-        refused = aside.submit(int, "five")
-        with pytest.raises(ValueError, match="'five'"):
-            refused.result()
+        pid = submitted(aside, os.getpid).result()
+        assert pid != os.getpid()
+        with beside(2) as within:
+            assert submitted(within, os.getpid).result() == pid
+        assert not has_ended(pid)
+    assert has_ended(pid)
 
 
 def test_who_fails_does_not_wait_for_it():
     with pytest.raises(KeyboardInterrupt), beside(2) as aside:
-        pid = aside.submit(os.getpid).result()
-        aside.submit(time.sleep, 600.0)
+        pid = submitted(aside, os.getpid).result()
+        submitted(aside, time.sleep, 600.0)
         raise KeyboardInterrupt
     assert has_ended(pid)
+
+
+def test_one_process_does_all_itself():
+    with beside(1) as aside:
+        assert aside is None
+        assert submitted(aside, os.getpid).result() == os.getpid()
+
+
+def test_a_process_that_may_not_start_others_does_all_itself(monkeypatch):
+    """As those of a multiprocessing.Pool, whose studies would fail."""
+    config = multiprocessing.current_process()._config
+    monkeypatch.setitem(config, "daemon", True)
     with beside(2) as aside:
-        assert aside.submit(os.getpid).result() != pid
+        assert aside is None
 
 
-def test_it_ends_with_its_caller():
-    with beside(2, keep=False) as aside:
-        pid = aside.submit(os.getpid).result()
-    assert has_ended(pid)
+@pytest.mark.parametrize("workers", [1, 2])
+def test_errors_come_when_results_are_asked_for(workers):
+    with beside(workers) as aside:
+        refused = submitted(aside, int, "five")
+        with pytest.raises(ValueError, match="'five'"):
+            refused.result()
 
 
-def test_one_that_was_killed_is_replaced():
+def test_an_interrupt_leaves_it_alone():
     with beside(2) as aside:
-        pid = aside.submit(os.getpid).result()
-    os.kill(pid, signal.SIGKILL)
-    time.sleep(1.0)  # until that is noticed
+        pid = submitted(aside, os.getpid).result()
+        os.kill(pid, signal.SIGINT)
+        assert submitted(aside, os.getpid).result() == pid
+
+
+def test_its_death_is_an_error_of_what_was_asked():
     with beside(2) as aside:
-        assert aside.submit(os.getpid).result() != pid
-
-
-def test_who_fails_leaves_it_to_others():
-    with beside(2) as other:
-        pid = other.submit(os.getpid).result()
-        with pytest.raises(RuntimeError), beside(2):
-            raise RuntimeError
-        assert other.submit(os.getpid).result() == pid
+        pid = submitted(aside, os.getpid).result()
+        asleep = submitted(aside, time.sleep, 600.0)
+        os.kill(pid, signal.SIGKILL)
+        with pytest.raises(RuntimeError):
+            asleep.result()
+        with pytest.raises(RuntimeError):
+            submitted(aside, os.getpid).result()
 
 
 def has_ended(pid):

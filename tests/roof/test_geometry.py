@@ -280,6 +280,33 @@ def test_a_worst_case_that_another_beats_has_failed():
     assert row["verdict"] == "not met"
 
 
+def test_same_study_with_a_process_beside_and_without(tmp_path, monkeypatch):
+    """Measured and drawn in the process, from where the study is started."""
+    monkeypatch.chdir(tmp_path)
+    here, beside = (
+        drakesep.verify(boom_in_guide(), samples=100, output=folder, workers=workers)
+        for folder, workers in (("here", 1), ("beside", None))
+    )
+    pd.testing.assert_frame_equal(here.table, beside.table, check_exact=True)
+    written = {path.name for path in (tmp_path / "here").iterdir()}
+    assert {"rotation.png", "tornado.png", "worst_clearance.png"} <= written
+    assert {path.name for path in (tmp_path / "beside").iterdir()} == written
+    for name in sorted(written):
+        first, second = (tmp_path / of / name for of in ("here", "beside"))
+        assert first.read_bytes() == second.read_bytes(), name
+
+
+def test_pictures_that_fail_do_not_take_the_study_with_them(tmp_path, monkeypatch):
+    def fail(*_):
+        raise OSError("disk full")
+
+    monkeypatch.setattr("drakesep.figures.save_tornado", fail)
+    with pytest.raises(OSError, match="disk full"):
+        drakesep.verify(boom_in_guide(), samples=100, output=tmp_path, workers=1)
+    assert (tmp_path / "requirements.csv").exists()
+    assert (tmp_path / "rotation.png").exists()
+
+
 def test_worst_case_with_recontact(write):
     """How fast a lug that hits a post turns the payload, flown in Drake alone."""
     lug = {"lug": {"sphere": {"radius_mm": 30}, "position_mm": [-400, 30, 0]}}
