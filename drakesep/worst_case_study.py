@@ -3,7 +3,7 @@
 import contextlib
 import functools
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, wait
+from concurrent.futures import Executor, Future, wait
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
@@ -132,12 +132,7 @@ def search(
             aside, references, case, [nominal, *published], study.clearance
         ).result()
         _write_down(study, output)
-        drawn: list[Future[None]] = []
-
-        def draw(save: Callable[[Path], None]) -> None:
-            if output is not None:
-                drawn.append(submitted(aside, save, output.absolute()))
-
+        drawing = _Drawing(aside, output)
         more: Callable[[], None] = _nothing
         if objectives:
             problem = Problem(
@@ -150,18 +145,39 @@ def search(
             names = ["sqp"] if alone else names
             study.worst = _find(study, problem, names, settings, output, tell)
             study.nominal_slopes = _slopes_at_nominal(problem)
-            draw(Tornado(study.nearest_sensitivities).save)
+            drawing.begin(Tornado(study.nearest_sensitivities).save)
             confirm(study, fleet, tell)
             _write_down(study, output)
             if afterwards is not None:
                 more = functools.partial(afterwards, problem, settings, tell)
-        draw(study.pictures.save)
+        drawing.begin(study.pictures.save)
         try:
             more()  # which changes nothing about the runs that are drawn
         finally:
-            wait(drawn)
+            drawing.wait()
         _write_down(study, output)  # whatever becomes of the pictures
-        for picture in drawn:
+        drawing.check()
+
+
+class _Drawing:
+    """Pictures that are drawn while the study goes on; none without a folder."""
+
+    def __init__(self, aside: Executor | None, folder: Path | None):
+        self._aside = aside
+        self._folder = folder
+        self._begun: list[Future[None]] = []
+
+    def begin(self, save: Callable[[Path], None]) -> None:
+        if self._folder is not None:
+            folder = self._folder.absolute()
+            self._begun.append(submitted(self._aside, save, folder))
+
+    def wait(self) -> None:
+        wait(self._begun)
+
+    def check(self) -> None:
+        """Raise what one of them has raised."""
+        for picture in self._begun:
             picture.result()
 
 
