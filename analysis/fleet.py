@@ -72,7 +72,7 @@ class Fleet:
             ValueError: a parameter is unknown, or its value is not physical.
         """
         # As they are written: what is wrong with them is not told here.
-        keys = [repr(sorted(values.items())) for values in variations]
+        keys = [repr(sorted(values.items(), key=repr)) for values in variations]
         different = dict(zip(keys, variations, strict=True))
         runs: dict[str, Run] = {}
         flown = self._flown([*different.values()])

@@ -83,6 +83,10 @@ class LowestClearance(Objective):
         # Once it is needed: cutting elements into pieces takes its time.
         return ClearanceAnalysis(self._separation, self._pairs, touching=self._touching)
 
+    def prepare(self) -> None:
+        """Cut elements into pieces now, which warns of meshes of a doubtful scale."""
+        _ = self._analysis
+
     def nearest(self, run: Run) -> Clearance:
         """Return how near the nearest pair comes in a completed run.
 

@@ -3,7 +3,7 @@
 Python runs one thread of a process at a time, and tracing and searches keep it busy:
 what is drawn in a thread beside them takes twice its time, and theirs too. Where there
 is more than one core, a process beside takes it over. It takes seconds to import what
-it needs, so that it is started as early as it is known to be needed.
+it needs, so that it is started early.
 """
 
 import contextlib
@@ -29,7 +29,7 @@ _process: ContextVar[Executor | None] = ContextVar("process", default=None)
 def beside(workers: int | None) -> Iterator[Executor | None]:
     """Start a process that takes over work, or return that which there is already.
 
-    It ends with the caller; if that fails or is interrupted, in the midst of its work.
+    It ends with the caller's `with`, in the midst of its work if need be.
 
     Args:
         workers: number of processes; one per core if None. With 1, or in a process that
@@ -38,12 +38,12 @@ def beside(workers: int | None) -> Iterator[Executor | None]:
     one = (os.cpu_count() or 1) == 1 if workers is None else workers <= 1
     running = _process.get()
     if running or one or multiprocessing.current_process().daemon:
-        yield running
+        yield None if one else running
         return
-    with interrupts_ignored():  # by the process, which inherits it
-        process = ProcessPoolExecutor(max_workers=1, initializer=_prepare)
+    process = ProcessPoolExecutor(max_workers=1, initializer=_prepare)
     try:
-        process.submit(_nothing)  # so that it starts
+        with interrupts_ignored():  # by the process, which inherits it
+            process.submit(_nothing)  # so that it starts
         token = _process.set(process)
         try:
             yield process
@@ -73,8 +73,9 @@ def submitted(
 def _prepare() -> None:
     """Import what takes long, before it is needed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    warnings.simplefilter("ignore")  # the caller warns of its case itself
-    from drakesep import clearance_figures, figures, pictures  # noqa: F401
+    # The caller warns of its case itself.
+    warnings.filterwarnings("ignore", message=".*check scale")
+    from drakesep import clearance_figures, figures, tables  # noqa: F401
 
 
 def _nothing() -> None:

@@ -298,7 +298,9 @@ def verify(
     console = _console()
     loaded = load_case(case)
     folder = _folder(output, loaded.name, "verify")
-    with beside(workers):  # it imports what it needs while this process does
+    searched = loaded.dispersions and search != ["drake"]
+    # It imports what it needs while this process does.
+    with beside(workers if searched else 1):
         from drakesep import studies
 
         with _progress(console, folder) as on_progress:

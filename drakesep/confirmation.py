@@ -23,11 +23,7 @@ _CONFIRMED = 1e-4
 """By how much Drake may differ at its accuracy, of the objective's value or nominal."""
 
 
-def confirm(
-    study: WorstCases,
-    fleet: Fleet,
-    on_progress: OnProgress,
-) -> None:
+def confirm(study: WorstCases, fleet: Fleet, on_progress: OnProgress) -> None:
     """Fly what was found in Drake, and hold it against what the search says."""
     case = study.case
     ends = [

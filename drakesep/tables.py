@@ -4,14 +4,13 @@ import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
-from drakesep.analysis.ascent import Iteration
 from drakesep.analysis.clearance_of_pair import Clearance
 from drakesep.analysis.dispersions import Box
-from drakesep.analysis.growth import Growth
 from drakesep.analysis.lowest_clearance import LOWEST
 from drakesep.analysis.metrics import ANGLES, AXES
 from drakesep.analysis.objectives import OBJECTIVES, Objective
@@ -21,6 +20,11 @@ from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.parameters import parameters
 from drakesep.systems.run import Motion, Run
 from drakesep.units import SI, Unit, split_axis, unit_of, with_unit
+
+
+if TYPE_CHECKING:  # JAX comes with them
+    from drakesep.analysis.ascent import Iteration
+    from drakesep.analysis.growth import Growth
 
 
 def unit_of_objective(objective: Objective) -> Unit:
@@ -201,7 +205,7 @@ def figures_table(flight: Flight) -> pd.DataFrame:
 
 
 def history_table(
-    iterations: Mapping[Objective, Sequence[Iteration]], box: Box
+    iterations: "Mapping[Objective, Sequence[Iteration]]", box: Box
 ) -> pd.DataFrame:
     """Return a row for each iterate of each search, by objective."""
     rows = []
@@ -272,8 +276,8 @@ def _increase(reference: float, value: float) -> float:
 
 def requirements_table(
     findings: Sequence[Finding],
-    growths: Sequence[tuple[Requirement, Growth]] = (),
-    single_growths: Sequence[tuple[Requirement, Growth]] = (),
+    growths: "Sequence[tuple[Requirement, Growth]]" = (),
+    single_growths: "Sequence[tuple[Requirement, Growth]]" = (),
     box: Box | None = None,
 ) -> pd.DataFrame:
     """Return a row for each requirement and axis, with its margins and verdict.
@@ -315,7 +319,7 @@ def requirements_table(
 
 def _first_tolerance(
     finding: Finding,
-    growths: Sequence[tuple[Requirement, Growth]],
+    growths: "Sequence[tuple[Requirement, Growth]]",
     box: Box | None,
 ) -> dict[str, str | float]:
     """Return the tolerance that violates a requirement with the least growth.

@@ -99,7 +99,7 @@ class Verification(WorstCases):
     def pictures(self) -> Pictures:
         """What shows the runs, and their motions."""
         flown = {f.label: f.run.motion for f in self.flights}
-        motions = {label: motion for label, motion in flown.items() if motion}
+        motions = {k: motion for k, motion in flown.items() if motion is not None}
         return replace(super().pictures, motions=motions)
 
 

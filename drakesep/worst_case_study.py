@@ -1,6 +1,7 @@
 """The study of the worst cases: fly the references, search, confirm, write down."""
 
 import contextlib
+import copy
 import functools
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, wait
@@ -31,7 +32,7 @@ from drakesep.beside import beside, submitted
 from drakesep.case import Case
 from drakesep.case_objectives import the_clearance
 from drakesep.confirmation import confirm
-from drakesep.flights import references
+from drakesep.flights import Flight, references
 from drakesep.pictures import Tornado
 from drakesep.systems.checks import InputError
 from drakesep.systems.run import Run
@@ -128,9 +129,7 @@ def search(
         published = fleet.fly([case.published_values(p) for p in case.published])
         # Its programs are compiled beside what comes next.
         batch = _batch(case, objectives, derivatives=light) if on_batch else None
-        study.flights += submitted(
-            aside, references, case, [nominal, *published], study.clearance
-        ).result()
+        study.flights += _told(study, [nominal, *published], aside)
         _write_down(study, output)
         drawing = _Drawing(aside, output)
         more: Callable[[], None] = _nothing
@@ -154,9 +153,21 @@ def search(
         try:
             more()  # which changes nothing about the runs that are drawn
         finally:
-            drawing.wait()
+            drawing.wait()  # what has been begun is not lost
         _write_down(study, output)  # whatever becomes of the pictures
         drawing.check()
+
+
+def _told(
+    study: WorstCases, runs: Sequence[Run], aside: Executor | None
+) -> list[Flight]:
+    """Return the nominal and the published runs with their figures."""
+    if study.clearance is None or aside is None:
+        return references(study.case, runs, study.clearance)
+    # A copy: it is sent while the study's own is prepared, whose warnings are ours.
+    told = submitted(aside, references, study.case, runs, copy.copy(study.clearance))
+    study.clearance.prepare()
+    return told.result()
 
 
 class _Drawing:

@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import sys
 import time
 
 import pytest
@@ -16,6 +17,8 @@ def test_a_process_takes_over_until_its_caller_ends():
         assert pid != os.getpid()
         with beside(2) as within:
             assert submitted(within, os.getpid).result() == pid
+        with beside(1) as within:
+            assert within is None
         assert not has_ended(pid)
     assert has_ended(pid)
 
@@ -52,9 +55,22 @@ def test_errors_come_when_results_are_asked_for(workers):
 
 def test_an_interrupt_leaves_it_alone():
     with beside(2) as aside:
-        pid = submitted(aside, os.getpid).result()
+        [pid] = aside._processes  # it has hardly begun to start
         os.kill(pid, signal.SIGINT)
         assert submitted(aside, os.getpid).result() == pid
+        os.kill(pid, signal.SIGINT)
+        assert submitted(aside, os.getpid).result() == pid
+
+
+def test_it_does_without_jax():
+    """Which takes the longest to import, and has nothing to do there."""
+    with beside(2) as aside:
+        assert "matplotlib" in submitted(aside, imported).result()
+        assert "jax" not in submitted(aside, imported).result()
+
+
+def imported():
+    return {name.partition(".")[0] for name in sys.modules}
 
 
 def test_its_death_is_an_error_of_what_was_asked():

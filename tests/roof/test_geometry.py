@@ -10,6 +10,7 @@ from test_cli import run
 
 import drakesep
 from drakesep import Case, CaseError, load_case
+from drakesep.beside import submitted
 from drakesep.case_file import builtin_cases
 from drakesep.systems.elements import Box, Capsule, Cone, Mesh, Sphere
 
@@ -282,11 +283,20 @@ def test_a_worst_case_that_another_beats_has_failed():
 
 def test_same_study_with_a_process_beside_and_without(tmp_path, monkeypatch):
     """Measured and drawn in the process, from where the study is started."""
+    aside = []
+
+    def spy(process, *call):
+        aside.append(process is not None)
+        return submitted(process, *call)
+
+    monkeypatch.setattr("drakesep.worst_case_study.submitted", spy)
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
     monkeypatch.chdir(tmp_path)
     here, beside = (
         drakesep.verify(boom_in_guide(), samples=100, output=folder, workers=workers)
         for folder, workers in (("here", 1), ("beside", None))
     )
+    assert aside == [False, False, True, True, True]  # references, then two pictures
     pd.testing.assert_frame_equal(here.table, beside.table, check_exact=True)
     written = {path.name for path in (tmp_path / "here").iterdir()}
     assert {"rotation.png", "tornado.png", "worst_clearance.png"} <= written
@@ -294,6 +304,22 @@ def test_same_study_with_a_process_beside_and_without(tmp_path, monkeypatch):
     for name in sorted(written):
         first, second = (tmp_path / of / name for of in ("here", "beside"))
         assert first.read_bytes() == second.read_bytes(), name
+
+
+def test_a_doubtful_mesh_is_warned_of_by_the_caller(tmp_path, monkeypatch):
+    """Though it overlaps what it should not, and is measured in another process."""
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    trimesh.creation.box((300.0, 300.0, 300.0)).export(tmp_path / "box.stl")
+    data = boom_in_guide().model_dump(by_alias=True, exclude_unset=True)
+    data["bodies"]["payload"]["geometry"] = {
+        "box_in_mm": {"mesh": {"file": str(tmp_path / "box.stl"), "scale": 1.0}}
+    }
+    case = Case.model_validate(data)
+    with (
+        pytest.warns(UserWarning, match="box_in_mm: mesh is 520 m across"),
+        pytest.raises(ValueError, match="must be apart while mated"),
+    ):
+        drakesep.verify(case, samples=100)
 
 
 def test_pictures_that_fail_do_not_take_the_study_with_them(tmp_path, monkeypatch):
