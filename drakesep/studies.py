@@ -73,30 +73,6 @@ class Simulated:
             figures.save_figures([self.flight], self.case.limits, folder)
 
 
-_RESULTS = (
-    *("worst_cases.csv", "history.csv", "comparison.csv", "requirements.csv"),
-    *("table_4.csv", "evidence.csv", "searches.csv", "candidates.csv"),
-    *("worst_points.csv", "sensitivities.csv", "tolerances.csv"),
-    *("translation.png", "rotation.png", "tornado.png", "worst_clearance.png"),
-)
-
-
-def _cleared(directory: str | Path | None) -> Path | None:
-    """Return the folder, without the results of an earlier study.
-
-    An interrupted study must not stand beside the verdict of an earlier one.
-    """
-    if directory is None:
-        return None
-    folder = writable_folder(directory)
-    for name in _RESULTS:
-        (folder / name).unlink(missing_ok=True)
-    for kind in ("nominal", "worst_*", "sqp_*"):
-        for motion in folder.glob(f"motion_{kind}.csv"):
-            motion.unlink()
-    return folder
-
-
 def simulate(
     case: Case | str | Path, values: Mapping[str, float] | None = None
 ) -> Simulated:
@@ -222,7 +198,7 @@ def worst_case(
     study = WorstCases(case=_as_case(case))
     if not study.case.dispersions:
         raise InputError("dispersions: a worst case needs some, got none")
-    folder = _cleared(output)
+    folder = None if output is None else writable_folder(output)
     search(
         study,
         choose_objectives(study.case, objectives),
@@ -267,7 +243,7 @@ def verify(
     study = Verification(case=_as_case(case))
     if not study.case.limits:
         raise InputError("requirements: a case to verify must have some, got none")
-    folder = _cleared(output)
+    folder = None if output is None else writable_folder(output)
     objectives = choose_objectives(study.case, None)
     study.clearance = the_clearance(objectives)
 

@@ -33,6 +33,7 @@ from drakesep.case import Case
 from drakesep.case_objectives import the_clearance
 from drakesep.confirmation import confirm
 from drakesep.flights import Flight, references
+from drakesep.folder import clear_results
 from drakesep.pictures import Tornado
 from drakesep.systems.checks import InputError
 from drakesep.systems.run import Run
@@ -104,6 +105,8 @@ def search(
     case = study.case
     if objectives and not alone:
         Batch(case.separation, case.box.names)  # refuses what it does not know, at once
+    if output is not None:
+        clear_results(output)
     study.objectives = tuple(objectives)
     study.clearance = study.clearance or the_clearance(objectives)
 

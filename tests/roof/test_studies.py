@@ -169,6 +169,16 @@ def test_verify_without_dispersions_judges_the_nominal(tmp_path):
     assert (study.requirements["which_run"] == "nominal").all()
 
 
+@pytest.mark.parametrize(
+    "wrong", [{"searches": ["foo"]}, {"samples": -5}, {"objectives": ["nonsense"]}]
+)
+def test_what_is_refused_leaves_an_earlier_study_alone(wrong, tmp_path):
+    (tmp_path / "requirements.csv").touch()
+    with pytest.raises(ValueError, match="foo|samples|nonsense"):
+        drakesep.worst_case("vega", output=tmp_path, **wrong)
+    assert (tmp_path / "requirements.csv").exists()
+
+
 def test_verdict_of_an_earlier_study_does_not_outlive_it(tmp_path):
     (tmp_path / "requirements.csv").write_text("met")
     drakesep.worst_case("vega", "PM", output=tmp_path, **IN_DRAKE)
