@@ -174,7 +174,7 @@ def test_verify_without_dispersions_judges_the_nominal(tmp_path):
 )
 def test_what_is_refused_leaves_an_earlier_study_alone(wrong, tmp_path):
     (tmp_path / "requirements.csv").touch()
-    with pytest.raises(ValueError, match="foo|samples|nonsense"):
+    with pytest.raises(ValueError, match=r"foo|samples|nonsense"):
         drakesep.worst_case("vega", output=tmp_path, **wrong)
     assert (tmp_path / "requirements.csv").exists()
 
