@@ -57,7 +57,8 @@ class Figures(NamedTuple):
     """(3, n) angles at separation, rad."""
     within_until: Lanes
     speed_max: Lanes
-    speed_after: Lanes
+    speed_min_after: Lanes
+    speed_max_after: Lanes
     separation_end: Lanes
 
 
@@ -93,7 +94,8 @@ class MetricsFold:
             angle=jnp.zeros((3, n)),
             within_until=most,
             speed_max=least,
-            speed_after=most,
+            speed_min_after=most,
+            speed_max_after=least,
             separation_end=most,
         )
 
@@ -136,7 +138,8 @@ class MetricsFold:
             angle=jnp.where(ends_here, angle, figures.angle),
             within_until=self._within_until(figures, signals, step),
             speed_max=larger(figures.speed_max, highest[6], True),
-            speed_after=-larger(-figures.speed_after, -lowest[6], separated),
+            speed_min_after=-larger(-figures.speed_min_after, -lowest[6], separated),
+            speed_max_after=larger(figures.speed_max_after, highest[6], separated),
             separation_end=jnp.where(ends_here, step.start, figures.separation_end),
         )
 
@@ -160,15 +163,18 @@ class MetricsFold:
                 figures.within_until, self._duration
             ),
             "longitudinal_speed_max": figures.speed_max,
-            "longitudinal_speed_after_separation": figures.speed_after,
+            "longitudinal_speed_after_separation": figures.speed_min_after,
+            "longitudinal_speed_max_after_separation": figures.speed_max_after,
             "separation_end": figures.separation_end,
         }
         peaks = jnp.maximum(-figures.rate_min, figures.rate_max)
+        least = jnp.maximum(0.0, jnp.maximum(figures.rate_min, -figures.rate_max))
         for i, axis in enumerate(AXES):
             values[f"final_rate_{axis}"] = figures.final_rate[i]
             values[f"rate_after_separation_{axis}"] = peaks[i]
             values[f"rate_min_after_separation_{axis}"] = figures.rate_min[i]
             values[f"rate_max_after_separation_{axis}"] = figures.rate_max[i]
+            values[f"rate_magnitude_min_after_separation_{axis}"] = least[i]
         for i, angle in enumerate(ANGLES):
             values[f"deviation_at_separation_{angle}"] = jnp.abs(figures.angle[i])
             values[f"angle_at_separation_{angle}"] = figures.angle[i]

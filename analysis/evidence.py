@@ -25,7 +25,8 @@ _AT_BOUND = 1e-6
 _AT_EDGE = 1e-6
 """How near to zero a constraint's margin is active."""
 SAME = 1e-6
-"""Local maxima are one if their values differ by less, as a part of the value."""
+"""Local maxima are one if their values differ by less, as a part of the value; or by no
+more than round-off, where the value is zero."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,13 +50,16 @@ class Optimality:
     the slope needs failed."""
 
 
-def optimality(tolerances: ToleranceSet, u: Array, slopes: Array) -> Optimality:
+def optimality(
+    tolerances: ToleranceSet, u: Array, slopes: Array, round_off: float = 0.0
+) -> Optimality:
     """Return the first-order conditions.
 
     Args:
         tolerances: the set.
         u: (n,) a scaled point of it.
         slopes: (n,) of the objective with the scaled parameters.
+        round_off: of the objective, in SI: a slope no larger is none.
     """
     side = np.where(np.abs(u) >= 1.0 - _AT_BOUND, np.sign(u), 0.0)
     bounds = np.flatnonzero(side)
@@ -78,22 +82,30 @@ def optimality(tolerances: ToleranceSet, u: Array, slopes: Array) -> Optimality:
         constraints=tuple(
             zip(labels, multipliers[len(bounds) :].tolist(), strict=True)
         ),
-        residual=0.0 if size == 0.0 else left / size,
+        residual=0.0 if size <= round_off else left / size,
     )
 
 
-def local_maxima(values: Sequence[float]) -> tuple[tuple[float, int], ...]:
+def same(value: float, other: float, round_off: float) -> bool:
+    """Return whether a value is another one, which is no smaller, but for errors."""
+    return other - value <= max(SAME * abs(other), round_off)
+
+
+def local_maxima(
+    values: Sequence[float], round_off: float = 0.0
+) -> tuple[tuple[float, int], ...]:
     """Return the different values that ascents ended at, and how many did.
 
     Args:
         values: of the ends.
+        round_off: of the objective, in SI.
 
     Returns:
         Each with its count, from the largest.
     """
     found: list[tuple[float, int]] = []
     for value in sorted(values, reverse=True):
-        if found and found[-1][0] - value <= SAME * abs(found[-1][0]):
+        if found and same(value, found[-1][0], round_off):
             found[-1] = found[-1][0], found[-1][1] + 1
         else:
             found.append((value, 1))

@@ -38,7 +38,6 @@ class LowestClearance(Objective):
     sign = -1.0
     of_figures_alone = False
     costly = True
-    accuracy = ACCURACY
     has_parts = True
 
     def __init__(
@@ -108,6 +107,14 @@ class LowestClearance(Objective):
     def of_run(self, run: Run, limits: Limits) -> float:
         """Return less the smallest distance in a completed run, m."""
         return -self.nearest(run).minimum
+
+    def resolution(self, accuracy: float) -> float:
+        """Return by how much it may differ in two runs that are equal but for errors.
+
+        Args:
+            accuracy: of the runs' motion, m.
+        """
+        return ACCURACY + accuracy
 
     def about(self, run: Run, limits: Limits) -> About:
         """Return the objective, and how far its two nearest points are apart around."""

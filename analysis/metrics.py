@@ -19,8 +19,13 @@ _AFTER_SEPARATION = (
     *(f"rate_after_separation_{axis}" for axis in AXES),
     *(f"rate_min_after_separation_{axis}" for axis in AXES),
     *(f"rate_max_after_separation_{axis}" for axis in AXES),
+    *(f"rate_magnitude_min_after_separation_{axis}" for axis in AXES),
 )
-_SPEEDS = ("longitudinal_speed_max", "longitudinal_speed_after_separation")
+_SPEEDS = (
+    "longitudinal_speed_max",
+    "longitudinal_speed_after_separation",
+    "longitudinal_speed_max_after_separation",
+)
 METRICS: tuple[str, ...] = (
     *_OBJECTIVES,
     *(f"final_rate_{axis}" for axis in AXES),
@@ -73,7 +78,10 @@ def metrics(run: Run, deviation_limits: Sequence[float]) -> dict[str, float]:
     speed = motion.relative_velocity[:, :1]
     whole, after = (_signals(run, speed, t, duration)[0] for t in (0.0, end))
     values["longitudinal_speed_max"] = signals.extremes(whole)[1]
-    values["longitudinal_speed_after_separation"] = signals.extremes(after)[0]
+    (
+        values["longitudinal_speed_after_separation"],
+        values["longitudinal_speed_max_after_separation"],
+    ) = signals.extremes(after)
     values["separation_end"] = end
     return {name: values[name] for name in METRICS}
 
@@ -108,7 +116,7 @@ def figure_within(run: Run, figure: str, window: tuple[float, float]) -> float:
         return _objectives(rates, speed)[figure]
     if figure in _SPEEDS:
         slowest, fastest = signals.extremes(speed)
-        return fastest if figure == "longitudinal_speed_max" else slowest
+        return slowest if figure == "longitudinal_speed_after_separation" else fastest
     return _peaks(_signals(run, motion.rate, start, stop))[figure]
 
 
@@ -128,6 +136,9 @@ def _peaks(rates: Sequence[PPoly]) -> dict[str, float]:
         values[f"rate_after_separation_{axis}"] = max(-lowest, highest)
         values[f"rate_min_after_separation_{axis}"] = lowest
         values[f"rate_max_after_separation_{axis}"] = highest
+        values[f"rate_magnitude_min_after_separation_{axis}"] = max(
+            0.0, lowest, -highest
+        )
     return values
 
 

@@ -59,7 +59,6 @@ class Objective(ABC):
         sign: 1, or -1 if it is less its figure.
         costly: whether it takes longer to tell than its run to fly: searches that fly
             very many runs leave it out, beside others.
-        accuracy: by which it may miss, in SI.
         has_parts: whether it is the largest of parts that `parts` tells.
     """
 
@@ -68,7 +67,6 @@ class Objective(ABC):
     figure: str | None = None
     sign: float = 1.0
     costly: bool = False
-    accuracy: float = 0.0
     has_parts: bool = False
 
     def __call__(self, run: Run) -> float:
@@ -94,6 +92,14 @@ class Objective(ABC):
             limits: (3,) of the deviations, as `metrics` takes them.
         """
         return About(self.of_run(run, limits), lambda near: self.of_run(near, limits))
+
+    def resolution(self, accuracy: float) -> float:
+        """Return by how much it may differ in two runs that are equal but for errors.
+
+        Args:
+            accuracy: of the runs' motion, in SI.
+        """
+        return accuracy
 
     def parts(self, run: Run, around: Sequence[Run]) -> tuple[Array, Array]:
         """Return what the objective is the largest of, if it `has_parts`.
@@ -226,8 +232,10 @@ class _Sum(_Together):
             raise InputError(f"factors of a sum must be finite, got {factors}")
         super().__init__(terms, name or _written(terms, factors))
         self._factors = np.array(factors)
-        accuracies = [term.accuracy for term in terms]
-        self.accuracy = float(np.abs(self._factors) @ accuracies)
+
+    def resolution(self, accuracy: float) -> float:
+        each = [term.resolution(accuracy) for term in self._terms]
+        return float(np.abs(self._factors) @ each)
 
     def of_run(self, run: Run, limits: Limits) -> float:
         return float(self._factors @ self._each_of_run(run, limits))
@@ -253,7 +261,9 @@ class _Largest(_Together):
 
     def __init__(self, terms: Sequence[Objective], name: str):
         super().__init__(terms, name)
-        self.accuracy = max(term.accuracy for term in terms)
+
+    def resolution(self, accuracy: float) -> float:
+        return max(term.resolution(accuracy) for term in self._terms)
 
     def of_run(self, run: Run, limits: Limits) -> float:
         return max(self._each_of_run(run, limits))
@@ -381,7 +391,7 @@ def towards(requirement: Requirement) -> tuple[Objective, ...]:
     A limit on a magnitude has two, one for each direction; each is smooth where the
     magnitude has a kink, and finds the other side from the wrong one.
     """
-    metric = requirement.metric
+    metric = requirement.judged_by
     if requirement.sense == ">=":
         return (lowest(metric),)
     if metric not in TWO_SIDED:

@@ -5,8 +5,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from drakesep.analysis.metrics import ANGLES
+from drakesep.analysis.metrics import ANGLES, AXES
 from drakesep.systems.checks import InputError, check_finite
+
+
+_OTHER_EXTREME = {
+    ("longitudinal_speed_after_separation", "<="): (
+        "longitudinal_speed_max_after_separation"
+    ),
+    **{
+        (f"rate_after_separation_{axis}", ">="): (
+            f"rate_magnitude_min_after_separation_{axis}"
+        )
+        for axis in AXES
+    },
+}
+"""Figures that hold only one of the extremes of what they look at over some time: where
+the other one breaks a limit, that is looked at."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,6 +47,11 @@ class Requirement:
             raise InputError(
                 f"{self.metric}: sense must be '<=' or '>=', got {self.sense!r}"
             )
+
+    @property
+    def judged_by(self) -> str:
+        """The figure that tells whether the limit is kept at all times."""
+        return _OTHER_EXTREME.get((self.metric, self.sense), self.metric)
 
     def margin(self, value: float) -> float:
         """Return how far a value lies inside the limit; negative if it is beyond."""
@@ -76,7 +96,7 @@ def assess(
     """
     findings = []
     for requirement in requirements:
-        metric = requirement.metric
+        metric = requirement.judged_by
         values = {
             label: figures[metric]
             for label, figures in runs.items()

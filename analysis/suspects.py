@@ -45,7 +45,7 @@ def suspects(problem: Problem, k: int) -> list[Array]:
     at = (values + rises).argmax(axis=1)
     parts = np.arange(len(values))
     most = values[parts, at] + _BENDS * rises[parts, at]
-    rising = most > values.max() + objective.accuracy
+    rising = most > values.max() + objective.resolution(0.0)
     order = [i for i in np.argsort(-most, kind="stable") if rising[i]]
     return different([set_.draw_back(np.sign(slopes[i, at[i]])) for i in order])
 

@@ -14,11 +14,11 @@ import numpy as np
 from drakesep.analysis.ascent import SearchStatus, Start, slopes_at
 from drakesep.analysis.costly_searches import CostlySearches, by_cost
 from drakesep.analysis.evidence import (
-    SAME,
     Optimality,
     fraction_beyond,
     local_maxima,
     optimality,
+    same,
 )
 from drakesep.analysis.search import (
     Candidate,
@@ -139,16 +139,18 @@ def judge(problem: Problem, done: Sequence[Searched]) -> list[WorstCase]:
     slopes = slopes_at(points, problem.evaluator)
     cases = []
     for winner, point, slope in zip(winners, points, slopes, strict=True):
-        first_order = optimality(problem.tolerances, point.u, slope)
+        objective = problem.evaluator.objectives[winner.objective]
+        round_off = objective.resolution(_ROUND_OFF)
+        first_order = optimality(problem.tolerances, point.u, slope, round_off)
         cases.append(
             WorstCase(
-                name=problem.evaluator.objectives[winner.objective].name,
+                name=objective.name,
                 objective=winner.objective,
                 u=winner.u,
                 values=problem.tolerances.values(winner.u),
                 value=winner.value,
                 search=winner.search,
-                evidence=_evidence(winner, done, first_order),
+                evidence=_evidence(winner, done, first_order, round_off),
             )
         )
     return cases
@@ -169,10 +171,14 @@ def _winner(problem: Problem, done: Sequence[Searched], k: int) -> Candidate:
 
 
 _ROUND_OFF = 1e-12
+"""Of a value as a part of it; and of the motion of a run, in SI."""
 
 
 def _evidence(
-    winner: Candidate, done: Sequence[Searched], first_order: Optimality
+    winner: Candidate,
+    done: Sequence[Searched],
+    first_order: Optimality,
+    round_off: float,
 ) -> Evidence:
     k = winner.objective
     ascents = [
@@ -191,12 +197,12 @@ def _evidence(
     ]
     samples = sum(search.points for search in drawn)
     failed = sum(sum(search.failures.values()) for search in drawn)
-    there = sum(winner.value - end <= SAME * abs(winner.value) for end in ends)
+    there = sum(same(end, winner.value, round_off) for end in ends)
     return Evidence(
         optimality=first_order,
         starts=len(ascents),
         ended_there=there,
-        local_maxima=local_maxima(ends),
+        local_maxima=local_maxima(ends, round_off),
         unfinished=len(ascents) - len(ends),
         by_search={
             name: math.nan if found is None else found.value

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from drakesep.analysis.ascent import SearchStatus
+from drakesep.analysis.batch import TOLERANCE
 from drakesep.analysis.clearance_of_pair import Clearance
 from drakesep.analysis.fleet import Fleet
 from drakesep.analysis.lowest_clearance import CLEARANCE, LowestClearance
@@ -14,13 +15,15 @@ from drakesep.analysis.objectives import OBJECTIVES, Objective
 from drakesep.analysis.requirements import deviation_limits
 from drakesep.analysis.search import OnProgress, SearchProgress
 from drakesep.analysis.worst_case import WorstCase
+from drakesep.case import Case
 from drakesep.flights import Flight, as_flight
 from drakesep.systems.run import Run, RunStatus
 from drakesep.worst_cases import WorstCases
 
 
 _CONFIRMED = 1e-4
-"""By how much Drake may differ at its accuracy, of the objective's value or nominal."""
+"""By how much Drake may differ at its accuracy, of the objective's value or nominal; or
+by as much as errors of the runs make, which counts where the objective is zero."""
 
 
 def confirm(study: WorstCases, fleet: Fleet, on_progress: OnProgress) -> None:
@@ -108,13 +111,20 @@ def _confirmed(study: WorstCases, found: WorstCase, run: Run, points: int) -> Fl
     in_drake = _value(study, objective, flight)
     nominal = _value(study, objective, study.flights[0])
     status = flight.status
-    within = _CONFIRMED * max(abs(found.value), abs(nominal)) + objective.accuracy
+    within = _CONFIRMED * max(abs(found.value), abs(nominal))
+    within += objective.resolution(_accuracy(study.case))
     if not abs(in_drake - found.value) <= within:
         status = (
             f"failed: Drake gives {in_drake:.9g} where the search found "
             f"{found.value:.9g} (SI)"
         )
     return replace(flight, status=status, objective_in_drake=in_drake)
+
+
+def _accuracy(case: Case) -> float:
+    """Return that of the motion of runs, in SI: what steps err adds up over a run."""
+    steps = case.integration.accuracy * max(1.0, case.separation.duration)
+    return max(steps, TOLERANCE)
 
 
 def _value(study: WorstCases, objective: Objective, flight: Flight) -> float:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from drakesep.analysis.metrics import ANGLES, AXES
+from drakesep.analysis.objectives import TWO_SIDED
 from drakesep.analysis.requirements import Requirement
 from drakesep.flights import Flight
 from drakesep.units import unit_of
@@ -131,7 +132,7 @@ def _draw_limit(axes: Axes, requirement: Requirement) -> None:
     limit = unit_of(requirement.metric).from_si(requirement.limit)
     data = np.concatenate([np.asarray(line.get_ydata()) for line in axes.lines[:-1]])
     sides = [limit]
-    if requirement.sense == "<=" and data.min() < -0.2 * limit:
+    if requirement.metric in TWO_SIDED and data.min() < -0.2 * limit:
         sides.append(-limit)
     start, end = axes.get_xlim()
     separated = float(np.asarray(axes.lines[-1].get_xdata())[0])

@@ -90,11 +90,13 @@ _OF_QUANTITY = {
     "rate_after_separation": "deg_s",
     "rate_min_after_separation": "deg_s",
     "rate_max_after_separation": "deg_s",
+    "rate_magnitude_min_after_separation": "deg_s",
     "deviation_at_separation": "deg",
     "angle_at_separation": "deg",
     "deviation_within_limits_until": "s",
     "longitudinal_speed_max": "m_s",
     "longitudinal_speed_after_separation": "m_s",
+    "longitudinal_speed_max_after_separation": "m_s",
     "separation_end": "s",
     # clearances
     "clearance": "mm",

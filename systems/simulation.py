@@ -30,6 +30,7 @@ from drakesep.systems.settings import Integration
 
 
 _FIRST_STEP = 1e-3
+"""Tried at the start, s."""
 _RECONTACT_STEP = 5e-3
 """The largest where elements may push each other, s: in free flight error control would
 step over a contact."""
@@ -109,8 +110,10 @@ class Simulation:
             ),
             simulator,
         )
-        # Drake's own first try, a tenth of the largest step, overflows stiff joints.
-        simulator.get_mutable_integrator().request_initial_step_size_target(_FIRST_STEP)
+        # Drake's own first try, a tenth of the largest step, overflows stiff joints; it
+        # refuses one above the largest.
+        first_step = min(_FIRST_STEP, max_step)
+        simulator.get_mutable_integrator().request_initial_step_size_target(first_step)
         return simulator
 
     def _advance(

@@ -67,6 +67,11 @@ def test_metrics():
     assert figures["longitudinal_speed_max"] == pytest.approx(1.0)
     slowest = 1.0 - 1.9**2
     assert figures["longitudinal_speed_after_separation"] == pytest.approx(slowest)
+    fastest = figures["longitudinal_speed_max_after_separation"]
+    assert fastest == pytest.approx(1.0)  # at 1.1 s
+    # From 0.2 end to 0.6, and through zero.
+    assert figures["rate_magnitude_min_after_separation_y"] == pytest.approx(0.2 * end)
+    assert figures["rate_magnitude_min_after_separation_z"] == 0.0
     assert figures["G_PM"] == OBJECTIVES["PM"](RUN)
 
 

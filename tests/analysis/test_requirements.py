@@ -30,6 +30,36 @@ def test_worst_of_several_runs():
     assert (speed.worst, speed.run, speed.met) == (0.4, "a", False)
 
 
+@pytest.mark.parametrize(
+    ("metric", "sense", "runs", "worst"),
+    [
+        (
+            "longitudinal_speed_after_separation",
+            "<=",
+            {"longitudinal_speed_max_after_separation": 1.2},
+            1.2,
+        ),
+        ("longitudinal_speed_after_separation", ">=", {}, 0.6),
+        (
+            "rate_after_separation_x",
+            ">=",
+            {"rate_magnitude_min_after_separation_x": 0.1},
+            0.1,
+        ),
+        ("rate_after_separation_x", "<=", {}, 0.3),
+    ],
+)
+def test_judged_by_the_extreme_that_breaks_the_limit(metric, sense, runs, worst):
+    figures = {
+        "longitudinal_speed_after_separation": 0.6,
+        "rate_after_separation_x": 0.3,
+        **runs,
+    }
+    requirement = Requirement(metric=metric, sense=sense, limit=0.5)
+    [finding] = assess([requirement], {"nominal": figures}, "nominal")
+    assert (finding.worst, finding.nominal) == (worst, worst)
+
+
 def test_exactly_at_the_limit_is_met():
     runs = {"nominal": {AT_MOST.metric: 2.0}}
     [finding] = assess([AT_MOST], runs, "nominal")
