@@ -22,13 +22,13 @@ from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorC
 from pydrake.systems.framework import Context, System
 from single_run import STAGES, time_in_turns, whole, with_systems
 
-from drakesep.case_file import load_case
-from drakesep.systems.model import Separation
-from drakesep.systems.separation_system import (
+from drakesep.case_file.reader import load_case
+from drakesep.systems.diagram.separation_system import (
     SeparationSystem,
     set_mated_motion,
     spatial_inertia,
 )
+from drakesep.systems.model.separation import Separation
 
 
 ACCURACY, FLOWN, ROUNDS = 1e-6, 1.0, 9

@@ -21,10 +21,10 @@ import trimesh
 from drakesep import load_case
 from drakesep.analysis import ClearanceAnalysis
 from drakesep.systems import Simulation
-from drakesep.systems.elements import Capsule, Element, Mesh
-from drakesep.systems.model import Separation
-from drakesep.systems.pieces import pieces_of
-from drakesep.systems.proximity import Proximity
+from drakesep.systems.geometry.convex_pieces import pieces_of
+from drakesep.systems.geometry.distance import Proximity
+from drakesep.systems.model.parts import Capsule, Element, Mesh
+from drakesep.systems.model.separation import Separation
 
 
 ROUNDS = 3

@@ -12,8 +12,8 @@ import time
 import jax
 import numpy as np
 
-from drakesep.analysis.batch import Batch
-from drakesep.case_file import load_case
+from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.case_file.reader import load_case
 
 
 LARGEST = {"cpu": 10**5}

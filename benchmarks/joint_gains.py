@@ -33,10 +33,10 @@ from pydrake.multibody.tree import (
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import Context, System
 
-from drakesep.case_file import load_case
-from drakesep.systems.joints import Joint, JointType
-from drakesep.systems.model import InitialMotion, Separation
-from drakesep.systems.separation_system import SeparationSystem, spatial_inertia
+from drakesep.case_file.reader import load_case
+from drakesep.systems.diagram.separation_system import SeparationSystem, spatial_inertia
+from drakesep.systems.model.joints import Joint, JointType
+from drakesep.systems.model.separation import InitialMotion, Separation
 
 
 RATES: dict[JointType, list[float]] = {

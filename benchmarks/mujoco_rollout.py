@@ -11,10 +11,10 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
-from drakesep.systems.geometry import mated_motion, pad_on_B
-from drakesep.systems.inertia import inertia_matrix
-from drakesep.systems.model import Separation
-from drakesep.systems.parameters import with_values
+from drakesep.systems.equations.mated_stack import mated_motion, pad_on_B
+from drakesep.systems.model.inertia import inertia_matrix
+from drakesep.systems.model.parameters import with_values
+from drakesep.systems.model.separation import Separation
 
 
 class MujocoRollout:

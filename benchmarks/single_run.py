@@ -14,20 +14,20 @@ from collections.abc import Callable
 from pydrake.systems.framework import Context, DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import Adder
 
-from drakesep.case_file import load_case
-from drakesep.systems.cfe_bushing import CfeBushing
-from drakesep.systems.gravity import Gravity
-from drakesep.systems.model import Separation
-from drakesep.systems.motion_analysis import MotionAnalysis
-from drakesep.systems.release import Release
-from drakesep.systems.separation_system import (
+from drakesep.case_file.reader import load_case
+from drakesep.systems.diagram.gravity import Gravity
+from drakesep.systems.diagram.joints import CfeBushing
+from drakesep.systems.diagram.motion_analysis import MotionAnalysis
+from drakesep.systems.diagram.release import Release
+from drakesep.systems.diagram.separation_system import (
     SeparationSystem,
     make_plant,
     set_mated_motion,
 )
-from drakesep.systems.simulation import Simulation
-from drakesep.systems.springs import Springs
-from drakesep.systems.state_layout import state_layout
+from drakesep.systems.diagram.springs import Springs
+from drakesep.systems.diagram.state_layout import state_layout
+from drakesep.systems.model.separation import Separation
+from drakesep.systems.simulation.simulation import Simulation
 
 
 ROUNDS, EVALUATIONS = 60, 60

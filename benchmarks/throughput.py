@@ -24,13 +24,13 @@ from typing import NamedTuple
 import numpy as np
 from mujoco_rollout import MujocoRollout
 
-from drakesep.analysis.batch import Batch
-from drakesep.analysis.fleet import Fleet
-from drakesep.analysis.requirements import deviation_limits
-from drakesep.case_file import load_case
-from drakesep.systems.model import Separation
-from drakesep.systems.parameters import parameters
-from drakesep.systems.settings import Integration
+from drakesep.analysis.engines.drake_pool import Fleet
+from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.analysis.metrics.requirements import deviation_limits
+from drakesep.case_file.reader import load_case
+from drakesep.systems.model.integration import Integration
+from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.separation import Separation
 
 
 ROUNDS = 5
@@ -38,8 +38,8 @@ REFERENCE_ROWS = 16
 FIRST = """
 import time
 began = time.perf_counter()
-from drakesep.analysis.batch import Batch
-from drakesep.case_file import load_case
+from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.case_file.reader import load_case
 case = load_case("vega")
 batch = Batch(case.separation, case.box.names)
 batch.run(case.box.nominal[None])
@@ -48,8 +48,8 @@ print(time.perf_counter() - began)
 MILLION = """
 import resource
 import numpy as np
-from drakesep.analysis.batch import Batch
-from drakesep.case_file import load_case
+from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.case_file.reader import load_case
 case = load_case("vega")
 u = np.random.default_rng(0).uniform(-0.3, 0.3, size=(1_000_000, len(case.box)))
 batch = Batch(case.separation, case.box.names)

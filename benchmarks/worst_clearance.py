@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drakesep import Case, load_case, worst_case
-from drakesep.analysis.batch import Batch
-from drakesep.analysis.clearance import ClearanceAnalysis
-from drakesep.analysis.lowest_clearance import LowestClearance
-from drakesep.systems.pieces import pieces_of
-from drakesep.systems.relative_path import RelativePath
-from drakesep.systems.run import Run
+from drakesep.analysis.clearance.objective import LowestClearance
+from drakesep.analysis.clearance.of_run import ClearanceAnalysis
+from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.systems.geometry.convex_pieces import pieces_of
+from drakesep.systems.geometry.relative_path import RelativePath
+from drakesep.systems.model.run import Run
 
 
 Array = NDArray[np.float64]

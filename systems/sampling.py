@@ -5,8 +5,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from drakesep.systems.model import Separation
-from drakesep.systems.run import Array
+from drakesep.systems.model.run import Array
+from drakesep.systems.model.separation import Separation
 
 
 NANOSECOND = 1e-9

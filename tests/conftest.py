@@ -3,12 +3,12 @@
 import hypothesis
 import pytest
 
-from drakesep.analysis.batch import Batch
-from drakesep.analysis.requirements import deviation_limits
-from drakesep.case import Case
-from drakesep.case_file import load_case
-from drakesep.studies import verify
-from drakesep.verification import Verification
+from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.analysis.metrics.requirements import deviation_limits
+from drakesep.case_file.case import Case
+from drakesep.case_file.reader import load_case
+from drakesep.studies.studies import verify
+from drakesep.studies.verification import Verification
 
 
 # A busy machine is not a failure.

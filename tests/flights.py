@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 from separations import generic_pair
 
-from drakesep.systems.run import Run, RunStatus, Trajectory
+from drakesep.systems.model.run import Run, RunStatus, Trajectory
 
 
 def trajectory(time, p_AoBo, v_ABo, *, angle=None, rate=None, axis=(1.0, 0.0, 0.0)):

@@ -4,8 +4,8 @@ import numpy as np
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import Context, Diagram
 
-from drakesep.systems.model import Separation
-from drakesep.systems.separation_system import SeparationSystem
+from drakesep.systems.diagram.separation_system import SeparationSystem
+from drakesep.systems.model.separation import Separation
 
 
 def start(

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from drakesep.systems.model import Body, Separation
+from drakesep.systems.model.separation import Body, Separation
 
 
 _PARTS = [3, 6, 10, 13, 16, 19, 23, 26, 29]

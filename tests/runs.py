@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 from separations import generic_pair
 
-from drakesep.analysis.evaluators import RunEvaluator
-from drakesep.analysis.objectives import of_run
-from drakesep.analysis.tolerance_set import ToleranceSet
-from drakesep.systems.model import Separation
-from drakesep.systems.parameters import parameters, with_values
-from drakesep.systems.run import Motion, Run, RunStatus
+from drakesep.analysis.engines.evaluator import RunEvaluator
+from drakesep.analysis.metrics.objectives import of_run
+from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
+from drakesep.systems.model.parameters import parameters, with_values
+from drakesep.systems.model.run import Motion, Run, RunStatus
+from drakesep.systems.model.separation import Separation
 from drakesep.systems.sampling import find_breaks, sample_times
 
 

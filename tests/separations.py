@@ -5,11 +5,17 @@ import math
 
 import numpy as np
 
-from drakesep.case_file import load_case
-from drakesep.systems.joints import Joint
-from drakesep.systems.model import Attachment, Body, InitialMotion, Orbit, Separation
-from drakesep.systems.parameters import with_values
-from drakesep.systems.pushers import Spring
+from drakesep.case_file.reader import load_case
+from drakesep.systems.model.joints import Joint
+from drakesep.systems.model.parameters import with_values
+from drakesep.systems.model.separation import (
+    Attachment,
+    Body,
+    InitialMotion,
+    Orbit,
+    Separation,
+)
+from drakesep.systems.model.springs import Spring
 
 
 FREE = Joint(K_F=0.0, D_F=0.0, K_T=0.0, D_T=0.0)

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
-from drakesep.case import Case
-from drakesep.case_file import builtin_cases
+from drakesep.case_file.case import Case
+from drakesep.case_file.reader import builtin_cases
 
 
 DOCS = Path(__file__).parent.parent / "docs"

@@ -11,11 +11,11 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import FixedOffsetFrame, RevoluteJoint
 from pydrake.systems.framework import DiagramBuilder
 
-from drakesep.case_file import builtin_cases, load_case
-from drakesep.systems.run import RunStatus
-from drakesep.systems.separation_system import spatial_inertia
-from drakesep.systems.simulation import Simulation
-from drakesep.systems.user_plant import add_separation
+from drakesep.case_file.reader import builtin_cases, load_case
+from drakesep.systems.diagram.on_your_plant import add_separation
+from drakesep.systems.diagram.separation_system import spatial_inertia
+from drakesep.systems.model.run import RunStatus
+from drakesep.systems.simulation.simulation import Simulation
 
 
 @pytest.fixture(scope="module")

@@ -13,10 +13,15 @@ from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorC
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from drakesep.systems.inertia import inertia_matrix
-from drakesep.systems.joints import Joint
-from drakesep.systems.model import Attachment, Body, InitialMotion, Separation
-from drakesep.systems.separation_system import SeparationSystem
+from drakesep.systems.diagram.separation_system import SeparationSystem
+from drakesep.systems.model.inertia import inertia_matrix
+from drakesep.systems.model.joints import Joint
+from drakesep.systems.model.separation import (
+    Attachment,
+    Body,
+    InitialMotion,
+    Separation,
+)
 
 
 SLUG, FOOT = 14.593903, 0.3048

@@ -6,7 +6,7 @@ import math
 import pytest
 
 import drakesep
-from drakesep.case import Case
+from drakesep.case_file.case import Case
 
 
 LITTLE = {"samples": 100, "starts": 2, "growth": False}

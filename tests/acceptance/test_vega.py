@@ -10,9 +10,9 @@ import math
 import numpy as np
 import pytest
 
-from drakesep.analysis.metrics import metrics
-from drakesep.systems.parameters import parameters
-from drakesep.systems.simulation import Simulation
+from drakesep.analysis.metrics.of_run import metrics
+from drakesep.systems.model.parameters import parameters
+from drakesep.systems.simulation.simulation import Simulation
 
 
 PRINTED = {

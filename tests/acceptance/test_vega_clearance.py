@@ -5,14 +5,14 @@ import pandas as pd
 import pytest
 
 import drakesep
-from drakesep.analysis.ascent import Start, slopes_at
-from drakesep.analysis.clearance_of_pair import ACCURACY
-from drakesep.analysis.evaluators import BatchEvaluator
-from drakesep.analysis.requirements import deviation_limits
-from drakesep.analysis.search import Problem
-from drakesep.analysis.suspects import suspects
-from drakesep.systems.pieces import FACET
-from drakesep.systems.relative_path import RelativePath
+from drakesep.analysis.clearance.of_pair import ACCURACY
+from drakesep.analysis.engines.evaluator import BatchEvaluator
+from drakesep.analysis.metrics.requirements import deviation_limits
+from drakesep.analysis.search.linearised_corners import suspects
+from drakesep.analysis.search.problem import Problem
+from drakesep.analysis.search.sqp import Start, slopes_at
+from drakesep.systems.geometry.convex_pieces import FACET
+from drakesep.systems.geometry.relative_path import RelativePath
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,1 @@
+"""How near parts come to each other in runs."""

@@ -1,0 +1,201 @@
+"""How near elements come as an objective: the worst clearance over tolerances.
+
+The smallest distance over pairs and times has a kink wherever another pair or time
+becomes the smallest, and is known to some tens of micrometres: too coarse for
+differences. Its slope is that of the distance between the two nearest points, as they
+are fixed in their bodies, along their common normal and at the time of the smallest
+(the envelope theorem): where both are best, a change of either is of second order.
+"""
+
+import functools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from drakesep.analysis.clearance.of_pair import ACCURACY, Clearance
+from drakesep.analysis.clearance.of_run import ClearanceAnalysis
+from drakesep.analysis.metrics.objectives import About, Limits, Objective
+from drakesep.systems.checks import InputError, check_positive
+from drakesep.systems.geometry.relative_path import RelativePath
+from drakesep.systems.model.part_pairs import owners_of, pairs_apart
+from drakesep.systems.model.run import Array, Run
+from drakesep.systems.model.separation import Separation
+
+
+CLEARANCE = "clearance"
+"""The figure: how near the nearest elements come, m; of some runs only."""
+LOWEST = f"lowest_{CLEARANCE}"
+"""The objective."""
+_MOMENTS = 25
+"""At which all pairs are looked at, for which of them may come nearest."""
+
+
+class LowestClearance(Objective):
+    """Less the smallest distance between elements: 0, the highest, at contact."""
+
+    figure = CLEARANCE
+    sign = -1.0
+    of_figures_alone = False
+    costly = True
+    has_parts = True
+
+    def __init__(
+        self,
+        separation: Separation,
+        pairs: Sequence[Sequence[str]] | None = None,
+        *,
+        touching: Sequence[Sequence[str]] = (),
+        until_separation: float | None = None,
+        name: str = LOWEST,
+    ):
+        """Prepare.
+
+        Args:
+            separation: whose bodies have elements.
+            pairs: of elements; if None, all of different bodies that do not touch while
+                mated: those that do begin at no distance.
+            touching: those that touch or overlap while mated.
+            until_separation: how far B is to move along A's x axis until the distances
+                do not matter any more, m; to the end of the run if None.
+            name: in tables.
+
+        Raises:
+            ValueError: a pair names no element or two of one body, or the separation is
+                not positive.
+        """
+        if until_separation is not None:
+            check_positive("until_separation", until_separation)
+        self.name = name
+        self._until_separation = until_separation
+        self._separation, self._touching = separation, touching
+        self._pairs = pairs_apart(separation, pairs, touching)
+        self._owners = owners_of(separation)
+        if not self._pairs:
+            raise InputError(
+                "pairs: must have one of two bodies that does not touch while mated, "
+                "got none"
+            )
+
+    @functools.cached_property
+    def _analysis(self) -> ClearanceAnalysis:
+        # Once it is needed: cutting elements into pieces takes its time.
+        return ClearanceAnalysis(self._separation, self._pairs, touching=self._touching)
+
+    def prepare(self) -> None:
+        """Cut elements into pieces now, which warns of meshes of a doubtful scale."""
+        _ = self._analysis
+
+    def nearest(self, run: Run) -> Clearance:
+        """Return how near the nearest pair comes in a completed run.
+
+        Raises:
+            ValueError: B does not move as far as the window goes.
+        """
+        found = self.nearer(run, math.inf)
+        assert found is not None
+        return found
+
+    def nearer(self, run: Run, than: float) -> Clearance | None:
+        """Return how near the nearest pair comes; None if not nearer than that, m.
+
+        Raises:
+            ValueError: B does not move as far as the window goes.
+        """
+        return self._analysis.smallest(run, until=self._end(run), than=than)
+
+    def of_run(self, run: Run, limits: Limits) -> float:
+        """Return less the smallest distance in a completed run, m."""
+        return -self.nearest(run).minimum
+
+    def resolution(self, accuracy: float) -> float:
+        """Return by how much it may differ in two runs that are equal but for errors.
+
+        Args:
+            accuracy: of the runs' motion, m.
+        """
+        return ACCURACY + accuracy
+
+    def about(self, run: Run, limits: Limits) -> About:
+        """Return the objective, and how far its two nearest points are apart around."""
+        found = self.nearest(run)
+        A, B = self._owners[found.first], self._owners[found.second]
+        ends_there = found.time >= self._end(run)
+        first, second = np.array(found.p_AoCa_A), np.array(found.p_BoCb_B)
+
+        def second_from_first(other: Run) -> np.ndarray:
+            time = self._end(other) if ends_there else found.time
+            pose = RelativePath(other.completed_trajectory, A, B).at(time)
+            return np.asarray(pose.p_AoBo_A + pose.R_AB @ second - first)
+
+        apart = second_from_first(run)
+        length = float(np.linalg.norm(apart))
+        # Shapes that touch have no normal, and no clearance to lose.
+        n_A = apart / length if found.contact is None and length > 0.0 else 0.0 * apart
+        rest = found.minimum - float(n_A @ apart)
+        return About(
+            -found.minimum,
+            lambda other: -float(n_A @ second_from_first(other)) - rest,
+        )
+
+    def parts(self, run: Run, around: Sequence[Run]) -> tuple[Array, Array]:
+        """Return less the distances of all pairs at some moments, and their changes.
+
+        To first order: those of the nearest points, as for the smallest.
+        """
+        times = np.linspace(0.0, self._end(run), _MOMENTS)
+        flown = [one.completed_trajectory for one in (run, *around)]
+        places = {
+            ends: [RelativePath(one, *ends).places(times) for one in flown]
+            for ends in set(self._analysis.bodies)
+        }
+        values, changes = [], []
+        for pair in self._analysis.moments(run, times.tolist()):
+            R, p = (np.array(x) for x in zip(*places[pair[0].bodies], strict=True))
+            second = np.array([there.nearest.p_BoCb_B for there in pair])
+            n_A = np.nan_to_num([there.nearest.n_A for there in pair])
+            second_A = p + np.einsum("rtij,tj->rti", R, second)
+            along = np.einsum("rti,ti->rt", second_A, n_A)
+            values.append([-there.nearest.distance for there in pair])
+            changes.append((along[0] - along[1:]).T)
+        return np.array(values), np.array(changes)
+
+    def approach(
+        self, run: Run, found: Clearance, count: int = 60
+    ) -> tuple[Array, Array]:
+        """Return how near the nearest pair is while distances matter.
+
+        Args:
+            run: a completed run.
+            found: what is nearest in it.
+            count: of moments.
+
+        Returns:
+            (n,) how far B has moved along A's x axis, m; and (n,) the distances, m.
+        """
+        times = np.append(np.linspace(0.0, self._end(run), count), found.time)
+        times.sort()
+        A, B = run.separation.A, run.separation.B
+        path = RelativePath(run.completed_trajectory, A, B)
+        x = path.places(times)[1][:, 0]
+        pair = found.first, found.second
+        return x - x[0], self._analysis.at_times(run, times, of=[pair])[:, 0]
+
+    def _end(self, run: Run) -> float:
+        """Return until when distances matter, s."""
+        trajectory = run.completed_trajectory
+        last = float(trajectory.time[-1])
+        if self._until_separation is None:
+            return last
+        A, B = run.separation.A, run.separation.B
+        path = RelativePath(trajectory, A, B)
+        reached = path.time_apart(self._until_separation)
+        if math.isinf(reached):
+            _, (start, end) = path.places(np.array([0.0, last]))
+            moved = float(end[0] - start[0])
+            raise InputError(
+                "until_separation: must be reached by the end of every run, got "
+                f"{self._until_separation:g} m where {B} moves {moved:.3g} m "
+                f"along {A}'s x axis in {last:g} s"
+            )
+        return reached

@@ -1,0 +1,302 @@
+"""How near elements of different bodies come to each other in a run."""
+
+import functools
+import math
+import threading
+import warnings
+from collections.abc import Callable, Sequence
+from typing import Any, Concatenate, NamedTuple, ParamSpec, TypeAlias, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drakesep.analysis.clearance.of_pair import Clearance, ClearanceOfPair
+from drakesep.systems.checks import InputError, check_finite
+from drakesep.systems.geometry.convex_pieces import mesh_of
+from drakesep.systems.geometry.distance import Nearest, Proximity
+from drakesep.systems.geometry.relative_path import RelativePath
+from drakesep.systems.model.part_pairs import Names, element_pairs, owners_of
+from drakesep.systems.model.parts import Element, Mesh
+from drakesep.systems.model.run import Run
+from drakesep.systems.model.separation import Body, Separation
+
+
+Array = NDArray[np.float64]
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+_SMALLEST, _LARGEST = 1e-3, 15.0
+"""Size of a mesh over its body's radius of gyration, beyond which it is doubted."""
+PARTED = 1e-3
+"""Distance from which elements that touch while mated are measured, m."""
+
+
+_Along: TypeAlias = tuple[Names, ClearanceOfPair]
+"""A pair of elements, along the path of their bodies."""
+
+
+class NearestPair(NamedTuple):
+    """Two elements at some moment."""
+
+    names: Names
+    bodies: Names
+    nearest: Nearest
+
+
+def _alone(
+    measure: Callable[Concatenate["ClearanceAnalysis", _P], _R],
+) -> Callable[Concatenate["ClearanceAnalysis", _P], _R]:
+    """Let one thread at a time measure: bodies are placed in scenes that all share."""
+
+    @functools.wraps(measure)
+    def alone(self: "ClearanceAnalysis", /, *args: _P.args, **kwargs: _P.kwargs) -> _R:
+        with self._lock:
+            return measure(self, *args, **kwargs)
+
+    return alone
+
+
+class ClearanceAnalysis:
+    """Measures elements of a separation in its runs, whatever values these vary.
+
+    Attributes:
+        separation: whose elements they are.
+        names: (k,) the pairs of elements that are measured.
+        bodies: (k,) those that these are parts of.
+    """
+
+    def __init__(
+        self,
+        separation: Separation,
+        pairs: Sequence[Sequence[str]] | None = None,
+        *,
+        touching: Sequence[Sequence[str]] = (),
+    ):
+        """Prepare.
+
+        Args:
+            separation: whose bodies have elements.
+            pairs: names of elements of different bodies; all there are if None.
+            touching: those that touch or overlap while mated: they are measured from
+                when they are first `PARTED`, or by as much deeper into each other.
+
+        Raises:
+            ValueError: a pair names no element or two of one body, none is left, a mesh
+                cannot be read, or elements overlap while mated that are not said to.
+        """
+        self._made_of = separation, pairs, touching
+        self._lock = threading.RLock()
+        self.separation = separation
+        self.names = element_pairs(separation, pairs)
+        if not self.names:
+            raise InputError("geometry: a clearance needs elements on two bodies")
+        self._touching = set(map(frozenset, element_pairs(separation, touching)))
+        owners = owners_of(separation)
+        self.bodies = [(owners[a], owners[b]) for a, b in self.names]
+        asked = {name for pair in self.names for name in pair}
+        elements = {
+            body.name: [e for e in body.elements if e.name in asked]
+            for body in separation.bodies
+        }
+        for body in separation.bodies:
+            for element in elements[body.name]:
+                _warn_of_scale(body, element)
+        self._proximities = {
+            (A, B): Proximity(elements[A], elements[B])
+            for A, B in dict.fromkeys(self.bodies)
+        }
+
+    def __reduce__(self) -> tuple[Callable[..., "ClearanceAnalysis"], tuple[Any, ...]]:
+        """Let another process cut elements into pieces anew: Drake's cannot be sent."""
+        separation, pairs, touching = self._made_of
+        again = functools.partial(ClearanceAnalysis, touching=touching)
+        return again, (separation, pairs)
+
+    @_alone
+    def of(self, run: Run, *, until: float | None = None) -> list[Clearance]:
+        """Return how near each pair comes in a run.
+
+        Args:
+            run: a completed run of the separation.
+            until: to this time, s; to the end of the run if None.
+
+        Raises:
+            ValueError: elements overlap at the start that are not said to touch.
+            RuntimeError: the run failed.
+        """
+        end = _end(run, until)
+        return [
+            one.minimum(self._start_before(end, names, one), end)
+            for names, one in self._along(run)
+        ]
+
+    @_alone
+    def smallest(
+        self, run: Run, *, until: float | None = None, than: float = math.inf
+    ) -> Clearance | None:
+        """Return how near the pair that comes nearest comes, sooner than all of them.
+
+        Of pairs that come as near, to the accuracy of a clearance, any.
+
+        Args:
+            run: a completed run of the separation.
+            until: to this time, s; to the end of the run if None.
+            than: distance, m; None is returned if no pair comes nearer than it by more
+                than the accuracy, and sooner.
+
+        Raises:
+            ValueError: elements overlap at the start that are not said to touch.
+            RuntimeError: the run failed.
+        """
+        end = _end(run, until)
+        # That pairs are not the nearest is sooner shown once that one is known.
+        along = self._along(run)
+        if math.isinf(than):
+            along = _first(_nearest_of(along, 0.5 * end)[0], along)
+        best: Clearance | None = None
+        for names, one in along:
+            limit = than if best is None else best.minimum
+            start = self._start_before(end, names, one)
+            best = one.nearer(start, end, limit) or best
+        return best
+
+    def over_time(self, run: Run) -> Array:
+        """Return (n, k) how near each pair is at the n sample times of a run, m.
+
+        Raises:
+            RuntimeError: the run failed.
+        """
+        return self.at_times(run, run.completed_trajectory.time)
+
+    @_alone
+    def at_times(
+        self, run: Run, times: Array, *, of: Sequence[Names] | None = None
+    ) -> Array:
+        """Return (n, k) how near each pair is at n times (n,), s, of a run, m.
+
+        Args:
+            run: a completed run of the separation.
+            times: (n,) s.
+            of: which of the pairs in `names`; all if None.
+
+        Raises:
+            RuntimeError: the run failed.
+        """
+        asked = self.names if of is None else of
+        along = dict(self._along(run))
+        return np.array(
+            [
+                [along[names].at(t).distance for t in np.asarray(times).tolist()]
+                for names in asked
+            ]
+        ).T
+
+    @_alone
+    def nearest(self, run: Run, times: Sequence[float]) -> list[NearestPair]:
+        """Return which pair is nearest, and where, at each of some times, s.
+
+        Raises:
+            RuntimeError: the run failed.
+        """
+        bodies = dict(zip(self.names, self.bodies, strict=True))
+        along = self._along(run)
+        starts = {names: self._start(names, one) for names, one in along}
+        found = []
+        for t in times:
+            # A pair that has not parted yet comes after all others.
+            parted = [pair for pair in along if starts[pair[0]] <= t]
+            pair, nearest = _nearest_of(parted or along, t)
+            found.append(NearestPair(pair[0], bodies[pair[0]], nearest))
+            along = _first(pair, along)  # as it may be at the next time
+        return found
+
+    @_alone
+    def moments(self, run: Run, times: Sequence[float]) -> list[list[NearestPair]]:
+        """Return where each pair is nearest at each of some times, s.
+
+        Those that touch while mated are left out.
+
+        Raises:
+            RuntimeError: the run failed.
+        """
+        bodies = dict(zip(self.names, self.bodies, strict=True))
+        return [
+            [NearestPair(names, bodies[names], one.at(t)) for t in times]
+            for names, one in self._along(run)
+            if frozenset(names) not in self._touching
+        ]
+
+    def _along(self, run: Run) -> list[_Along]:
+        trajectory = run.completed_trajectory
+        paths = {ends: RelativePath(trajectory, *ends) for ends in self._proximities}
+        return [
+            (names, ClearanceOfPair(self._proximities[ends], names, paths[ends]))
+            for names, ends in zip(self.names, self.bodies, strict=True)
+        ]
+
+    def _start_before(self, end: float, names: Names, one: ClearanceOfPair) -> float:
+        start = self._start(names, one)
+        # What has not parted by then is in contact all the time.
+        return start if start < end else 0.0
+
+    def _start(self, names: Names, one: ClearanceOfPair) -> float:
+        """Return from when a pair is measured, s; infinite if it never parts."""
+        if frozenset(names) in self._touching:
+            mated = one.at(0.0).distance
+            times: list[float] = one.time.tolist()
+            for t in times:
+                distance = one.at(t).distance
+                if one.solid and mated - distance > PARTED:
+                    return t  # deeper into each other: a contact
+                if distance > PARTED and not one.overlap(t):
+                    return t
+            return math.inf
+        if one.overlap(0.0):
+            distance = 1e3 * one.at(0.0).distance
+            raise InputError(
+                f"geometry: {names[0]} and {names[1]} must be apart while mated, or be "
+                f"listed as touching; got a distance of {distance:.3f} mm, or one "
+                "inside the other"
+            )
+        return 0.0
+
+
+def _nearest_of(along: Sequence[_Along], t: float) -> tuple[_Along, Nearest]:
+    """Return which pair is nearest at a time, s, and where."""
+    first, *others = along
+    found = first, first[1].at(t)
+    for pair in others:
+        nearer = pair[1].at_below(t, found[1].distance)
+        if nearer is not None:
+            found = pair, nearer
+    return found
+
+
+def _first(pair: _Along, along: Sequence[_Along]) -> list[_Along]:
+    return [pair, *(other for other in along if other is not pair)]
+
+
+def _end(run: Run, until: float | None) -> float:
+    last = float(run.completed_trajectory.time[-1])
+    end = last if until is None else until
+    check_finite("until", end)
+    if not 0.0 < end <= last:
+        raise InputError(f"until: must be above 0 and at most {last:g} s, got {end}")
+    return end
+
+
+def _warn_of_scale(body: Body, element: Element) -> None:
+    """Warn of a mesh that does not go with the size of its body."""
+    mesh = element.shape
+    if not isinstance(mesh, Mesh):
+        return
+    xx, yy, zz, *_ = body.I_BBcm_B
+    size = math.sqrt(0.5 * (xx + yy + zz) / body.mass)  # radius of gyration
+    extent = mesh.scale * float(mesh_of(element).scale)
+    if not _SMALLEST <= extent / size <= _LARGEST:
+        warnings.warn(
+            f"{element.name}: mesh is {extent:.3g} m across on a body of radius of "
+            f"gyration {size:.3g} m; check scale, metres in a unit of the file, now "
+            f"{mesh.scale:g} (0.001 for a file in mm)",
+            stacklevel=3,
+        )

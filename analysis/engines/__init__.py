@@ -1,0 +1,1 @@
+"""What tells a search the objectives at points."""

@@ -1,0 +1,525 @@
+"""Many runs at once: figures, their derivatives and motion of a whole batch.
+
+The batch engine integrates the same equations as the Drake systems, in JAX and double
+precision, many samples side by side. Drake stays the reference. How a batch is flown is
+told in `drakesep.systems.batch.integrator`.
+"""
+
+import functools
+import math
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, TypeAlias
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+
+from drakesep.analysis.engines.jax.compiled import (
+    Program,
+    call,
+    compiler_options,
+    keep_programs,
+)
+from drakesep.analysis.engines.jax.step_signals import MetricsFold
+from drakesep.analysis.metrics.of_run import METRICS
+from drakesep.systems.batch import integrator as batch_flight
+from drakesep.systems.batch.equations import BatchEquations, Lanes
+from drakesep.systems.batch.integrator import BatchFlight, Landing
+from drakesep.systems.batch.motion import MotionFold, columns_of, trajectory_of
+from drakesep.systems.batch.row_checks import check_rows
+from drakesep.systems.checks import InputError, check_positive, unknown
+from drakesep.systems.model.parameters import parameters, with_values
+from drakesep.systems.model.run import Motion, Run, RunStatus
+from drakesep.systems.model.separation import Separation
+from drakesep.systems.sampling import find_breaks, sample_times
+
+
+Array = NDArray[np.float64]
+Progress = Callable[[int, int], None]
+"""Told how many rows are done, and of how many."""
+
+Values: TypeAlias = ArrayLike | pd.DataFrame
+
+TOLERANCE = 1e-7
+"""Of a run's error estimate, in SI; figures are within 1e-8 of their values by it."""
+MAX_STEPS = 20_000
+_CHUNK = {"cpu": 128}
+"""Rows that are flown together: on a CPU as many as its cache holds."""
+_CHUNK_OF_ACCELERATOR = 65_536
+_RUNS = 16
+"""Rows whose motion is sampled together."""
+_TIMES = 256
+"""Sample times come in multiples of this: each number of them is a program."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BatchResult:
+    """What came of a batch of n rows."""
+
+    names: tuple[str, ...]
+    """(n_p,) of the parameters."""
+    metrics: pd.DataFrame
+    """(n, n_m) figures of each row, in SI; NaN in rows that failed."""
+    failures: Mapping[int, str]
+    """Why a row failed, by its number from 0."""
+    steps: NDArray[np.int64]
+    """(n,) integration steps tried for each row; 0 if it was not flown."""
+    jacobian: Array | None = field(default=None, repr=False)
+    """(n, n_m, n_p) derivatives of the figures with the parameters, if asked for."""
+
+
+class _Flown(NamedTuple):
+    """What comes out of a compiled program, for some chunks."""
+
+    metrics: Lanes
+    """(n_m, n)."""
+    landing: Landing
+    slopes: Any
+    """(n_p, n_m, n), if asked for."""
+
+
+class Batch:
+    """Flies a separation for whole arrays of parameter values.
+
+    Programs are compiled at first use, for a separation and the names of the parameters
+    that vary, and kept on disk across processes: in JAX's cache, which is put into the
+    user's cache folder unless JAX has been told of another. Rows are flown in chunks,
+    on all cores: memory does not grow with their number, and no result depends on the
+    number of workers.
+
+    Attributes:
+        separation: that is flown.
+        names: (n_p,) of the parameters that vary.
+        nominal: (n_p,) their values in the separation.
+    """
+
+    def __init__(
+        self,
+        separation: Separation,
+        names: Sequence[str],
+        *,
+        deviation_limits: Sequence[float] = (math.inf,) * 3,
+        tolerance: float = TOLERANCE,
+        max_steps: int = MAX_STEPS,
+        chunk: int | None = None,
+        workers: int | None = None,
+    ):
+        """Prepare.
+
+        Args:
+            separation: to be flown and varied.
+            names: (n_p,) parameters that vary; see `drakesep.systems.model.parameters`.
+            deviation_limits: (3,) limits of roll, pitch and yaw, rad, for the time
+                until which all stay within theirs; infinite where there is none.
+            tolerance: of the error estimates of all steps of a run together, in SI.
+            max_steps: after which a row has failed.
+            chunk: rows that are flown together; what suits the machine if None.
+            workers: threads that fly chunks; one per core if None, one on a GPU.
+
+        Raises:
+            ValueError: a parameter is unknown or named twice, or a number is not
+                positive.
+        """
+        if not isinstance(separation, Separation):
+            raise InputError(
+                "separation must be a Separation (a case has one: case.separation), "
+                f"got a {type(separation).__name__}"
+            )
+        nominal = parameters(separation)
+        _check_names(names, nominal)
+        _check_limits(deviation_limits)
+        _check_released(separation)
+        _check_free(separation)
+        check_positive("tolerance", tolerance)
+        keep_programs()
+        platform = jax.default_backend()
+        chunk = _CHUNK.get(platform, _CHUNK_OF_ACCELERATOR) if chunk is None else chunk
+        if workers is None:
+            workers = (os.cpu_count() or 1) if platform == "cpu" else 1
+        for what, number in (
+            ("max_steps", max_steps),
+            ("chunk", chunk),
+            ("workers", workers),
+        ):
+            if not isinstance(number, int) or number < 1:
+                raise InputError(f"{what} must be a whole number >= 1, got {number}")
+        self.separation = separation
+        self.names = tuple(names)
+        self._workers = workers
+        self._max_steps = max_steps
+        self._nominal = nominal
+        self.nominal = np.array([nominal[name] for name in names])
+        self._equations = BatchEquations(separation, names)
+        flight = functools.partial(
+            BatchFlight, self._equations, tolerance=tolerance, max_steps=max_steps
+        )
+        self._flight = flight()
+        # Where times vary, those that coincide must be told apart.
+        timed = any(name.endswith((".release_time", ".start")) for name in names)
+        self._flight_of_slopes = flight(one_by_one=timed)
+        self._fold = MetricsFold(self._equations, deviation_limits)
+        compiled = functools.partial(
+            jax.jit, compiler_options=compiler_options(platform)
+        )
+        # Lanes of slopes carry twice as much, and a row has n_p.
+        few = -(-chunk // (2 * len(names)))
+        self._figures = Program(compiled, self._fly_figures, chunk)
+        self._figures_and_slopes = Program(compiled, self._fly_slopes, few)
+        self._motion = compiled(self._fly_motion)
+
+    def run(
+        self, values: Values, *, on_progress: Progress | None = None
+    ) -> BatchResult:
+        """Fly each row of values.
+
+        Args:
+            values: (n, n_p) of the parameters, in SI, in their order; or a frame with
+                their names.
+            on_progress: called every few chunks.
+
+        Raises:
+            ValueError: the values are not n_p columns.
+        """
+        return self._run(self._figures, values, on_progress)
+
+    def jacobian(
+        self, values: Values, *, on_progress: Progress | None = None
+    ) -> BatchResult:
+        """Fly each row of values, with the derivatives of all figures.
+
+        They are exact: those of the integration itself, in forward mode. At a kink of a
+        figure they lie between both sides'; see
+        `drakesep.analysis.engines.jax.step_signals`.
+
+        Args:
+            values: (n, n_p) of the parameters, in SI, in their order; or a frame with
+                their names.
+            on_progress: called every few chunks.
+
+        Raises:
+            ValueError: the values are not n_p columns.
+        """
+        return self._run(self._figures_and_slopes, values, on_progress)
+
+    def runs(self, values: Values) -> list[Run]:
+        """Fly each row of values, and return the runs with their sampled motion.
+
+        They are like those of `Simulation.run`, for whatever takes one: an objective, a
+        table, a figure. A row that is not physical is a failed run of the nominal.
+
+        Args:
+            values: (n, n_p) of the parameters, in SI, in their order; or a frame with
+                their names.
+
+        Raises:
+            ValueError: the values are not n_p columns.
+        """
+        rows = self._check_values(values)
+        failures = check_rows(self.separation, self.names, rows)
+        runs: list[Run] = []
+        size = min(_RUNS, self._figures.lanes)
+        for first in range(0, len(rows), size):
+            chunk = rows[first : first + size]
+            mine = {
+                i - first: why
+                for i, why in failures.items()
+                if first <= i < first + len(chunk)
+            }
+            runs += self._sample(chunk, mine)
+        return runs
+
+    # Chunks of rows.
+
+    def _check_values(self, values: Values) -> Array:
+        if isinstance(values, pd.DataFrame):
+            if set(values.columns) != set(self.names):
+                raise InputError(
+                    f"columns must be the parameters {', '.join(self.names)}, "
+                    f"got {', '.join(map(str, values.columns))}"
+                )
+            values = values[list(self.names)]
+        elif np.iscomplexobj(values):
+            raise InputError("values must be real numbers, got complex ones")
+        rows = np.asarray(values, dtype=float)
+        if rows.ndim != 2 or rows.shape[1] != len(self.names):
+            raise InputError(
+                f"values must have a column for each of the {len(self.names)} "
+                f"parameters, got an array of shape {rows.shape}"
+            )
+        return rows
+
+    def _run(
+        self,
+        program: Program,
+        values: Values,
+        on_progress: Progress | None,
+    ) -> BatchResult:
+        rows = self._check_values(values)
+        failures = check_rows(self.separation, self.names, rows)
+        flyable, unflown = rows.copy(), list(failures)
+        flyable[unflown] = self.nominal
+        metrics = np.empty((len(rows), len(METRICS)))
+        steps = np.zeros(len(rows), dtype=np.int64)
+        jacobian = None
+        if program is self._figures_and_slopes:
+            jacobian = np.empty((*metrics.shape, len(self.names)))
+        for part, flown in self._fly_parts(program, flyable):
+            metrics[part] = flown.metrics.T
+            steps[part] = flown.landing.steps
+            if jacobian is not None:
+                jacobian[part] = np.transpose(flown.slopes, (2, 1, 0))
+            for i, why in self._why_not(flown).items():
+                failures.setdefault(part.start + i, why)
+            if on_progress is not None:
+                on_progress(part.stop, len(rows))
+        steps[unflown] = 0
+        metrics[list(failures)] = np.nan
+        if jacobian is not None:
+            jacobian[list(failures)] = np.nan
+        index = values.index if isinstance(values, pd.DataFrame) else None
+        return BatchResult(
+            names=self.names,
+            metrics=pd.DataFrame(metrics, index=index, columns=list(METRICS)),
+            failures=dict(sorted(failures.items())),
+            steps=steps,
+            jacobian=jacobian,
+        )
+
+    def _fly_parts(
+        self, program: Program, rows: Array
+    ) -> Iterator[tuple[slice, _Flown]]:
+        """Yield parts of the rows in order, of some chunks, with what came of them."""
+        chunks = -(-len(rows) // program.chunk)
+        most = min(chunks // self._workers, program.affordable)
+        size = program.chunk * max(most, 1)
+        parts = [
+            slice(start, min(start + size, len(rows)))
+            for start in range(0, len(rows), size)
+        ]
+
+        def fly(part: slice) -> _Flown:
+            lanes = self._filled(rows[part], program.lanes)
+            flown: _Flown = program(lanes, len(rows[part]))
+            return flown
+
+        with ThreadPoolExecutor(self._workers) as pool:
+            try:
+                yield from zip(parts, pool.map(fly, parts), strict=True)
+            except BaseException:
+                pool.shutdown(wait=True, cancel_futures=True)
+                raise
+
+    def _filled(self, rows: Array, count: int) -> Array:
+        """Return (n_p, count) lanes of fewer rows: every call has the same size."""
+        lanes = np.tile(self.nominal[:, None], count)
+        lanes[:, : len(rows)] = rows.T
+        return lanes
+
+    def _why_not(self, flown: _Flown) -> dict[int, str]:
+        """Return why rows of a part failed."""
+        landing = flown.landing
+        finite = np.isfinite(flown.metrics).all(axis=0)
+        if flown.slopes is not None:
+            finite &= np.isfinite(flown.slopes).all(axis=(0, 1))
+        failed = (landing.status != batch_flight.COMPLETED) | ~finite
+        return {
+            i: self._reason(_of_row(landing, i))
+            for i in np.flatnonzero(failed).tolist()
+        }
+
+    def _reason(self, landing: Landing) -> str:
+        """Return why one row failed."""
+        status = int(landing.status)
+        if status == batch_flight.STILL_HELD:
+            i = int(np.flatnonzero(np.isinf(landing.released))[0])
+            held = self.separation.attachments[i].name
+            return f"{held} has not let go: its joint has not turned far enough"
+        if status == batch_flight.STROKE_LEFT:
+            k = int(np.flatnonzero(np.isinf(landing.stroke_ends))[0])
+            return f"{self.separation.springs[k].name} has not reached its stroke"
+        if status == batch_flight.STEP_COLLAPSED:
+            return f"the step size collapsed (at t = {landing.time:g} s)"
+        if status == batch_flight.TOO_MANY_STEPS:
+            return (
+                f"more than {self._max_steps} integration steps "
+                f"(at t = {landing.time:g} s)"
+            )
+        return "a figure, or a derivative of one, is not finite"
+
+    # The programs.
+
+    def _numbers(self, values: Lanes) -> Any:
+        p = {**self._nominal, **dict(zip(self.names, values, strict=True))}
+        return self._equations.numbers(p, values.shape[1])
+
+    def _fly_figures(self, values: Lanes) -> _Flown:
+        return self._flown(self._flight, values)
+
+    def _flown(self, flight: BatchFlight, values: Lanes) -> _Flown:
+        landing = flight.fly(self._numbers(values), self._fold)
+        metrics = self._fold.finish(landing.folded)
+        return _Flown(metrics, landing._replace(folded=None), None)
+
+    def _fly_slopes(self, values: Lanes) -> _Flown:
+        def fly(lanes: Lanes) -> tuple[Lanes, Landing]:
+            flown = self._flown(self._flight_of_slopes, lanes)
+            return flown.metrics, flown.landing
+
+        # A lane for each row and parameter: a run costs less than what it takes to
+        # share it, and the program is smaller.
+        n_p, n = values.shape
+        lanes = jnp.repeat(values, n_p, axis=1)
+        directions = jnp.tile(jnp.eye(n_p), n)
+        metrics, slopes, landing = jax.jvp(fly, (lanes,), (directions,), has_aux=True)
+        slopes = jnp.moveaxis(slopes.reshape(-1, n, n_p), 2, 0)
+        first: _Flown = jax.tree.map(
+            lambda x: x[..., ::n_p], _Flown(metrics, landing, None)
+        )
+        return first._replace(slopes=slopes)
+
+    def _fly_motion(self, values: Lanes, times: Lanes) -> Lanes:
+        fold, numbers = MotionFold(self._equations, times), self._numbers(values)
+        return fold.finish(self._flight.fly(numbers, fold).folded, numbers)
+
+    # Sampled motion.
+
+    def _sample(self, rows: Array, failures: Mapping[int, str]) -> list[Run]:
+        """Return the runs of at most `_RUNS` rows."""
+        flyable = rows.copy()
+        flyable[list(failures)] = self.nominal
+        flown = self._figures(self._filled(flyable, self._figures.lanes), len(rows))
+        reasons = {**self._why_not(flown), **failures}
+        plans = [
+            _Plan.of(self.separation, flown.landing, i, self._values(row))
+            for i, row in enumerate(rows)
+            if i not in reasons
+        ]
+        runs = {}
+        if plans:
+            signals = self._sample_motion(self._filled(flyable, _RUNS), plans)
+            runs = {plan.row: plan.run(signals) for plan in plans}
+        for i in range(len(rows)):
+            if i not in runs:
+                as_flown = i not in failures
+                runs[i] = Run(
+                    separation=with_values(self.separation, self._values(rows[i]))
+                    if as_flown
+                    else self.separation,
+                    status=RunStatus.FAILED,
+                    message=reasons[i],
+                )
+        return [runs[i] for i in range(len(rows))]
+
+    def _values(self, row: Array) -> dict[str, float]:
+        return dict(zip(self.names, row.tolist(), strict=True))
+
+    def _sample_motion(self, lanes: Array, plans: Sequence["_Plan"]) -> Array:
+        longest = max(len(plan.times) for plan in plans)
+        times = np.full((-(-longest // _TIMES) * _TIMES, _RUNS), np.inf)
+        for plan in plans:
+            times[: len(plan.times), plan.row] = plan.times
+        signals: Array = np.asarray(call(self._motion, lanes, times))
+        return signals
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Plan:
+    """A run that is to be sampled."""
+
+    row: int
+    separation: Separation
+    releases: Mapping[str, float]
+    stroke_ends: Mapping[str, float]
+    times: Array
+    steps: int
+    evaluations: int
+
+    @classmethod
+    def of(
+        cls,
+        separation: Separation,
+        landing: Landing,
+        row: int,
+        values: Mapping[str, float],
+    ) -> "_Plan":
+        flown = with_values(separation, values)
+        releases = {
+            attachment.name: float(t)
+            for attachment, t in zip(
+                flown.attachments, landing.released[:, row], strict=True
+            )
+        }
+        ends = {
+            spring.name: float(t)
+            for spring, t in zip(
+                flown.springs, landing.stroke_ends[:, row], strict=True
+            )
+        }
+        return cls(
+            row=row,
+            separation=flown,
+            releases=releases,
+            stroke_ends=ends,
+            times=sample_times(flown, releases, ends),
+            steps=int(landing.steps[row]),
+            evaluations=int(landing.evaluations[row]),
+        )
+
+    def run(self, signals: Array) -> Run:
+        """Return the run, from the signals (T, ..., n) at the times of all."""
+        mine = signals[: len(self.times), :, self.row]
+        return Run(
+            separation=self.separation,
+            status=RunStatus.COMPLETED,
+            motion=Motion(time=self.times, **columns_of(mine)),
+            trajectory=trajectory_of(self.separation, self.times, mine),
+            breaks=find_breaks(self.separation, self.releases, self.stroke_ends),
+            releases=self.releases,
+            stroke_ends=self.stroke_ends,
+            steps=self.steps,
+            evaluations=self.evaluations,
+        )
+
+
+def _check_names(names: Sequence[str], known: Mapping[str, float]) -> None:
+    if isinstance(names, str) or not len(names):
+        raise InputError(f"names must be a list of parameters, got {names!r}")
+    for name in names:
+        if name not in known:
+            raise InputError(unknown("parameter", name, known))
+    if len(set(names)) < len(names):
+        raise InputError(f"parameters must differ, got {', '.join(names)}")
+
+
+def _check_limits(limits: Sequence[float]) -> None:
+    if not np.shape(limits) == (3,) or not all(limit > 0.0 for limit in limits):
+        raise InputError(
+            f"deviation limits must be three above 0, in rad, got {limits}"
+        )
+
+
+def _check_released(separation: Separation) -> None:
+    for a in separation.attachments:
+        if math.isinf(a.release_time) and math.isinf(a.release_angle):
+            raise InputError(
+                f"{a.name} must let go at a time or at an angle: it waits for a "
+                "command, which a batch does not have"
+            )
+
+
+def _check_free(separation: Separation) -> None:
+    if separation.recontact is not None:
+        raise InputError(
+            "recontact: the batch engine knows no contact forces; leave recontact out, "
+            "or let Drake fly run by run: --search drake"
+        )
+
+
+def _of_row(landing: Landing, row: int) -> Landing:
+    mine: Landing = jax.tree.map(lambda x: x[..., row], landing)
+    return mine

@@ -1,0 +1,1 @@
+"""How far tolerances may grow."""

@@ -1,0 +1,300 @@
+"""How far tolerances may grow before a requirement is first violated.
+
+First, corners of sets that grow in a few stages say which of them are worst where a
+limit is first passed. Along the ray on which such a point moves as tolerances grow, the
+growth at which it reaches the limit is a root; there the worst case is searched anew,
+which moves the ray. By the envelope theorem the ray matters to second order only: a few
+rounds settle it. Roots and searches of all limits go side by side.
+
+What is found is a violation, so that the growth is at most this; that nothing is
+violated before it rests on the searches.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize.elementwise import find_root
+
+from drakesep.analysis.search.problem import Problem
+from drakesep.analysis.search.sqp import AscentSettings, Start, ascend
+from drakesep.systems.model.parameters import with_values
+
+
+Array = NDArray[np.float64]
+Index: TypeAlias = NDArray[np.intp]
+
+MOST = 5.0
+"""Beyond this growth is not looked at: tolerances five times as large are another
+design."""
+_STAGES = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, MOST)
+_WORST = 4
+"""Corners of a stage along which a limit is looked for."""
+_SETTLED = 1e-3
+"""Relative change of a growth at which its ray has settled."""
+_ROUNDS = 4
+_CLIMB = AscentSettings(tolerance=1e-6, max_iterations=2, differences=True)
+"""In a round: the next one goes on from there. Differences of a batch cost less than
+its derivatives, and settle a growth as well."""
+_GRID = (0.0, 0.5, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, MOST)
+"""Growths between which a limit is first passed on a ray."""
+_ROOT = 1e-5
+"""To which a growth is found on its ray."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limit:
+    """A value of an objective that it must not exceed, with where to begin."""
+
+    objective: int
+    """Which of the evaluator's."""
+    value: float
+    """In SI."""
+    u: tuple[float, ...]
+    """A scaled point of the set, at or near its worst case."""
+    parameter: int | None = None
+    """The only one whose tolerance grows; all do if None."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Growth:
+    """How far tolerances may grow."""
+
+    limit: Limit
+    factor: float
+    """At which the limit is reached; infinite if it was not found to be; 0 if the
+    nominal is beyond it, or the other tolerances without this one; NaN if runs
+    failed."""
+    most: float
+    """Up to which growth was looked at. A parameter that does not exist so far grows as
+    far as it does, while others go on."""
+    values: dict[str, float]
+    """Of the parameters where the limit is reached, in SI; empty if it is not."""
+    message: str = ""
+    """Why a run failed."""
+
+
+def grow(
+    problem: Problem,
+    limits: Sequence[Limit],
+    *,
+    corners: int = 4096,
+    seed: int = 0,
+    on_progress: Callable[[int, int], None] = lambda *_: None,
+) -> list[Growth]:
+    """Return for each limit by what factor tolerances may grow until it is reached.
+
+    Args:
+        problem: the objectives and the set.
+        limits: values that objectives must not exceed.
+        corners: of the box, drawn at random, from which to begin.
+        seed: of the corners.
+        on_progress: told how many limits are settled, and of how many.
+    """
+    if not limits:
+        return []
+    on_progress(0, len(limits))
+    caps = _caps(problem)
+    growths = [
+        Growth(
+            limit=limit,
+            factor=math.nan,
+            most=MOST if limit.parameter is None else float(caps[limit.parameter]),
+            values={},
+        )
+        for limit in limits
+    ]
+    signs = np.random.default_rng(seed).choice(
+        [-1.0, 1.0], size=(corners, len(problem.tolerances))
+    )
+    which, points = _beginnings(problem, limits, caps, signs)
+    found = _roots(problem, [growths[i] for i in which], points, caps)
+    rays = np.array([limit.u for limit in limits])
+    for i, growth, point in zip(which, found, points, strict=True):
+        if _sooner(growth, growths[i]):
+            growths[i], rays[i] = growth, point
+    moving = [i for i, growth in enumerate(growths) if growth.factor != 0.0]
+    for _ in range(_ROUNDS):
+        on_progress(len(limits) - len(moving), len(limits))
+        if not moving:
+            break
+        mine = [growths[i] for i in moving]
+        tried = _search(problem, mine, rays[moving], caps)
+        found = _roots(problem, mine, tried, caps)
+        still = []
+        for i, growth, point in zip(moving, found, tried, strict=True):
+            before = growths[i].factor
+            if _sooner(growth, growths[i]):
+                growths[i], rays[i] = growth, point
+                if not before - growth.factor <= _SETTLED * growth.factor:
+                    still.append(i)
+        moving = still
+    on_progress(len(limits), len(limits))
+    return [
+        replace(growth, values=_point(problem, growth, ray, caps))
+        for growth, ray in zip(growths, rays, strict=True)
+    ]
+
+
+def _sooner(growth: Growth, other: Growth) -> bool:
+    """Return whether a growth reaches the limit before another; no failure does."""
+    if math.isnan(other.factor):
+        return not math.isnan(growth.factor)
+    return growth.factor < other.factor
+
+
+def _beginnings(
+    problem: Problem, limits: Sequence[Limit], caps: Array, corners: Array
+) -> tuple[list[int], Array]:
+    """Return for which limits, and from which points (k, n) before growth, to begin.
+
+    From each limit's own; and for all tolerances together, from what is worst where the
+    limit is first passed, of the points of all limits and of corners (c, n).
+    """
+    set_, n = problem.tolerances, len(problem.tolerances)
+    which = list(range(len(limits)))
+    own = np.array([limit.u for limit in limits]).reshape(len(limits), n)
+    points = [own]
+    searching = [i for i, limit in enumerate(limits) if limit.parameter is None]
+    asked = sorted({limit.objective for limit in limits})
+    known = np.concatenate([np.unique(own, axis=0), set_.draw_back(corners)])
+    for stage in _STAGES:
+        if not searching:
+            break
+        factors = np.minimum(stage, caps)
+        rows = set_.rows(set_.grown_points(known, factors))
+        told = problem.evaluator.all(rows, of=asked)
+        values = np.where(np.isnan(told.values), -np.inf, told.values)
+        for i in list(searching):
+            column = values[:, limits[i].objective]
+            if column.max() >= limits[i].value or stage == MOST:
+                worst = np.argsort(-column, kind="stable")[:_WORST]
+                which += [i] * len(worst)
+                points.append(known[worst])
+                searching.remove(i)
+    return which, np.concatenate(points)
+
+
+def _factors(limit: Limit, growth: float, caps: Array) -> Array:
+    """Return (n,) by what each tolerance grows: up to its cap, if all do."""
+    if limit.parameter is None:
+        return np.minimum(growth, caps)
+    factors = np.ones(len(caps))
+    factors[limit.parameter] = growth
+    return factors
+
+
+def _caps(problem: Problem) -> Array:
+    """Return (n,) how far each tolerance may grow while its bounds exist."""
+    box = problem.tolerances.box
+    caps = np.full(len(box), MOST)
+    for i, d in enumerate(box.dispersions):
+        if ".inertia_" in d.name:
+            continue  # drawn back to what exists
+
+        def exists(factor: float, name: str = d.name, i: int = i) -> bool:
+            try:
+                for side in (-1.0, 1.0):
+                    value = box.nominal[i] + side * factor * box.tolerance[i]
+                    with_values(problem.tolerances.separation, {name: float(value)})
+            except ValueError:
+                return False
+            return True
+
+        if not exists(MOST):
+            lower, upper = 1.0, MOST
+            while upper - lower > 1e-3:
+                middle = 0.5 * (lower + upper)
+                lower, upper = (middle, upper) if exists(middle) else (lower, middle)
+            caps[i] = lower
+    return caps
+
+
+def _roots(
+    problem: Problem, growths: Sequence[Growth], rays: Array, caps: Array
+) -> list[Growth]:
+    """Return the growths at which limits are first reached along rays."""
+    set_ = problem.tolerances
+    values = np.array([growth.limit.value for growth in growths])
+    failures: dict[int, str] = {}
+
+    def excess(factor: Array, which: Array) -> Array:
+        index = which.astype(int)
+        factors = [
+            _factors(growths[i].limit, s, caps)
+            for i, s in zip(index, factor, strict=True)
+        ]
+        rows = set_.rows(set_.grown_points(rays[index], np.array(factors)))
+        told = problem.evaluator.one(rows, [growths[i].limit.objective for i in index])
+        for j, why in told.failures.items():
+            failures.setdefault(int(index[j]), why)
+        return np.asarray(told.values - values[index])
+
+    every = np.arange(len(growths), dtype=float)
+    most = np.array([growth.most for growth in growths])
+    grid = np.minimum(np.array(_GRID)[:, None], most)
+    on_grid = excess(grid.ravel(), np.tile(every, len(grid))).reshape(grid.shape)
+    factors = np.full(len(growths), np.nan)
+    brackets = []
+    for i, column in enumerate(on_grid.T):
+        flown = np.flatnonzero(~np.isnan(column))
+        beyond = flown[column[flown] >= 0.0]
+        if not len(flown):
+            continue
+        if not len(beyond):
+            factors[i] = np.inf
+        else:
+            # Already a violation, should the root between fail.
+            factors[i] = grid[beyond[0], i]
+            before = flown[flown < beyond[0]]
+            if len(before):
+                brackets.append((i, grid[before[-1], i], grid[beyond[0], i]))
+    if brackets:
+        index, lower, upper = map(np.array, zip(*brackets, strict=True))
+        result = find_root(
+            excess,
+            (lower, upper),
+            args=(index.astype(float),),
+            tolerances={"xatol": _ROOT, "xrtol": _ROOT},
+        )
+        factors[index] = np.where(result.success, result.x, factors[index])
+    return [
+        replace(growth, factor=float(factor), message=failures.get(i, ""))
+        for i, (growth, factor) in enumerate(zip(growths, factors, strict=True))
+    ]
+
+
+def _search(
+    problem: Problem, growths: Sequence[Growth], rays: Array, caps: Array
+) -> Array:
+    """Return the worst points of the grown sets, scaled by their own tolerances."""
+    starts = []
+    for growth, ray in zip(growths, rays, strict=True):
+        factor = growth.factor if growth.factor <= growth.most else growth.most
+        grown = problem.tolerances.grown(_factors(growth.limit, factor, caps))
+        starts.append(
+            Start(
+                objective=growth.limit.objective,
+                tolerances=grown,
+                u=grown.draw_back(ray),
+            )
+        )
+    ascents = ascend(starts, problem.evaluator, _CLIMB)
+    worst = [
+        ascent.u if math.isfinite(ascent.value) else tuple(ray)
+        for ascent, ray in zip(ascents, rays, strict=True)
+    ]
+    return np.array(worst).reshape(rays.shape)
+
+
+def _point(
+    problem: Problem, growth: Growth, ray: Array, caps: Array
+) -> dict[str, float]:
+    if not math.isfinite(growth.factor):
+        return {}
+    factors = _factors(growth.limit, growth.factor, caps)
+    set_ = problem.tolerances
+    return set_.values(set_.grown_points(ray, factors))

@@ -1,0 +1,1 @@
+"""The numbers that judge a run, and what is made of them."""

@@ -1,0 +1,122 @@
+"""Requirements on a separation, and whether runs meet them."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from drakesep.analysis.metrics.of_run import ANGLES, AXES
+from drakesep.systems.checks import InputError, check_finite
+
+
+_OTHER_EXTREME = {
+    ("longitudinal_speed_after_separation", "<="): (
+        "longitudinal_speed_max_after_separation"
+    ),
+    **{
+        (f"rate_after_separation_{axis}", ">="): (
+            f"rate_magnitude_min_after_separation_{axis}"
+        )
+        for axis in AXES
+    },
+}
+"""Figures that hold only one of the extremes of what they look at over some time: where
+the other one breaks a limit, that is looked at."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Requirement:
+    """A limit on one figure of a run.
+
+    Raises:
+        ValueError: the limit is not finite, or the sense is not "<=" or ">=".
+    """
+
+    metric: str
+    """Name of the figure; see `drakesep.analysis.metrics.of_run`."""
+    sense: Literal["<=", ">="]
+    limit: float
+    """In SI."""
+    condition: str = ""
+    """When it holds, in words; always if empty."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check_finite(f"{self.metric}: limit", self.limit)
+        if self.sense not in ("<=", ">="):
+            raise InputError(
+                f"{self.metric}: sense must be '<=' or '>=', got {self.sense!r}"
+            )
+
+    @property
+    def judged_by(self) -> str:
+        """The figure that tells whether the limit is kept at all times."""
+        return _OTHER_EXTREME.get((self.metric, self.sense), self.metric)
+
+    def margin(self, value: float) -> float:
+        """Return how far a value lies inside the limit; negative if it is beyond."""
+        return self.limit - value if self.sense == "<=" else value - self.limit
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """How a requirement fares over several runs."""
+
+    requirement: Requirement
+    nominal: float
+    """Value of the nominal run."""
+    worst: float
+    """Value nearest to the limit, or farthest beyond it."""
+    run: str
+    """Label of the run with the worst value."""
+
+    @property
+    def margin(self) -> float:
+        """Margin of the worst value."""
+        return self.requirement.margin(self.worst)
+
+    @property
+    def met(self) -> bool:
+        """Whether every run meets the requirement."""
+        return self.margin >= 0.0
+
+
+def assess(
+    requirements: Sequence[Requirement],
+    runs: Mapping[str, Mapping[str, float]],
+    nominal: str,
+) -> list[Finding]:
+    """Return how each requirement fares over the runs.
+
+    Args:
+        requirements: to be judged.
+        runs: figures of each run, by its label; those that lack a figure say nothing
+            about it.
+        nominal: label of the nominal run.
+    """
+    findings = []
+    for requirement in requirements:
+        metric = requirement.judged_by
+        values = {
+            label: figures[metric]
+            for label, figures in runs.items()
+            if metric in figures
+        }
+        label = min(values, key=lambda label: requirement.margin(values[label]))
+        findings.append(
+            Finding(
+                requirement=requirement,
+                nominal=values[nominal],
+                worst=values[label],
+                run=label,
+            )
+        )
+    return findings
+
+
+def deviation_limits(requirements: Sequence[Requirement]) -> tuple[float, ...]:
+    """Return the limits of roll, pitch and yaw, rad; infinite where there is none."""
+    limits = {r.metric: r.limit for r in requirements if r.sense == "<="}
+    return tuple(
+        limits.get(f"deviation_at_separation_{angle}", math.inf) for angle in ANGLES
+    )

@@ -1,0 +1,1 @@
+"""Searches for the worst case, and the evidence for what they find."""

@@ -1,0 +1,153 @@
+"""Searches for costly objectives, beside those for the others.
+
+What takes longer to tell than its run to fly, as a clearance does, is not swept: it is
+climbed only, from fewer starts, in a thread beside the searches for the others. Neither
+knows of the other, so that nothing depends on which is sooner.
+"""
+
+import dataclasses
+import queue
+import threading
+from collections.abc import Sequence
+from concurrent import futures
+from types import TracebackType
+from typing import Self
+
+from drakesep.analysis.metrics.objectives import Objective
+from drakesep.analysis.search.problem import (
+    Candidate,
+    OnProgress,
+    Problem,
+    Searched,
+    SearchProgress,
+    SearchSettings,
+)
+from drakesep.analysis.search.registry import CLIMBS, SEARCHES
+from drakesep.systems.checks import InputError
+
+
+_FEWER = 4
+"""Times as few starts, but for the nominal."""
+_A_MOMENT = 0.1
+"""Between two tellings of progress, s."""
+
+
+def check_climbed(objectives: Sequence[Objective], searches: Sequence[str]) -> None:
+    """Raise ValueError if some objectives are costly, others not, and none is climbed.
+
+    Args:
+        objectives: of a study.
+        searches: names out of `SEARCHES`.
+    """
+    costly = [o.name for o in objectives if o.costly]
+    if 0 < len(costly) < len(objectives) and not set(searches) & set(CLIMBS):
+        raise InputError(
+            f"searches: {', '.join(costly)} takes too long to be swept beside others: "
+            f"must have {' or '.join(CLIMBS)} too, got {', '.join(searches)}"
+        )
+
+
+def by_cost(problem: Problem) -> tuple[Problem, Problem | None]:
+    """Return the problem of the cheap objectives, and that of the costly ones.
+
+    The problem itself and None, unless it has both.
+    """
+    objectives = problem.evaluator.objectives
+    costly = tuple(k for k in problem.asked if objectives[k].costly)
+    cheap = tuple(k for k in problem.asked if not objectives[k].costly)
+    if not (cheap and costly):
+        return problem, None
+    cheaply = dataclasses.replace(problem, only=cheap)
+    return cheaply, dataclasses.replace(problem, only=costly)
+
+
+class CostlySearches:
+    """The climbs among searches, for costly objectives; a context manager.
+
+    They begin at once if the evaluator may be asked by several threads, else each when
+    it is waited for.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        searches: Sequence[str],
+        settings: SearchSettings,
+        on_progress: OnProgress,
+    ):
+        """Begin.
+
+        Args:
+            problem: the costly objectives, and the set.
+            searches: names out of `SEARCHES`, in their order.
+            settings: how hard to search for others.
+            on_progress: called with what they tell, when one of them is waited for.
+
+        Raises:
+            ValueError: no search is a climb.
+        """
+        check_climbed(problem.evaluator.objectives, searches)
+        names = [name for name in searches if name in CLIMBS]
+        fewer = 1 - (1 - settings.starts) // _FEWER
+        self._problem = problem
+        self._settings = dataclasses.replace(settings, starts=fewer)
+        self._on_progress = on_progress
+        self._known: list[Candidate] = []
+        self._told: dict[str, queue.SimpleQueue[SearchProgress]] = {
+            name: queue.SimpleQueue() for name in names
+        }
+        self._abandoned = threading.Event()
+        self._thread = futures.ThreadPoolExecutor(1)
+        self._begun: dict[str, futures.Future[Searched]] = {}
+        self._names = names
+        if problem.evaluator.concurrent:
+            self._begun = {n: self._thread.submit(self._search, n) for n in names}
+
+    def __enter__(self) -> Self:
+        """Return itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Abandon what is still under way."""
+        self._abandoned.set()
+        self._thread.shutdown(cancel_futures=True)
+
+    def join(self, found: Searched) -> Searched:
+        """Return a search for others, with the same for the costly objectives."""
+        if found.search not in self._names:
+            return found
+        begun = self._begun.get(found.search)
+        if begun is None:
+            return found.joined(self._search(found.search))
+        while not begun.done():
+            self._pass_on(found.search)
+            futures.wait([begun], timeout=_A_MOMENT)
+        self._pass_on(found.search)
+        return found.joined(begun.result())
+
+    def _pass_on(self, search: str) -> None:
+        """Tell what has been told, in the caller's thread."""
+        while not self._told[search].empty():
+            self._on_progress(self._told[search].get())
+
+    def _search(self, name: str) -> Searched:
+        found = SEARCHES[name](self._problem, self._settings, self._known, self._tell)
+        self._known.extend(found.candidates)
+        return found
+
+    def _tell(self, progress: SearchProgress) -> None:
+        if self._abandoned.is_set():
+            raise _Abandoned
+        if self._problem.evaluator.concurrent:
+            self._told[progress.search].put(progress)
+        else:
+            self._on_progress(progress)
+
+
+class _Abandoned(Exception):
+    """Raised in a search that nobody waits for any more."""

@@ -1,0 +1,128 @@
+"""Searches that go uphill: from the nominal, and from many starts at once."""
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drakesep.analysis.search.linearised_corners import different, suspects
+from drakesep.analysis.search.problem import (
+    Candidate,
+    Known,
+    OnProgress,
+    Problem,
+    Searched,
+    SearchProgress,
+    SearchSettings,
+)
+from drakesep.analysis.search.sqp import Iteration, SearchStatus, Start, ascend
+
+
+Array = NDArray[np.float64]
+
+_PATIENCE = 12
+"""Iterations of one of many starts: what creeps on is none of the best."""
+_ENOUGH = 1e-8
+"""Tolerance of one of many starts: maxima that differ by 1e-6 are told apart."""
+
+
+def climb(
+    problem: Problem, settings: SearchSettings, known: Known, on_progress: OnProgress
+) -> Searched:
+    """Go up by sequential quadratic programming from the nominal, as the paper does."""
+    nominal = [np.zeros(len(problem.tolerances))]
+    starts = dict.fromkeys(problem.asked, nominal)
+    return _climb("sqp", problem, settings, on_progress, starts)
+
+
+def climb_from_many(
+    problem: Problem, settings: SearchSettings, known: Known, on_progress: OnProgress
+) -> Searched:
+    """Go up from many starts: nominal, suspects, the best known points, random ones.
+
+    An earlier ascent from the nominal is one of them.
+    """
+    patience = dataclasses.replace(
+        settings.ascent,
+        max_iterations=min(settings.ascent.max_iterations, _PATIENCE),
+        tolerance=max(settings.ascent.tolerance, _ENOUGH),
+    )
+    settings = dataclasses.replace(settings, ascent=patience)
+    climbed = any(candidate.search == "sqp" for candidate in known)
+    count = settings.starts - 1 if climbed else settings.starts
+    nominal = [] if climbed else [np.zeros(len(problem.tolerances))]
+    starts = {}
+    for k in problem.asked:
+        mine = sorted(
+            (c for c in known if c.objective == k and c.ascent is None),
+            key=lambda c: -c.value,
+        )
+        found = suspects(problem, k)
+        best = [*nominal, *found, *(np.array(c.u) for c in mine)]
+        # All that are suspect; around the nominal, what is near has another side.
+        best += [problem.tolerances.draw_back(-u) for u in found]
+        best = different(best)[: max(count, len(nominal) + len(found))]
+        # The same for each objective: what others there are changes nothing.
+        rng = np.random.default_rng(settings.seed)
+        drawn = problem.tolerances.draw(max(count - len(best), 0), rng)
+        starts[k] = [*best, *drawn]
+    return _climb("multistart", problem, settings, on_progress, starts)
+
+
+def _climb(
+    search: str,
+    problem: Problem,
+    settings: SearchSettings,
+    on_progress: OnProgress,
+    points: Mapping[int, Sequence[Array]],
+) -> Searched:
+    """Go up from the points of each objective."""
+    starts = [
+        Start(objective=k, tolerances=problem.tolerances, u=u)
+        for k, mine in points.items()
+        for u in mine
+    ]
+    best: dict[int, float] = {}
+    iterates = 0
+
+    def tell(i: int, iteration: Iteration) -> None:
+        nonlocal iterates
+        iterates += 1
+        k = starts[i].objective
+        best[k] = max(best.get(k, -math.inf), iteration.value)
+        on_progress(
+            SearchProgress(
+                search=search,
+                done=iterates,
+                total=None,
+                best=dict(best),
+                iteration=(k, iteration),
+            )
+        )
+
+    ascents = ascend(starts, problem.evaluator, settings.ascent, tell)
+    failures: dict[str, int] = {}
+    for ascent in ascents:
+        if ascent.status is SearchStatus.FAILED:
+            failures[ascent.message] = failures.get(ascent.message, 0) + 1
+    origin = "the nominal"
+    if search != "sqp":
+        origin = f"{max(map(len, points.values()))} more starts"
+    exact = any(map(problem.evaluator.exact, points))
+    note = f"SQP from {origin}" + ("" if exact else ", slopes by differences")
+    return Searched(
+        search=search,
+        candidates=tuple(
+            Candidate(
+                objective=a.objective, u=a.u, value=a.value, search=search, ascent=a
+            )
+            for a in ascents
+            if math.isfinite(a.value)
+        ),
+        points=sum(a.evaluations for a in ascents),
+        failures=failures,
+        note=problem.noted(note),
+        objectives=problem.asked,
+    )

@@ -1,0 +1,1 @@
+"""The set of parameter values that the tolerances admit."""

@@ -1,0 +1,1 @@
+"""Case files: what they hold, and how they are read."""

@@ -1,0 +1,168 @@
+"""Bodies in a case file: their mass properties, or what these are computed from."""
+
+from typing import TYPE_CHECKING, Any, Self
+
+from pydantic import Field, model_validator
+
+from drakesep.case_file.geometry import ElementSection
+from drakesep.case_file.section import (
+    File,
+    Name,
+    Positive,
+    Section,
+    Vector,
+    check_one,
+    named,
+    to_si,
+)
+from drakesep.case_file.shapes import (
+    BoxSection,
+    CapsuleSection,
+    CylinderSection,
+    EllipsoidSection,
+    MeshSection,
+    SphereSection,
+)
+from drakesep.systems.checks import Vector3
+from drakesep.systems.model.inertia import Inertia
+from drakesep.systems.model.separation import Body
+from drakesep.units import unit_of
+
+
+if TYPE_CHECKING:  # imports Drake
+    from drakesep.systems.design.mass_properties import MassProperties, Shape
+
+
+class InertiaSection(Section):
+    """Inertia about the CG in body axes: entries of the matrix."""
+
+    xx: float
+    yy: float
+    zz: float
+    xy: float = 0.0
+    xz: float = 0.0
+    yz: float = 0.0
+
+
+class MatedPlaceSection(Section):
+    """Where a body stands in the frame of A while mated."""
+
+    position_mm: Vector = (0.0, 0.0, 0.0)
+    attitude_deg: Vector = (0.0, 0.0, 0.0)
+
+
+class SolidSection(Section):
+    """A uniform solid that makes up a body: one shape or mesh, its mass or density."""
+
+    box: BoxSection | None = None
+    cylinder: CylinderSection | None = None
+    sphere: SphereSection | None = None
+    ellipsoid: EllipsoidSection | None = None
+    capsule: CapsuleSection | None = None
+    mesh: MeshSection | None = None
+    mass_kg: Positive | None = None
+    density_kg_m3: Positive | None = None
+    position_mm: Vector = (0.0, 0.0, 0.0)
+    attitude_deg: Vector = (0.0, 0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _check_one_of_each(self) -> Self:
+        shapes = ("box", "cylinder", "sphere", "ellipsoid", "capsule", "mesh")
+        check_one(self, shapes)
+        check_one(self, ("mass_kg", "density_kg_m3"))
+        return self
+
+    def in_si(self) -> "MassProperties":
+        """Return the mass properties."""
+        # Drake and trimesh, which take a second to import, only where they are needed.
+        from drakesep.systems.design import mass_properties
+
+        options: dict[str, Any] = {
+            "mass": self.mass_kg,
+            "density": self.density_kg_m3,
+            "p_BoSo_B": to_si("position", self.position_mm),
+            "rpy_BS": to_si("attitude", self.attitude_deg),
+        }
+        if self.mesh is not None:
+            return mass_properties.mass_properties_of_mesh(
+                self.mesh.file, scale=self.mesh.scale, **options
+            )
+        shape: Shape
+        for shape in ("box", "cylinder", "sphere", "ellipsoid", "capsule"):
+            section = getattr(self, shape)
+            if section is not None:
+                break
+        lengths = (
+            length
+            for value in section.model_dump().values()
+            for length in (value if isinstance(value, tuple) else (value,))
+        )
+        return mass_properties.mass_properties_of_shape(
+            shape, [unit_of("position").to_si(length) for length in lengths], **options
+        )
+
+
+class ModelSection(Section):
+    """A model in an SDF, URDF or MJCF file, taken as one rigid body."""
+
+    file: File
+    frame: str | None = None
+    """That becomes the body's; by default that of the first body."""
+
+    def in_si(self) -> "MassProperties":
+        """Return the mass properties."""
+        from drakesep.systems.design.mass_properties import mass_properties_of_model
+
+        return mass_properties_of_model(self.file, frame=self.frame)
+
+
+class BodySection(Section):
+    """A rigid body: its mass properties, or what they are computed from."""
+
+    mass_kg: Positive | None = None
+    cg_mm: Vector | None = None
+    inertia_kg_m2: InertiaSection | None = None
+    solid: SolidSection | None = None
+    model: ModelSection | None = None
+    mated: MatedPlaceSection = MatedPlaceSection()
+    geometry: dict[Name, ElementSection] = Field(default_factory=dict)
+    """Parts of it that may come near others."""
+
+    @model_validator(mode="after")
+    def _check_mass_properties(self) -> Self:
+        given = ("mass_kg", "cg_mm", "inertia_kg_m2")
+        if self.solid is None and self.model is None:
+            for key in given:
+                if getattr(self, key) is None:
+                    raise ValueError(f"{key}: missing, as are solid and model")
+        elif any(getattr(self, key) is not None for key in given):
+            raise ValueError(f"must have {', '.join(given)}, or a solid or model")
+        else:
+            check_one(self, ("solid", "model"))
+        return self
+
+    def in_si(self, name: str) -> Body:
+        """Return the body."""
+        with named(name):
+            mass, p_BoBcm_B, I_BBcm_B = self._mass_properties()
+            elements = tuple(e.in_si(key) for key, e in self.geometry.items())
+        return Body(
+            name=name,
+            mass=mass,
+            p_BoBcm_B=p_BoBcm_B,
+            I_BBcm_B=I_BBcm_B,
+            p_ABo=to_si("position", self.mated.position_mm),
+            rpy_AB=to_si("attitude", self.mated.attitude_deg),
+            elements=elements,
+        )
+
+    def _mass_properties(self) -> tuple[float, Vector3, Inertia]:
+        computed = self.solid or self.model
+        if computed is not None:
+            return computed.in_si()
+        # _check_mass_properties
+        assert self.mass_kg is not None
+        assert self.cg_mm is not None
+        assert self.inertia_kg_m2 is not None
+        xx, yy, zz, xy, xz, yz = self.inertia_kg_m2.model_dump().values()
+        return self.mass_kg, to_si("cg", self.cg_mm), (xx, yy, zz, xy, xz, yz)

@@ -1,0 +1,147 @@
+"""Geometry in a case file: parts of bodies that may come near each other."""
+
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import BeforeValidator, Field, Strict, model_validator
+
+from drakesep.case_file.section import (
+    NotNegative,
+    Positive,
+    Section,
+    Vector,
+    check_one,
+    named,
+    to_si,
+)
+from drakesep.case_file.shapes import (
+    BoxSection,
+    CapsuleSection,
+    MeshSection,
+    SphereSection,
+)
+from drakesep.systems.model.parts import (
+    Box,
+    Capsule,
+    Cone,
+    Element,
+    Mesh,
+    Shape,
+    Sphere,
+)
+from drakesep.systems.model.recontact import Recontact
+from drakesep.units import unit_of
+
+
+class TubeSection(Section):
+    """A cylinder along x; hollow if its wall has a thickness."""
+
+    radius_mm: Positive
+    length_mm: Positive
+    thickness_mm: Positive | None = None
+
+
+class ConeSection(Section):
+    """A cone or truncated cone along x; hollow if its wall has a thickness."""
+
+    radius_aft_mm: NotNegative
+    radius_fore_mm: NotNegative
+    length_mm: Positive
+    thickness_mm: Positive | None = None
+
+
+_SHAPES = ("box", "sphere", "capsule", "cylinder", "cone", "mesh")
+
+
+class ElementSection(Section):
+    """A part of a body: one shape or mesh, its place, and what it is."""
+
+    box: BoxSection | None = None
+    sphere: SphereSection | None = None
+    capsule: CapsuleSection | None = None
+    cylinder: TubeSection | None = None
+    cone: ConeSection | None = None
+    mesh: MeshSection | None = None
+    position_mm: Vector = (0.0, 0.0, 0.0)
+    attitude_deg: Vector = (0.0, 0.0, 0.0)
+    role: str = ""
+
+    @model_validator(mode="after")
+    def _check_one_shape(self) -> Self:
+        check_one(self, _SHAPES)
+        return self
+
+    def in_si(self, name: str) -> Element:
+        """Return the element."""
+        with named(name):
+            shape = self._shape()
+        return Element(
+            name=name,
+            shape=shape,
+            p_BoGo_B=to_si("position", self.position_mm),
+            rpy_BG=to_si("attitude", self.attitude_deg),
+            role=self.role,
+        )
+
+    def _shape(self) -> Shape:
+        m = unit_of("position").to_si
+        if self.box is not None:
+            return Box(size=to_si("position", self.box.size_mm))
+        if self.sphere is not None:
+            return Sphere(radius=m(self.sphere.radius_mm))
+        if self.capsule is not None:
+            return Capsule(
+                radius=m(self.capsule.radius_mm), length=m(self.capsule.length_mm)
+            )
+        if self.mesh is not None:
+            return Mesh(file=Path(self.mesh.file), scale=self.mesh.scale)
+        cone = self.cone
+        if cone is None:
+            assert self.cylinder is not None  # _check_one_shape
+            cone = ConeSection(
+                radius_aft_mm=self.cylinder.radius_mm,
+                radius_fore_mm=self.cylinder.radius_mm,
+                length_mm=self.cylinder.length_mm,
+                thickness_mm=self.cylinder.thickness_mm,
+            )
+        return Cone(
+            radius_aft=m(cone.radius_aft_mm),
+            radius_fore=m(cone.radius_fore_mm),
+            length=m(cone.length_mm),
+            thickness=None if cone.thickness_mm is None else m(cone.thickness_mm),
+        )
+
+
+def _check_pair(value: Any) -> Any:
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise ValueError(f"must be two names of elements, got {value!r}")
+    return value
+
+
+ElementNames = Annotated[tuple[str, str], Strict(False), BeforeValidator(_check_pair)]
+
+
+class RecontactSection(Section):
+    """Forces between bodies that touch again after they have parted."""
+
+    stiffness_N_m: Positive
+    dissipation_s_m: NotNegative = 0.0
+    friction: NotNegative = 0.0
+
+    def in_si(self, touching: list[ElementNames]) -> Recontact:
+        """Return it, without the elements that touch while mated."""
+        return Recontact(
+            stiffness=self.stiffness_N_m,
+            dissipation=self.dissipation_s_m,
+            friction=self.friction,
+            without=tuple(touching),
+        )
+
+
+class ClearanceSection(Section):
+    """Which elements are measured to each other."""
+
+    pairs: list[ElementNames] | None = None
+    """All of different bodies if None."""
+    touching: list[ElementNames] = Field(default_factory=list)
+    """That touch or overlap while mated: measured once they have parted."""

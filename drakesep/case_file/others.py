@@ -1,0 +1,187 @@
+"""The other sections of a case file: pair, orbit, requirements, run, publications."""
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Strict, model_validator
+
+from drakesep.analysis.metrics.objectives import ObjectiveName
+from drakesep.analysis.metrics.of_run import ANGLES, AXES
+from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
+from drakesep.case_file.section import Name, Positive, Section, Vector, to_si
+from drakesep.systems.model.integration import Integration, Scheme
+from drakesep.systems.model.separation import EARTH_RADIUS, InitialMotion, Orbit
+from drakesep.units import unit_of
+
+
+def _as_limits(value: Any) -> Any:
+    return value if value is None or isinstance(value, list | tuple) else (value,)
+
+
+def _check_mark(value: Any) -> Any:
+    if value not in ("M", "m") and not isinstance(value, int | float):
+        raise ValueError(f"must be M, m or a number, got {value!r}")
+    return value
+
+
+Mark = Annotated[str | float, BeforeValidator(_check_mark)]
+Limits = Annotated[tuple[float, ...], Strict(False), BeforeValidator(_as_limits)]
+
+
+class PairSection(Section):
+    """The bodies whose separation is analysed."""
+
+    A: str
+    """Pushed from."""
+    B: str
+    """Pushed away."""
+
+
+class OrbitSection(Section):
+    """A circular orbit."""
+
+    altitude_km: Positive
+
+    def in_si(self) -> Orbit:
+        """Return the orbit."""
+        return Orbit(radius=EARTH_RADIUS + 1000.0 * self.altitude_km)
+
+
+class BeforeSeparationSection(Section):
+    """Motion of the mated stack at t = 0."""
+
+    attitude_deg: Vector = (0.0, 0.0, 0.0)
+    rate_deg_s: Vector = (0.0, 0.0, 0.0)
+
+    def in_si(self) -> InitialMotion:
+        """Return the motion."""
+        return InitialMotion(
+            rpy_WA=to_si("attitude", self.attitude_deg),
+            w_WA_A=to_si("rate", self.rate_deg_s),
+        )
+
+
+class EllipsoidSection(Section):
+    """Dispersed parameters that do not all reach their tolerances together."""
+
+    parameters: list[str]
+    """Keys of `dispersions`."""
+    correlation: list[list[float]] | None = None
+    """Matrix with 1 on its diagonal; uncorrelated if left out."""
+
+    def in_si(self, names: tuple[str, ...]) -> Ellipsoid:
+        """Return the ellipsoid of parameters whose names without units are given."""
+        rows = self.correlation
+        return Ellipsoid(
+            names=names,
+            correlation=None if rows is None else tuple(map(tuple, rows)),
+        )
+
+
+class RequirementSection(Section):
+    """Limits on one quantity, one for each axis that it has."""
+
+    quantity: Literal[
+        "rate_after_separation_deg_s",
+        "deviation_at_separation_deg",
+        "longitudinal_speed_after_separation_m_s",
+        "clearance_mm",
+    ]
+    at_most: Limits | None = None
+    at_least: Limits | None = None
+    until_separation_mm: Positive | None = None
+    """Of a clearance: how far B is to move along A's x axis until it holds no more."""
+
+    @model_validator(mode="after")
+    def _check_limits(self) -> Self:
+        if (self.at_most is None) == (self.at_least is None):
+            got = "none" if self.at_most is None else "both"
+            raise ValueError(f"must have one of 'at_most' and 'at_least', got {got}")
+        of_clearance = _requirement_stem(self.quantity) == "clearance"
+        if of_clearance and self.at_least is None:
+            raise ValueError("a clearance must have 'at_least', got 'at_most'")
+        if of_clearance and min(self._limits, default=0.0) <= 0.0:
+            raise ValueError(  # at contact it is 0, however deep
+                f"at_least of a clearance must be > 0, got {self._limits[0]:g}"
+            )
+        if not of_clearance and self.until_separation_mm is not None:
+            raise ValueError("until_separation_mm must stand with clearance_mm")
+        axes = len(_requirement_axes(self.quantity))
+        if len(self._limits) != axes:
+            raise ValueError(
+                f"must have {axes} limits, got {', '.join(map(str, self._limits))}"
+            )
+        return self
+
+    @property
+    def _limits(self) -> tuple[float, ...]:
+        limits = self.at_least if self.at_most is None else self.at_most
+        assert limits is not None  # _check_limits
+        return limits
+
+    def requirements(self) -> list[Requirement]:
+        """Return the requirements in SI, one for each axis."""
+        sense: Literal["<=", ">="] = "<=" if self.at_least is None else ">="
+        stem = _requirement_stem(self.quantity)
+        condition = ""
+        if self.until_separation_mm is not None:
+            condition = f"until {self.until_separation_mm:g} mm of separation"
+        requirements = []
+        for axis, value in zip(
+            _requirement_axes(self.quantity), self._limits, strict=True
+        ):
+            metric = f"{stem}_{axis}" if axis else stem
+            requirements.append(
+                Requirement(
+                    metric=metric,
+                    sense=sense,
+                    limit=unit_of(metric).to_si(value),
+                    condition=condition,
+                )
+            )
+        return requirements
+
+
+class RunSection(Section):
+    """Length of the run, and how it is integrated."""
+
+    duration_s: Positive
+    integrator: Scheme = Integration().scheme
+    accuracy: Positive = Integration().accuracy
+    max_step_s: Positive = Integration().max_step
+
+    def in_si(self) -> Integration:
+        """Return how runs are integrated."""
+        return Integration(
+            scheme=self.integrator, accuracy=self.accuracy, max_step=self.max_step_s
+        )
+
+
+class PrintedSection(Section):
+    """What a publication prints of a worst case, in the form of the paper's Table 4."""
+
+    rate_deg_s: Vector
+    deviation_within_limits_until_s: float
+    longitudinal_speed_m_s: float
+    iterations: int
+
+
+class PublishedSection(Section):
+    """A published worst case: M and m for the bounds of a tolerance, or a value."""
+
+    label: Name
+    objectives: list[ObjectiveName]
+    values: dict[str, Mark]
+    printed: PrintedSection
+
+
+def _requirement_stem(quantity: str) -> str:
+    for suffix in ("_deg_s", "_deg", "_m_s", "_mm"):
+        quantity = quantity.removesuffix(suffix)
+    return quantity
+
+
+def _requirement_axes(quantity: str) -> tuple[str, ...]:
+    return {"rate_after_separation": AXES, "deviation_at_separation": ANGLES}.get(
+        _requirement_stem(quantity), ("",)
+    )

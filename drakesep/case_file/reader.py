@@ -1,0 +1,116 @@
+"""Case files: YAML, built-in or a user's own."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
+
+from drakesep.case_file.case import Case, CaseError
+
+
+_CASES = Path(__file__).parents[1] / "cases"
+
+
+def builtin_cases() -> dict[str, Path]:
+    """Return the built-in cases: name and file."""
+    return {path.stem: path for path in sorted(_CASES.glob("*.yaml"))}
+
+
+def load_case(source: str | Path) -> Case:
+    """Read a case.
+
+    A key without a value is an error: a case is written with
+    ``model_dump(mode="json", exclude_none=True)``.
+
+    Args:
+        source: a file, or the name of a built-in case.
+
+    Raises:
+        CaseError: the file is missing, is not YAML, or does not describe a case.
+    """
+    builtin = builtin_cases()
+    path = builtin.get(str(source), Path(source))
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not a text file"
+        raise CaseError(
+            f"{source}: must be a readable case file or a built-in case "
+            f"({', '.join(builtin)}), got: {reason}"
+        ) from error
+    try:
+        data = YAML(typ="safe", pure=True).load(text)
+    except YAMLError as error:
+        raise CaseError(
+            f"{source}: must be YAML, got: {_in_one_line(error)}"
+        ) from error
+    if not isinstance(data, dict):
+        raise CaseError(f"{source}: must be a mapping of keys, got {_shown(data)}")
+    empty = list(_empty(data))
+    if empty:
+        wanted = "must have a value, got none"
+        raise CaseError("\n".join(f"{source}: {key}: {wanted}" for key in empty))
+    try:
+        return Case.model_validate(data, context={"folder": path.parent})
+    except ValidationError as error:
+        lines = (f"{source}: {_explain(dict(e))}" for e in error.errors())
+        raise CaseError("\n".join(lines)) from error
+
+
+def _in_one_line(error: YAMLError) -> str:
+    problem = getattr(error, "problem", None) or str(error)
+    mark = getattr(error, "problem_mark", None)
+    place = f" in line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+    return " ".join(problem.split()) + place
+
+
+def _empty(data: Any, place: str = "") -> Iterator[str]:
+    """Name the keys without a value: a section that was begun is not left out."""
+    if isinstance(data, dict):
+        for key, value in data.items():
+            yield from _empty(value, f"{place}.{key}".lstrip("."))
+    elif isinstance(data, list):
+        for number, value in enumerate(data, 1):
+            yield from _empty(value, f"{place} (entry {number})")
+    elif data is None:
+        yield place
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _explain(error: dict[str, Any]) -> str:
+    place = "".join(
+        f" (entry {part + 1})" if isinstance(part, int) else f".{part}"
+        for part in error["loc"]
+    ).lstrip(".")
+    context = error.get("ctx", {})
+    got = f", got {_shown(error['input'])}"
+    match error["type"]:
+        case "missing":
+            return f"{place}: missing"
+        case "greater_than":
+            message = f"must be > {context['gt']:g}{got}"
+        case "greater_than_equal":
+            message = f"must be >= {context['ge']:g}{got}"
+        case "finite_number":
+            message = f"must be finite{got}"
+        case "float_type" | "int_type":
+            message = f"must be a number{got}"
+        case "string_type":
+            message = f"must be text{got}"
+        case "string_pattern_mismatch":
+            message = f"must be made of letters, digits, _ and -{got}"
+        case "model_type" | "dict_type":
+            message = f"must be a mapping of keys{got}"
+        case "value_error":
+            message = str(context["error"])
+        case _:
+            wanted = error["msg"].replace("Input should be", "must be")
+            message = f"{wanted[0].lower()}{wanted[1:]}{got}"
+    return f"{place}: {message}" if place else message

@@ -1,0 +1,476 @@
+"""The command line. Imports that take time wait until a command needs them."""
+
+import contextlib
+import signal
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NoReturn, TextIO, cast
+
+import typer
+
+from drakesep.systems.checks import InputError
+
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from drakesep.analysis.search.problem import Effort
+    from drakesep.studies.worst_case.procedure import Progress
+    from drakesep.studies.worst_case.result import WorstCases
+
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+CaseArgument = Annotated[
+    str, typer.Argument(help="A case file, or the name of a built-in case.")
+]
+OutputOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        help="Folder for the results; results/CASE/COMMAND if not given.",
+    ),
+]
+ChangesOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="NAME=VALUE",
+        help="Change a parameter; can be repeated. `show` lists the names.",
+    ),
+]
+WorkersOption = Annotated[
+    int | None,
+    typer.Option(
+        min=1, help="Processes; one per core if not given; 1: this one alone."
+    ),
+]
+
+FAILED, BAD_INPUT, INTERRUPTED, TERMINATED = 1, 2, 130, 143
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"drakesep {version('drakesep')}, Drake {version('drake')}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version",
+            callback=_print_version,
+            is_eager=True,
+            help="Tell the versions of drakesep and Drake.",
+        ),
+    ] = False,
+) -> None:
+    """How badly can a launch vehicle separation go, and is that within limits?"""
+
+
+@app.command()
+def cases() -> None:
+    """List the built-in cases."""
+    from drakesep.case_file.reader import builtin_cases, load_case
+    from drakesep.cli.console import print_cases
+
+    print_cases(_console(), map(load_case, builtin_cases()))
+
+
+@app.command()
+def show(case: CaseArgument) -> None:
+    """Show bodies, springs, dispersions and requirements of a case."""
+    from drakesep.case_file.reader import load_case
+    from drakesep.cli.console import print_case
+
+    print_case(_console(), load_case(case))
+
+
+@app.command()
+def simulate(
+    case: CaseArgument,
+    changes: ChangesOption = None,
+    output: OutputOption = None,
+) -> None:
+    """Fly a case once: motion.csv, summary.csv, figures; contacts.csv if any."""
+    values = _parse_changes(changes or [])
+    from drakesep.case_file.reader import load_case
+    from drakesep.cli.console import print_frame
+    from drakesep.studies import studies
+    from drakesep.tables import run_tables as tables
+
+    console = _console()
+    loaded = load_case(case)
+    folder = _folder(output, loaded.name, "simulate")
+    with console.status("flying"):
+        result = studies.simulate(loaded, values)
+        result.save(folder)
+    if not result.completed:
+        _fail(FAILED, result.flight.status)
+    print_frame(console, "Figures of the run", tables.figures_table(result.flight))
+    if len(result.contacts):
+        print_frame(console, "Elements that touch again", result.contacts)
+    console.print(f"Tables and figures are in {folder}", markup=False)
+
+
+@app.command()
+def clearance(
+    case: CaseArgument,
+    changes: ChangesOption = None,
+    output: OutputOption = None,
+) -> None:
+    """Measure how near bodies come: clearance_summary.csv, clearance.csv, a figure.
+
+    Exits with 1 if anything touches.
+    """
+    values = _parse_changes(changes or [])
+    from drakesep.case_file.reader import load_case
+    from drakesep.cli.console import print_frame
+    from drakesep.studies import studies
+
+    console = _console()
+    loaded = load_case(case)
+    folder = _folder(output, loaded.name, "clearance")
+    with console.status("flying and measuring"):
+        study = studies.clearance(loaded, values)
+        study.save(folder)
+    summary = study.summary
+    shown = [name for name in _CLEARANCE if name in summary]
+    print_frame(console, "Smallest clearances of the run", summary[shown])
+    console.print(f"Tables and figures are in {folder}", markup=False)
+    if not study.clear:
+        _fail(FAILED, "there is contact; see clearance_summary.csv")
+
+
+@app.command()
+def animate(
+    case: CaseArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", help="The page; results/CASE/animate.html if not given."
+        ),
+    ] = None,
+    runs: Annotated[
+        Path | None,
+        typer.Option(
+            help="worst_cases.csv of a study, whose runs are shown; those published "
+            "with the case if not given."
+        ),
+    ] = None,
+    labels: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--run",
+            help="Label of a run of that table; can be repeated; all worst cases of "
+            "the paper's objectives and of the clearance if not given, or all if there "
+            "are none of these.",
+        ),
+    ] = None,
+) -> None:
+    """Animate the nominal run and worst cases in one HTML page, for a browser."""
+    from drakesep.case_file.reader import load_case
+    from drakesep.studies import studies
+    from drakesep.tables.run_tables import read_runs
+
+    console = _console()
+    loaded = load_case(case)
+    if labels and runs is None:
+        raise InputError("--run: needs --runs, the table that has it")
+    chosen = None if runs is None else read_runs(runs, labels)
+    file = output or Path("results") / loaded.name / "animate.html"
+    with console.status("flying and measuring"):
+        shown = studies.animate(loaded, chosen, output=file)
+    console.print(f"The animation is {file}: open it in a browser", markup=False)
+    console.print(f"It shows {', '.join(shown)}", markup=False)
+
+
+_CLEARANCE = (
+    *("first", "second", "clearance_mm", "time_s", "separation_mm"),
+    *("contact_time_s", "closing_speed_m_s", "status"),
+)
+"""Columns that are printed; the others are in the file."""
+
+SearchOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--search",
+        help="sqp, multistart, vertices, samples or evolution, in their order; or "
+        "drake alone; can be repeated. If not given: samples, vertices, sqp, "
+        "multistart; evolution where there are too many vertices.",
+    ),
+]
+StartsOption = Annotated[
+    int | None,
+    typer.Option(help="Of the ascent from many starts, for each objective."),
+]
+SamplesOption = Annotated[int | None, typer.Option(help="Drawn at random.")]
+VerticesOption = Annotated[int | None, typer.Option(help="That may be flown at most.")]
+SeedOption = Annotated[
+    int | None, typer.Option(min=0, help="Of what is drawn at random.")
+]
+
+
+@app.command("worst-case")
+def worst_case(
+    case: CaseArgument,
+    objectives: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--objective",
+            help="L1, L2, Linf, PM, one of a requirement, or highest_ or lowest_ and a "
+            "figure; can be repeated; all of the case if not given.",
+        ),
+    ] = None,
+    search: SearchOption = None,
+    starts: StartsOption = None,
+    samples: SamplesOption = None,
+    vertices: VerticesOption = None,
+    seed: SeedOption = None,
+    output: OutputOption = None,
+    workers: WorkersOption = None,
+) -> None:
+    """Find the worst cases: worst_cases.csv, evidence.csv, figures and more."""
+    from drakesep.case_file.reader import load_case
+    from drakesep.studies import studies
+
+    console = _console()
+    loaded = load_case(case)
+    folder = _folder(output, loaded.name, "worst-case")
+    with _progress(console, folder) as on_progress:
+        study = studies.worst_case(
+            loaded,
+            objectives,
+            searches=search,
+            output=folder,
+            workers=workers,
+            on_progress=on_progress,
+            **_given(starts=starts, samples=samples, vertices=vertices, seed=seed),
+        )
+    _print_worst_cases(console, study)
+    console.print(f"Tables and figures are in {folder}", markup=False)
+    if not study.completed:
+        _fail(FAILED, _WHAT_FAILED)
+
+
+def _given(**effort: int | None) -> "Effort":
+    return cast("Effort", {k: v for k, v in effort.items() if v is not None})
+
+
+_WHAT_FAILED = "a run or a search failed; see status in worst_cases.csv"
+
+
+@app.command()
+def verify(
+    case: CaseArgument,
+    search: SearchOption = None,
+    starts: StartsOption = None,
+    samples: SamplesOption = None,
+    vertices: VerticesOption = None,
+    seed: SeedOption = None,
+    growth: Annotated[
+        bool | None,
+        typer.Option(
+            "--growth/--no-growth",
+            help="Find how far tolerances may grow; else unless runs are long.",
+        ),
+    ] = None,
+    output: OutputOption = None,
+    workers: WorkersOption = None,
+) -> None:
+    """Find the worst cases and hold them against the requirements.
+
+    Exits with 1 if a requirement is not met.
+    """
+    from drakesep.case_file.reader import load_case
+    from drakesep.studies.background_process import beside
+
+    console = _console()
+    loaded = load_case(case)
+    folder = _folder(output, loaded.name, "verify")
+    searched = loaded.dispersions and search != ["drake"]
+    # It imports what it needs while this process does.
+    with beside(workers if searched else 1):
+        from drakesep.studies import studies
+
+        with _progress(console, folder) as on_progress:
+            study = studies.verify(
+                loaded,
+                searches=search,
+                growth=growth,
+                output=folder,
+                workers=workers,
+                on_progress=on_progress,
+                **_given(starts=starts, samples=samples, vertices=vertices, seed=seed),
+            )
+    from drakesep.cli.console import print_frame
+
+    _print_worst_cases(console, study)
+    print_frame(
+        console, "Requirements over the tolerances", study.requirements, index=2
+    )
+    console.print(f"Tables and figures are in {folder}", markup=False)
+    if not study.completed:
+        _fail(FAILED, _WHAT_FAILED)
+    if loaded.has_clearance and study.clearance is None:
+        console.print(
+            "There is geometry, and no requirement of clearance_mm: whether anything "
+            "touches was not looked at."
+        )
+    if study.worst and not study.growths:
+        console.print("How far tolerances may grow was not looked for: see --growth.")
+    if not study.passed:
+        console.print("[bold red]Not every requirement is met.[/]")
+        raise typer.Exit(FAILED)
+    console.print(
+        "[bold green]Every requirement is met[/] in all "
+        f"{len(study.flights)} runs flown in Drake, the worst cases of each among them."
+    )
+
+
+_EVIDENCE = (
+    *("objective", "unit", "worst", "difference", "found_by", "sqp", "vertices"),
+    *("samples", "starts", "ended_there", "at_bounds", "optimality_residual"),
+)
+"""Columns that are printed; the others are in the file."""
+
+
+def _print_worst_cases(console: "Console", study: "WorstCases") -> None:
+    from drakesep.cli.console import print_frame
+
+    if not study.comparison.empty:
+        print_frame(console, "The paper's objectives", study.comparison)
+    print_frame(
+        console,
+        "Runs in the form of the paper's Table 4: M maximum, m minimum, Nom nominal"
+        + ("; published values in parentheses" if study.case.published else ""),
+        study.table_4,
+    )
+    if study.worst:
+        print_frame(console, "Searches", study.searches)
+        evidence = study.evidence
+        shown = [name for name in _EVIDENCE if name in evidence]
+        print_frame(console, "Worst cases, with the evidence", evidence[shown])
+        if study.share_unphysical:
+            console.print(
+                f"{study.share_unphysical:.1%} of the tolerances are inertias that no "
+                "body can have; no search goes there."
+            )
+    for flight in study.flights:
+        if flight.status not in ("completed", "converged", "confirmed"):
+            console.print(f"{flight.label}: {flight.status}", markup=False)
+
+
+@contextlib.contextmanager
+def _progress(
+    console: "Console", folder: Path
+) -> "Iterator[Callable[[Progress], None]]":
+    from rich import progress as rich_progress
+
+    from drakesep.tables.run_tables import shown, unit_of_objective
+
+    bar = rich_progress.Progress(
+        rich_progress.TextColumn("{task.description}"),
+        rich_progress.BarColumn(),
+        rich_progress.TimeElapsedColumn(),
+        console=console,
+        transient=True,
+    )
+    task = bar.add_task("compiling", total=None)
+    said = ""
+
+    def show_progress(progress: "Progress") -> None:
+        nonlocal said
+        search = progress.search
+        total = "" if search.total is None else f" of {search.total}"
+        state = f"{search.search}: {search.done}{total}"
+        if search.best:
+            k = min(search.best)
+            objective, value = progress.objectives[k], search.best[k]
+            symbol = unit_of_objective(objective).symbol
+            state += f", {objective.name} {shown(objective, value):.5g} {symbol}"
+        bar.update(task, total=search.total, completed=search.done, description=state)
+        if not console.is_terminal and said != search.search:
+            said = search.search
+            print(f"{search.search} begins", file=sys.stderr)
+
+    try:
+        with bar:
+            yield show_progress
+    except KeyboardInterrupt:
+        _fail(INTERRUPTED, f"interrupted; what was done is in {folder}")
+
+
+def _parse_changes(texts: list[str]) -> dict[str, float]:
+    values: dict[str, float] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals:
+            raise InputError(f"--set: must be NAME=VALUE, got {text!r}")
+        if name in values:
+            raise InputError(f"--set {name}: must stand once, got it twice")
+        try:
+            values[name] = float(value)
+        except ValueError:
+            raise InputError(f"--set {name}: must be a number, got {value!r}") from None
+    return values
+
+
+def _console() -> "Console":
+    import os
+
+    from rich.console import Console
+
+    console = Console()
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        console = Console(width=200)  # a file has no edge
+    return console
+
+
+def _folder(output: Path | None, case: str, command: str) -> Path:
+    from drakesep.studies.output import writable_folder
+
+    return writable_folder(output or Path("results") / case / command)
+
+
+def _fail(code: int, message: str) -> NoReturn:
+    for line in message.splitlines():
+        print(f"drakesep: {line}", file=sys.stderr)
+    sys.exit(code)
+
+
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    print(f"drakesep: warning: {message}", file=sys.stderr)
+
+
+def main() -> None:
+    """Run the command line; bad input ends in one line for each error."""
+    # So that leaving ends the workers, as it does for an interrupt.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))
+    warnings.showwarning = _show_warning
+    try:
+        app()
+    except InputError as error:
+        _fail(BAD_INPUT, str(error))
+    except OSError as error:
+        _fail(BAD_INPUT, f"{error.filename}: {error.strerror}")
+    except RuntimeError as error:
+        _fail(FAILED, str(error))

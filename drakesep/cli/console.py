@@ -1,0 +1,207 @@
+"""What the command line prints: tables, verdicts."""
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from drakesep.case_file.case import Case
+from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.springs import DisplacementSpring, Spring
+from drakesep.units import unit_of, with_unit
+
+
+_LAWS = {Spring: "time", DisplacementSpring: "displacement", type(None): ""}
+_FIRST_WIDTH, _OTHER_WIDTH = 32, 14
+"""Of the columns of a table, about."""
+
+
+def print_frame(
+    console: Console,
+    title: str,
+    frame: pd.DataFrame,
+    digits: int = 5,
+    *,
+    index: int = 1,
+) -> None:
+    """Print a table; numbers to so many significant digits.
+
+    A wide table goes out in parts, each with the first columns, as many as `index`.
+    """
+    first, columns = list(frame.columns[:index]), list(frame.columns[index:])
+    room = (console.width - _FIRST_WIDTH) // _OTHER_WIDTH - (index - 1)
+    others = max(1, min(len(columns), room))
+    for start in range(0, len(columns), others):
+        part = frame[[*first, *columns[start : start + others]]]
+        console.print(_table("" if start else escape(title), part, digits))
+
+
+def _table(title: str, frame: pd.DataFrame, digits: int) -> Table:
+    table = Table(title=title, title_justify="left", title_style="bold")
+    for name in frame.columns:
+        number = pd.api.types.is_numeric_dtype(frame[name])
+        table.add_column(
+            escape(str(name)), justify="right" if number else "left", overflow="fold"
+        )
+    for row in frame.itertuples(index=False):
+        table.add_row(*(_cell(value, digits) for value in row))
+    return table
+
+
+def _cell(value: Any, digits: int) -> str:
+    if pd.isna(value):
+        return ""
+    if isinstance(value, float) and math.isinf(value):
+        return "none found"  # such as a growth that violates anything
+    if isinstance(value, float):
+        return f"{value + 0.0:.{digits}g}"  # -0.0 is 0
+    styles = {"met": "[green]met[/]", "not met": "[bold red]not met[/]"}
+    return styles.get(str(value), escape(str(value)))
+
+
+def print_cases(console: Console, cases: Iterable[Case]) -> None:
+    """Print the names and descriptions of cases."""
+    table = Table("case", "description")
+    for case in cases:
+        table.add_row(case.name, escape(case.description))
+    console.print(table)
+
+
+def print_case(console: Console, case: Case) -> None:
+    """Print a case: bodies, attachments, dispersions, requirements."""
+    console.print(f"{case.name}: {case.description}", markup=False)
+    before = case.before_separation
+    orbit = f"circular, {case.orbit.altitude_km:g} km" if case.orbit else "none"
+    console.print(
+        f"{case.pair.B} leaves {case.pair.A}; orbit: {orbit}; before separation: "
+        f"attitude {list(before.attitude_deg)} deg, rate {list(before.rate_deg_s)} "
+        f"deg/s; run: {case.run.duration_s:g} s with {case.run.integrator} at accuracy "
+        f"{case.run.accuracy:g}",
+        markup=False,
+    )
+    print_frame(console, "Bodies", _bodies(case))
+    print_frame(console, "Attachments", _attachments(case))
+    if any(body.elements for body in case.separation.bodies):
+        print_frame(console, "Geometry", _geometry(case))
+    if case.loads:
+        print_frame(console, "Loads", _loads(case))
+    print_frame(console, "Parameters", _parameters(case))
+    for section in case.ellipsoids:
+        related = "correlated" if section.correlation else "uncorrelated"
+        names = ", ".join(section.parameters)
+        console.print(f"In an ellipsoid, {related}: {names}", markup=False)
+    if case.limits:
+        print_frame(console, "Requirements", _requirements(case))
+
+
+def _bodies(case: Case) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "body": body.name,
+            "mass (kg)": body.mass,
+            "CG (mm)": _listed("cg", body.p_BoBcm_B),
+            "moments xx yy zz (kg m²)": _listed("inertia", body.I_BBcm_B[:3]),
+            "products xy xz yz (kg m²)": _listed("inertia", body.I_BBcm_B[3:]),
+        }
+        for body in case.separation.bodies
+    )
+
+
+def _attachments(case: Case) -> pd.DataFrame:
+    rows = []
+    for attachment in case.separation.attachments:
+        spring = attachment.spring
+        releases = []
+        if math.isfinite(attachment.release_time):
+            releases.append(f"{attachment.release_time:g} s")
+        if math.isfinite(attachment.release_angle):
+            releases.append(f"{math.degrees(attachment.release_angle):g} deg")
+        rows.append(
+            {
+                "attachment": attachment.name,
+                "from": attachment.A,
+                "to": attachment.B,
+                "position (mm)": _listed("position", attachment.p_AoPad_A),
+                "joint": attachment.joint.type,
+                "release": " or ".join(releases),
+                "spring": spring.name if spring else "",
+                "driven by": _LAWS[type(spring)],
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _geometry(case: Case) -> pd.DataFrame:
+    """Return where elements are: a mesh in the wrong unit is seen at once."""
+    from drakesep.systems.geometry.convex_pieces import (
+        pieces_of,  # and Drake, where there are any
+    )
+
+    mm = unit_of("position")
+    rows = []
+    for body in case.separation.bodies:
+        for element in body.elements:
+            points = np.concatenate([piece.points for piece in pieces_of(element)])
+            row = {
+                "element": element.name,
+                "of": body.name,
+                "shape": type(element.shape).__name__.lower(),
+                "role": element.role,
+            }
+            for axis, low, high in zip(
+                "xyz", points.min(axis=0), points.max(axis=0), strict=True
+            ):
+                row[f"{axis} (mm)"] = f"{mm.from_si(low):.4g} to {mm.from_si(high):.4g}"
+            rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _loads(case: Case) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "load": load.name,
+            "on": load.body,
+            "position (mm)": _listed("position", load.p_BoQ_B),
+            "axes": load.axes,
+            "from (s)": load.start + load.times[0],
+            "to (s)": load.start + load.times[-1],
+            "after": load.after or "start",
+            "largest force (N)": max(math.hypot(*force) for force in load.forces),
+            "largest torque (N m)": max(math.hypot(*torque) for torque in load.torques),
+        }
+        for load in case.separation.loads
+    )
+
+
+def _listed(quantity: str, values: Iterable[float]) -> str:
+    from_si = unit_of(quantity).from_si
+    return " ".join(f"{from_si(value):.6g}" for value in values)
+
+
+def _parameters(case: Case) -> pd.DataFrame:
+    tolerances = {d.name: d.tolerance for d in case.box.dispersions}
+    return pd.DataFrame(
+        {
+            "parameter": with_unit(name),
+            "value": unit_of(name).from_si(value),
+            "tolerance ±": unit_of(name).from_si(tolerances.get(name, math.nan)),
+        }
+        for name, value in parameters(case.separation).items()
+    )
+
+
+def _requirements(case: Case) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "quantity": with_unit(requirement.metric),
+            "condition": requirement.condition,
+            "sense": requirement.sense,
+            "limit": unit_of(requirement.metric).from_si(requirement.limit),
+        }
+        for requirement in case.limits
+    )

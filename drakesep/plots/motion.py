@@ -1,0 +1,202 @@
+"""Pictures of the motion, after the paper's Figs. 6 and 7, and of sensitivities."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from drakesep.analysis.metrics.objectives import TWO_SIDED
+from drakesep.analysis.metrics.of_run import ANGLES, AXES
+from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.tables.labelled_run import Flight
+from drakesep.units import unit_of
+
+
+class _Row(NamedTuple):
+    quantity: str
+    title: str
+    axes: tuple[str, ...]
+    figure: str | None = None
+    """Stem of the figure that a requirement limits here."""
+
+
+_TRANSLATION = (
+    _Row(
+        "relative_velocity",
+        "relative velocity",
+        AXES,
+        "longitudinal_speed_after_separation",
+    ),
+    _Row("acceleration", "acceleration of the CG", AXES),
+    _Row("linear_momentum_change", "linear momentum change", AXES),
+)
+_ROTATION = (
+    _Row("angle", "angle", ANGLES, "deviation_at_separation"),
+    _Row("rate", "rate", AXES, "rate_after_separation"),
+    _Row("angular_momentum_change", "angular momentum change", AXES),
+)
+
+# Okabe and Ito's colours, told apart by the colour-blind; dashes tell apart curves
+# that coincide. Published runs stay in the background.
+COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
+DASHES = ((0, ()), (0, (6, 2)), (0, (2, 2)), (0, (6, 2, 1, 2)), (0, (1, 1)))
+_PUBLISHED = ("#757575", "#A6A6A6", "#CCCCCC")
+LIMIT = "#B00020"
+
+
+def save_figures(
+    flights: Sequence[Flight], limits: Sequence[Requirement], folder: Path
+) -> None:
+    """Write translation.png and rotation.png of completed runs into a folder."""
+    translation_figure(flights, limits).savefig(folder / "translation.png", dpi=130)
+    rotation_figure(flights, limits).savefig(folder / "rotation.png", dpi=130)
+
+
+def translation_figure(
+    flights: Sequence[Flight], limits: Sequence[Requirement]
+) -> Figure:
+    """Return relative velocity, acceleration and linear momentum over time."""
+    return _figure("Translation of {B} from {A}", _TRANSLATION, flights, limits)
+
+
+def rotation_figure(flights: Sequence[Flight], limits: Sequence[Requirement]) -> Figure:
+    """Return angles, rates and angular momentum over time."""
+    return _figure("Rotation of {B}", _ROTATION, flights, limits)
+
+
+def _figure(
+    title: str,
+    rows: Sequence[_Row],
+    flights: Sequence[Flight],
+    limits: Sequence[Requirement],
+) -> Figure:
+    figure = Figure(figsize=(12, 9), layout="constrained")
+    panels = figure.subplots(len(rows), 3, sharex=True, squeeze=False)
+    by_metric = {requirement.metric: requirement for requirement in limits}
+    for row, line in zip(rows, panels, strict=True):
+        for i, axes in enumerate(line):
+            _draw(axes, row, i, flights)
+            axes.set_title(f"{row.title}, {row.axes[i]}", fontsize=10)
+            name = f"{row.figure}_{row.axes[i]}"
+            requirement = by_metric.get(name) or (
+                by_metric.get(str(row.figure)) if i == 0 else None
+            )
+            if requirement is not None:
+                _draw_limit(axes, requirement)
+    for axes in panels[-1]:
+        axes.set_xlabel("time (s)")
+    handles, labels = panels[0][0].get_legend_handles_labels()
+    limited = [a for a in panels.flat if a.get_gid() == "limited"]
+    if limited:
+        handles.append(limited[0].get_lines()[-1])
+        labels.append("limit")
+    figure.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False)
+    separation = flights[0].run.separation
+    figure.suptitle(title.format(A=separation.A, B=separation.B).replace("_", " "))
+    return figure
+
+
+def _draw(axes: Axes, row: _Row, i: int, flights: Sequence[Flight]) -> None:
+    unit = unit_of(f"{row.quantity}_{row.axes[i]}")
+    counts = {True: 0, False: 0}
+    for flight in flights:
+        published = flight.published is not None
+        colours = _PUBLISHED if published else COLOURS
+        k = counts[published]
+        counts[published] += 1
+        motion = flight.run.completed_motion
+        axes.plot(
+            motion.time,
+            getattr(motion, row.quantity)[:, i] * unit.per_si,
+            color=colours[k % len(colours)],
+            linestyle="-" if published else DASHES[k % len(DASHES)],
+            linewidth=2.4 if published else 1.5,
+            zorder=1 if published else 2,
+            label=flight.label,
+        )
+    end = flights[0].run.separation_end
+    axes.axvline(
+        end, color="#555555", linestyle=":", linewidth=1.0, label="end of separation"
+    )
+    axes.set_ylabel(unit.symbol)
+    axes.set_xlim(motion.time[0], motion.time[-1])
+    axes.grid(alpha=0.3)
+
+
+def _draw_limit(axes: Axes, requirement: Requirement) -> None:
+    limit = unit_of(requirement.metric).from_si(requirement.limit)
+    data = np.concatenate([np.asarray(line.get_ydata()) for line in axes.lines[:-1]])
+    sides = [limit]
+    if requirement.metric in TWO_SIDED and data.min() < -0.2 * limit:
+        sides.append(-limit)
+    start, end = axes.get_xlim()
+    separated = float(np.asarray(axes.lines[-1].get_xdata())[0])
+    # What holds at separation is drawn until then, what holds after it from then on.
+    span = (start, separated) if "_at_" in requirement.metric else (separated, end)
+    for side in sides:
+        axes.plot(span, (side, side), color=LIMIT, linestyle=(0, (8, 3)), linewidth=1.2)
+    axes.set_gid("limited")
+
+
+_BARS = 8
+"""Parameters in a panel of the tornado plot: those that matter most."""
+_ACROSS = 4
+
+
+def save_tornado(sensitivities: pd.DataFrame, folder: Path) -> None:
+    """Write tornado.png into a folder."""
+    tornado_figure(sensitivities).savefig(folder / "tornado.png", dpi=110)
+
+
+def tornado_figure(sensitivities: pd.DataFrame) -> Figure:
+    """Return what each tolerance does to each objective, to first order.
+
+    A panel for each objective, with the parameters that matter most at its worst case;
+    wide bars are slopes there, narrow ones at the nominal, for a whole tolerance.
+
+    Args:
+        sensitivities: as `WorstCases.sensitivities` has them.
+    """
+    panels = list(sensitivities.groupby("objective", sort=False))
+    down = -(-len(panels) // _ACROSS)
+    across = min(len(panels), _ACROSS)
+    figure = Figure(figsize=(4.6 * across, 2.9 * down + 0.6), layout="constrained")
+    grid = figure.subplots(down, across, squeeze=False)
+    for axes, (objective, rows) in zip(grid.flat, panels, strict=False):
+        _draw_tornado(axes, str(objective), rows.head(_BARS))
+    for axes in grid.flat[len(panels) :]:
+        axes.set_visible(False)
+    handles, labels = grid.flat[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
+    title = "Change for a whole tolerance, to first order"
+    parameters = sensitivities["parameter"].nunique()
+    if parameters > _BARS:
+        title += f"; of {parameters} parameters the {_BARS} that matter most"
+    figure.suptitle(title)
+    return figure
+
+
+def _draw_tornado(axes: Axes, objective: str, rows: pd.DataFrame) -> None:
+    places = np.arange(len(rows))
+    for column, height, colour, label in (
+        ("per_tolerance_at_worst", 0.8, "#56B4E9", "at the worst case"),
+        ("per_tolerance_at_nominal", 0.35, "#000000", "at the nominal"),
+    ):
+        axes.barh(places, rows[column], height, color=colour, label=label)
+    names = rows["parameter"].str.cat(rows["at_worst"].map(_MARKED))
+    axes.set_yticks(places, list(names), fontsize=7)
+    axes.invert_yaxis()
+    axes.axvline(0.0, color="#555555", linewidth=0.8)
+    axes.set_title(objective.replace("_", " "), fontsize=9)
+    axes.set_xlabel(rows["unit"].iloc[0], fontsize=8)
+    axes.tick_params(axis="x", labelsize=7)
+    axes.xaxis.set_major_locator(MaxNLocator(4))
+    axes.grid(axis="x", alpha=0.3)
+
+
+_MARKED = {"M": "  M", "m": "  m", "": "   "}

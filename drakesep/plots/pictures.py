@@ -1,0 +1,66 @@
+"""What shows the runs of a study, apart from it: any process can draw it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+import pandas as pd
+
+from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.systems.model.run import Array, Motion
+from drakesep.tables.labelled_run import Flight
+
+
+class Approach(NamedTuple):
+    """How near the nearest pair of a run is while B moves away."""
+
+    label: str
+    pair: str
+    separation: Array
+    """(n,) how far B has moved along A's x axis, m."""
+    distance: Array
+    """(n,) m."""
+
+
+@dataclass(frozen=True)
+class Tornado:
+    """What each tolerance does to each objective."""
+
+    sensitivities: pd.DataFrame
+    """As `WorstCases.sensitivities` has them."""
+
+    def save(self, folder: Path) -> None:
+        """Draw it into a folder."""
+        from drakesep.plots import motion as figures  # half a second, when drawn
+
+        figures.save_tornado(self.sensitivities, folder)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pictures:
+    """Figures of a study's runs, and their motions, as they are written down."""
+
+    flights: Sequence[Flight]
+    """Whose motion is drawn."""
+    limits: Sequence[Requirement]
+    approaches: Sequence[Approach] = ()
+    clearance_limit: float | None = None
+    """m."""
+    motions: Mapping[str, Motion] = field(default_factory=dict)
+    """That are written, by the labels of the runs."""
+
+    def save(self, folder: Path) -> None:
+        """Write them into a folder."""
+        from drakesep.plots import clearance_plots as clearance_figures
+        from drakesep.plots import motion as figures
+        from drakesep.tables import run_tables as tables
+
+        figures.save_figures(self.flights, self.limits, folder)
+        if self.approaches:
+            clearance_figures.save_approaches(
+                self.approaches, self.clearance_limit, folder
+            )
+        for label, motion in self.motions.items():
+            table = tables.motion_table(motion)
+            tables.write_csv(table, folder / f"motion_{label}.csv")

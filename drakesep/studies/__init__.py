@@ -1,0 +1,1 @@
+"""What a user asks for: simulate, animate, clearance, worst case, verify."""

@@ -1,0 +1,158 @@
+"""The study of how near bodies come to each other: tables, figure, verdict."""
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from drakesep.analysis.clearance.of_pair import Clearance
+from drakesep.analysis.clearance.of_run import PARTED, ClearanceAnalysis
+from drakesep.case_file.case import Case
+from drakesep.studies.output import writable_folder
+from drakesep.systems.checks import InputError
+from drakesep.systems.geometry.relative_path import RelativePath
+from drakesep.systems.model.part_pairs import owners_of
+from drakesep.systems.model.run import Array, Run
+from drakesep.tables import run_tables as tables
+from drakesep.units import unit_of, with_unit
+
+
+@dataclass(frozen=True, kw_only=True)
+class Clearances:
+    """How near the elements of a case come in one run."""
+
+    case: Case
+    run: Run
+    values: Mapping[str, float]
+    """What was changed, by parameter name with unit."""
+
+    @functools.cached_property
+    def _analysis(self) -> ClearanceAnalysis:
+        chosen = self.case.clearance
+        return ClearanceAnalysis(
+            self.run.separation, chosen.pairs, touching=chosen.touching
+        )
+
+    @functools.cached_property
+    def found(self) -> list[Clearance]:
+        """The smallest distance of each pair, over continuous time."""
+        return self._analysis.of(self.run)
+
+    @functools.cached_property
+    def distances(self) -> Array:
+        """(n, k) of each of the k pairs at the n sample times, m."""
+        return self._analysis.over_time(self.run)
+
+    @functools.cached_property
+    def separation(self) -> Array:
+        """(n,) how far B's origin has moved along A's x axis, m."""
+        x: Array = self._path.places(self._time)[1][:, 0]
+        return x - self._mated_place
+
+    @property
+    def _time(self) -> Array:
+        return self.run.completed_trajectory.time
+
+    @functools.cached_property
+    def _path(self) -> RelativePath:
+        flown = self.run.separation
+        return RelativePath(self.run.completed_trajectory, flown.A, flown.B)
+
+    @functools.cached_property
+    def _mated_place(self) -> float:
+        return float(self._path.at(0.0).p_AoBo_A[0])
+
+    def _separation(self, t: float) -> float:
+        return float(self._path.at(t).p_AoBo_A[0]) - self._mated_place
+
+    @property
+    def over_time(self) -> pd.DataFrame:
+        """A row for each sample time: how near each pair is."""
+        mm = unit_of("clearance")
+        columns = {
+            with_unit("time"): self._time,
+            with_unit("separation"): self.separation * unit_of("separation").per_si,
+        }
+        for (a, b), distances in zip(
+            self._analysis.names, self.distances.T, strict=True
+        ):
+            columns[f"{a}_to_{b}_{mm.suffix}"] = distances * mm.per_si
+        return pd.DataFrame(columns)
+
+    @property
+    def summary(self) -> pd.DataFrame:
+        """A row for each pair, the nearest first: how near it comes, when and where."""
+        bodies = owners_of(self.run.separation)
+        roles = {e.name: e.role for b in self.run.separation.bodies for e in b.elements}
+        rows = []
+        touching = set(map(frozenset, self.case.clearance.touching))
+
+        touched = dict(
+            zip(self._analysis.names, self.distances[0] <= PARTED, strict=True)
+        )
+
+        def parted(one: Clearance) -> bool:
+            names = (one.first, one.second)
+            return frozenset(names) in touching and bool(touched[names])
+
+        # Of those the distance only says that they have left each other.
+        for one in sorted(self.found, key=lambda one: (parted(one), one.minimum)):
+            row: dict[str, object] = {}
+            for side, name in (("first", one.first), ("second", one.second)):
+                row |= {
+                    side: name,
+                    f"{side}_body": bodies[name],
+                    f"{side}_role": roles[name],
+                }
+            at = {
+                "clearance": one.minimum,
+                "time": one.time,
+                "separation": self._separation(one.time),
+            }
+            for side, point in (("first", one.p_AoCa_A), ("second", one.p_BoCb_B)):
+                for axis, x in zip("xyz", point, strict=True):
+                    at[f"{side}_position_{axis}"] = x
+            touch = one.contact
+            at["contact_time"] = np.nan if touch is None else touch.time
+            at["closing_speed"] = np.nan if touch is None else touch.closing_speed
+            row |= tables.in_units(at)
+            left = "parted" if parted(one) else "clear"
+            row["status"] = left if touch is None else "contact"
+            rows.append(row)
+        return pd.DataFrame(rows)
+
+    @property
+    def clear(self) -> bool:
+        """Whether nothing touches."""
+        return all(one.contact is None for one in self.found)
+
+    def save(self, directory: str | Path) -> None:
+        """Write the tables and the figures into a folder."""
+        from drakesep.plots import (
+            clearance_plots as clearance_figures,  # half a second, where it is drawn
+        )
+
+        folder = writable_folder(directory)
+        tables.write_csv(self.summary, folder / "clearance_summary.csv")
+        tables.write_csv(self.over_time, folder / "clearance.csv")
+        clearance_figures.save_clearance(
+            self._time, self.separation, self._curves, folder
+        )
+        clearance_figures.save_swept(self.run, self._analysis.names, folder)
+
+    @property
+    def _curves(self) -> dict[str, tuple[Array, Clearance]]:
+        """Distances over time and the smallest, by the name of the pair."""
+        return {
+            f"{one.first} to {one.second}": (distances, one)
+            for one, distances in zip(self.found, self.distances.T, strict=True)
+        }
+
+
+def check_geometry(case: Case) -> None:
+    """Raise InputError unless two bodies of a case have geometry."""
+    if len({*owners_of(case.separation).values()}) < 2:
+        raise InputError("bodies: a clearance needs geometry on two of them")

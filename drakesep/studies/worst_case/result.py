@@ -1,0 +1,193 @@
+"""The worst cases of a case: what was flown and found, and why to believe it."""
+
+import functools
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
+from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
+from drakesep.analysis.search.judge import WorstCase
+from drakesep.analysis.search.problem import Candidate, Searched
+from drakesep.analysis.search.sqp import Iteration
+from drakesep.case_file.case import Case
+from drakesep.plots.pictures import Approach, Pictures, Tornado
+from drakesep.studies.output import writable_folder
+from drakesep.tables import evidence_tables
+from drakesep.tables import run_tables as tables
+from drakesep.tables.labelled_run import Flight
+
+
+@dataclass(kw_only=True)
+class WorstCases:
+    """The nominal run, the published worst cases, and the worst found."""
+
+    case: Case
+    objectives: tuple[Objective, ...] = ()
+    flights: list[Flight] = field(default_factory=list)
+    searched: list[Searched] = field(default_factory=list)
+    """What each search found, in their order."""
+    worst: list[WorstCase] = field(default_factory=list)
+    """The worst case of each objective, with its evidence."""
+    nominal_slopes: np.ndarray | None = field(default=None, repr=False)
+    """(m, n) of the objectives at the nominal, with the scaled parameters."""
+    clearance: LowestClearance | None = field(default=None, repr=False)
+    """That tells how near the nominal and published runs come; None if not asked."""
+
+    @functools.cached_property
+    def share_unphysical(self) -> float:
+        """The share of the tolerances whose inertias no body can have."""
+        return self.case.tolerance_set.share_unphysical()
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """A row for each run: parameters, figures, and how it was found."""
+        return tables.flights_table(self.flights, self.case.box.names)
+
+    @property
+    def history(self) -> pd.DataFrame:
+        """A row for each iterate of each search from the nominal."""
+        return tables.history_table(self.iterations, self.case.box)
+
+    @property
+    def iterations(self) -> dict[Objective, tuple[Iteration, ...]]:
+        """Iterates of the search from the nominal, by objective."""
+        return {
+            self.objectives[c.objective]: c.ascent.history
+            for c in self.from_nominal
+            if c.ascent is not None
+        }
+
+    @property
+    def from_nominal(self) -> list[Candidate]:
+        """What the search from the nominal ended at."""
+        return [c for s in self.searched if s.search == "sqp" for c in s.candidates]
+
+    @property
+    def comparison(self) -> pd.DataFrame:
+        """For each of the paper's objectives: nominal, published, SQP and worst."""
+        return tables.comparison_table(self.flights)
+
+    @property
+    def table_4(self) -> pd.DataFrame:
+        """The worst cases in the form of the paper's Table 4."""
+        shown = [f for f in self.flights if f.objective is None or _of_paper(f)]
+        return tables.table_4(shown, self.case.box)
+
+    @property
+    def worst_points(self) -> pd.DataFrame:
+        """A row for each parameter: M, m or its value, at each worst case."""
+        return evidence_tables.worst_points(self.worst, self.case.box)
+
+    @property
+    def evidence(self) -> pd.DataFrame:
+        """A row for each worst case, with why it may be believed."""
+        return evidence_tables.evidence(self.worst, self.objectives, self.flights)
+
+    @property
+    def searches(self) -> pd.DataFrame:
+        """A row for each search: what it looked at."""
+        return evidence_tables.searches(self.searched, self.share_unphysical)
+
+    @property
+    def candidates(self) -> pd.DataFrame:
+        """A row for the best point of each search, for each objective."""
+        return evidence_tables.candidates(self.searched, self.objectives, self.case.box)
+
+    @property
+    def sensitivities(self) -> pd.DataFrame:
+        """What each tolerance does to each objective, at the nominal and the worst."""
+        slopes = self.nominal_slopes
+        assert slopes is not None or not self.worst
+        return evidence_tables.sensitivities(
+            self.worst, self.objectives, slopes, self.case.box
+        )
+
+    @property
+    def nearest_sensitivities(self) -> pd.DataFrame:
+        """Sensitivities of the paper's objectives, and in each worse direction."""
+        left_out = set()
+        values = {case.name: case.value for case in self.worst}
+        for requirement in self.case.limits:
+            names = [o.name for o in self.case.towards(requirement)]
+            known = [name for name in names if name in values]
+            left_out |= set(known) - {max(known, key=values.__getitem__, default="")}
+        frame = self.sensitivities
+        return frame[~frame["objective"].isin(left_out)]
+
+    @property
+    def motions(self) -> dict[str, pd.DataFrame]:
+        """The motion of each run that did not fail, by its label."""
+        return {
+            flight.label: tables.motion_table(flight.run.motion)
+            for flight in self.flights
+            if flight.run.motion is not None
+        }
+
+    @property
+    def completed(self) -> bool:
+        """Whether no run failed, and Drake confirmed every worst case."""
+        return not any(flight.status.startswith("failed") for flight in self.flights)
+
+    def save_tables(self, directory: str | Path) -> None:
+        """Write the tables, as far as there are any, into a folder."""
+        folder = writable_folder(directory)
+        tables.write_csv(self.table, folder / "worst_cases.csv")
+        if self.searched:
+            tables.write_csv(self.searches, folder / "searches.csv")
+            tables.write_csv(self.candidates, folder / "candidates.csv")
+        if self.iterations:
+            tables.write_csv(self.history, folder / "history.csv")
+        if self.worst:
+            tables.write_csv(self.evidence, folder / "evidence.csv")
+            tables.write_csv(self.worst_points, folder / "worst_points.csv")
+            tables.write_csv(self.sensitivities, folder / "sensitivities.csv")
+        if any(map(_of_paper, self.flights)):
+            tables.write_csv(self.comparison, folder / "comparison.csv")
+
+    def save(self, directory: str | Path) -> None:
+        """Write the tables, and what shows the runs, into a folder."""
+        self.save_tables(directory)
+        folder = Path(directory)
+        if self.worst:
+            Tornado(self.nearest_sensitivities).save(folder)
+        self.pictures.save(folder)
+
+    @property
+    def pictures(self) -> Pictures:
+        """What shows the runs."""
+        clearances = [r.limit for r in self.case.limits if r.metric == CLEARANCE]
+        return Pictures(
+            flights=[f for f in self.flights if f.run.motion is not None and _shown(f)],
+            limits=self.case.limits,
+            approaches=self._approaches,
+            clearance_limit=clearances[0] if clearances else None,
+        )
+
+    @functools.cached_property
+    def _approaches(self) -> list[Approach]:
+        """Of the nominal run and of the worst clearance, if it was looked for."""
+        if self.clearance is None:
+            return []
+        approaches = []
+        for flight in self.flights:
+            found = flight.nearest
+            if found is None or flight.published is not None:
+                continue
+            x, distances = self.clearance.approach(flight.run, found)
+            pair = f"{found.first} to {found.second}".replace("_", " ")
+            approaches.append(Approach(flight.label, pair, x, distances))
+        return approaches
+
+
+def _of_paper(flight: Flight) -> bool:
+    return flight.objective in OBJECTIVES
+
+
+def _shown(flight: Flight) -> bool:
+    """Return whether a flight is in the figures of the motion."""
+    return flight.objective is None or (
+        _of_paper(flight) and flight.label.startswith("worst_")
+    )

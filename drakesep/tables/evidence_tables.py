@@ -1,0 +1,188 @@
+"""Tables of what speaks for a worst case, and of how far its tolerances may grow."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from drakesep.analysis.margins.tolerance_margins import Growth
+from drakesep.analysis.metrics.objectives import Objective
+from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.analysis.search.judge import CONFIDENCE, WorstCase
+from drakesep.analysis.search.problem import Searched
+from drakesep.analysis.search.registry import SEARCHES
+from drakesep.analysis.tolerances.box import Box
+from drakesep.tables.labelled_run import Flight
+from drakesep.tables.run_tables import MARK, in_units, shown, unit_of_objective
+from drakesep.units import split_axis, unit_of, with_unit
+
+
+_LISTED = 10
+"""Local maxima that a table lists."""
+
+
+def evidence(
+    worst: Sequence[WorstCase],
+    objectives: Sequence[Objective],
+    flights: Sequence[Flight],
+) -> pd.DataFrame:
+    """Return a row for each worst case, with why it may be believed.
+
+    Values are those of the figure that an objective makes large or small.
+    """
+    by_name = {f.objective: f for f in flights if f.objective_in_drake is not None}
+    rows = []
+    for case in worst:
+        objective, proof = objectives[case.objective], case.evidence
+        flight = by_name.get(case.name)
+        in_drake = math.nan if flight is None else flight.objective_in_drake
+        assert in_drake is not None
+        maxima = [
+            f"{shown(objective, value):.8g} ({count})"
+            for value, count in proof.local_maxima
+        ]
+        more = len(maxima) - _LISTED
+        rows.append(
+            {
+                "objective": case.name,
+                "unit": unit_of_objective(objective).symbol,
+                "worst": shown(objective, case.value),
+                "in_drake": shown(objective, in_drake),
+                "difference": shown(objective, in_drake - case.value),
+                "found_by": case.search,
+                **{
+                    name: shown(objective, proof.by_search[name])
+                    for name in SEARCHES
+                    if name in proof.by_search
+                },
+                "starts": proof.starts,
+                "ended_there": proof.ended_there,
+                "local_maxima": ", ".join(maxima[:_LISTED])
+                + (f", {more} more" if more > 0 else ""),
+                "unfinished": proof.unfinished,
+                "at_bounds": sum(bool(mark) for mark in proof.optimality.active),
+                "active_constraints": " ".join(
+                    dict.fromkeys(label for label, _ in proof.optimality.constraints)
+                ),
+                "optimality_residual": proof.optimality.residual,
+                "random_samples": proof.samples,
+                "failed_samples": proof.failed_samples,
+                f"fraction_beyond_at_{CONFIDENCE:.0%}".replace("%", "_percent"): (
+                    proof.fraction
+                ),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def searches(searched: Sequence[Searched], share_unphysical: float) -> pd.DataFrame:
+    """Return a row for each search: what it looked at, and what failed."""
+    return pd.DataFrame(
+        {
+            "search": search.search,
+            "what": search.note,
+            "points": search.points,
+            "failed": sum(search.failures.values()),
+            "first_failure": next(iter(search.failures), ""),
+            "unphysical_share_of_tolerances": share_unphysical,
+        }
+        for search in searched
+    )
+
+
+def candidates(
+    searched: Sequence[Searched], objectives: Sequence[Objective], box: Box
+) -> pd.DataFrame:
+    """Return a row for the best point of each search, for each objective."""
+    rows = []
+    for search in searched:
+        for k, objective in enumerate(objectives):
+            best = search.best(k)
+            if best is not None:
+                rows.append(
+                    {
+                        "objective": objective.name,
+                        "search": search.search,
+                        "value": shown(objective, best.value),
+                        "unit": unit_of_objective(objective).symbol,
+                        **in_units(box.values(best.u)),
+                    }
+                )
+    return pd.DataFrame(rows)
+
+
+def worst_points(worst: Sequence[WorstCase], box: Box) -> pd.DataFrame:
+    """Return a row for each parameter: M, m, or its value, at each worst case."""
+    columns: dict[str, list[str]] = {"parameter": [with_unit(n) for n in box.names]}
+    for case in worst:
+        columns[case.name] = [
+            ("M" if u > 0.0 else "m")
+            if abs(u) >= 1.0 - MARK
+            else f"{unit_of(name).from_si(case.values[name]):.6g}"
+            for name, u in zip(box.names, case.u, strict=True)
+        ]
+    return pd.DataFrame(columns)
+
+
+def sensitivities(
+    worst: Sequence[WorstCase],
+    objectives: Sequence[Objective],
+    nominal_slopes: np.ndarray | None,
+    box: Box,
+) -> pd.DataFrame:
+    """Return what a whole tolerance does to each objective's figure, to first order.
+
+    A row for each objective and parameter, those that matter most at the worst case
+    first; the multiplier is what the objective would gain for a whole tolerance more.
+    """
+    rows = []
+    for case in worst:
+        assert nominal_slopes is not None
+        objective, first_order = objectives[case.objective], case.evidence.optimality
+        order = np.argsort(-np.abs(first_order.slopes), kind="stable")
+        for i in order.tolist():
+            name = box.names[i]
+            rows.append(
+                {
+                    "objective": case.name,
+                    "unit": unit_of_objective(objective).symbol,
+                    "parameter": with_unit(name),
+                    "tolerance": unit_of(name).from_si(box.tolerance[i]),
+                    "per_tolerance_at_nominal": shown(
+                        objective, nominal_slopes[case.objective, i]
+                    ),
+                    "per_tolerance_at_worst": shown(objective, first_order.slopes[i]),
+                    "at_worst": first_order.active[i],
+                    "multiplier": abs(shown(objective, first_order.multipliers[i])),
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def tolerances(growths: Sequence[tuple[Requirement, Growth]], box: Box) -> pd.DataFrame:
+    """Return for each requirement and parameter the tolerance that would violate it.
+
+    The others keep theirs. Infinite where no tolerance that was looked at does.
+    """
+    rows = []
+    for requirement, growth in growths:
+        i = growth.limit.parameter
+        assert i is not None
+        name = box.names[i]
+        stem, axis = split_axis(requirement.metric)
+        rows.append(
+            {
+                "requirement": stem.replace("_", " "),
+                "axis": axis,
+                "parameter": with_unit(name),
+                "tolerance": unit_of(name).from_si(box.tolerance[i]),
+                "violated_at": unit_of(name).from_si(box.tolerance[i] * growth.factor),
+                "factor": growth.factor,
+                "looked_up_to": growth.most,
+                "status": f"failed: {growth.message}"
+                if math.isnan(growth.factor)
+                else "",
+            }
+        )
+    return pd.DataFrame(rows)

@@ -1,0 +1,73 @@
+"""Runs of a study under their labels, with their figures."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
+from drakesep.analysis.clearance.of_pair import Clearance
+from drakesep.analysis.metrics.of_run import metrics
+from drakesep.analysis.metrics.requirements import deviation_limits
+from drakesep.case_file.case import Case
+from drakesep.case_file.others import PublishedSection
+from drakesep.systems.model.run import Run
+
+
+NOMINAL = "nominal"
+"""The label of the run that nothing changes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Flight:
+    """A run of a study, under its label."""
+
+    label: str
+    run: Run
+    figures: Mapping[str, float]
+    """Its figures in SI, by name; empty if the run failed."""
+    objective: str | None = None
+    """Of the search that found it; None if none did."""
+    iterations: int | None = None
+    """Of that search."""
+    evaluations: int = 1
+    """Runs flown for it; of a worst case, by all searches for all objectives."""
+    status: str = "completed"
+    published: PublishedSection | None = field(default=None, repr=False)
+    """The publication that it comes from."""
+    objective_in_drake: float | None = None
+    """Of the objective whose worst case it is, in SI; None if the run failed."""
+    nearest: Clearance | None = field(default=None, repr=False)
+    """How near its elements come; None if that was not asked for."""
+
+
+def as_flight(
+    label: str,
+    run: Run,
+    case: Case,
+    clearance: LowestClearance | None = None,
+    **found: object,
+) -> Flight:
+    """Return a run with its figures, and how near it comes if that is asked for."""
+    figures_: dict[str, float] = {}
+    if run.motion is None:
+        found["status"] = f"failed: {run.message}"
+    else:
+        limits = deviation_limits(case.limits)
+        figures_ |= metrics(run, limits)
+        if clearance is not None:
+            found["nearest"] = nearest = clearance.nearest(run)
+            figures_[CLEARANCE] = nearest.minimum
+    return Flight(label=label, run=run, figures=figures_, **found)  # type: ignore[arg-type]
+
+
+def references(
+    case: Case, runs: Sequence[Run], clearance: LowestClearance | None
+) -> list[Flight]:
+    """Return the nominal run of a case, and the published ones after it."""
+    nominal, *others = runs
+    return [
+        as_flight(NOMINAL, nominal, case, clearance),
+        *(
+            as_flight(published.label, run, case, clearance, published=published)
+            for published, run in zip(case.published, others, strict=True)
+        ),
+    ]

@@ -1,0 +1,1 @@
+"""Many separations at once, in JAX; free of Drake."""

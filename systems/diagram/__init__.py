@@ -1,0 +1,1 @@
+"""The Drake systems of one separation."""

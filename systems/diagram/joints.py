@@ -1,0 +1,203 @@
+"""The attachments' joints by constraint forces (CFE)."""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from pydrake.common.value import AbstractValue, Value
+from pydrake.systems.framework import BasicVector, Context, LeafSystem, ValueProducer
+
+from drakesep.systems.diagram.state_layout import StateLayout
+from drakesep.systems.diagram.wrenches import WrenchSum
+from drakesep.systems.equations import joints as joint_laws
+from drakesep.systems.equations import relative_motion as motion_laws
+from drakesep.systems.equations.joints import NO_TURN, HeldJoint, Pull, Turn
+from drakesep.systems.equations.mated_stack import (
+    axis_on_B,
+    mated_orientation,
+    pad_on_B,
+)
+from drakesep.systems.equations.relative_motion import BodyState, PairState
+from drakesep.systems.model.joints import JointType, holds_all_rotations
+from drakesep.systems.model.separation import Separation
+from drakesep.systems.vectors import Quaternion, Rotation, Vector, add
+
+
+_FIELDS = 21
+"""Of a joint's parameters: see `CfeBushing`."""
+_ZERO = (0.0, 0.0, 0.0)
+
+
+class _Joint(NamedTuple):
+    """What is fixed of a joint when the system is built."""
+
+    attachment: int
+    """Its index."""
+    type: JointType
+    R_AJ: Rotation | None
+    """Orientation of its frame J in A; None if it is that of A."""
+
+
+class _Held(NamedTuple):
+    """The joints that hold a pair of bodies."""
+
+    a: int
+    b: int
+    q_AB: Quaternion
+    turns: bool
+    """Whether one of them holds all rotations."""
+    joints: list[tuple[int, HeldJoint]]
+    """The joints, each with the index of its attachment."""
+
+
+class _HeldPair(NamedTuple):
+    """Two bodies that joints still hold."""
+
+    a: int
+    b: int
+    A: BodyState
+    motion: PairState
+    turn: Turn
+    held: list[tuple[int, HeldJoint, Vector, Pull]]
+    """The joints, each with the index of its attachment, its pad from B's origin, in A,
+    and what it does."""
+
+
+class CfeBushing(LeafSystem):
+    """Holds B to A at each attachment that is not released, Eq. 1-4.
+
+    Each joint holds the directions of its type, in its frame fixed in A. Its forces and
+    torques have a potential, whatever the gains. No type has a singularity below 180
+    deg of rotation, but for the universal one, which locks when its axes fall together.
+
+    Input ports:
+        plant_state: state of the plant.
+        released: (n,) time of each attachment's release, s; infinite while held.
+
+    Output ports:
+        wrenches: (6 m,) torque about the origin, N m, and force, N, in W, on each
+            of the m bodies.
+        loads: (6 n,) torque, N m, and force, N, of each joint on B at its pad, in the
+            joint's frame; zero after release.
+        energy: (1,) elastic energy of the joints that hold, J.
+
+    Parameters:
+        0: (21 n,) for each attachment its gains K_F, D_F, K_T, D_T along x, y and z of
+            the joint's frame, zero where it is free; its place in A and in B; and the
+            joint's x axis, or y of a universal one, fixed in B.
+        1: (4 p,) for each pair of attached bodies the mated orientation q_AB.
+    """
+
+    def __init__(self, separation: Separation, layout: StateLayout):
+        super().__init__()
+        self._count = len(separation.bodies)
+        self._size = len(separation.attachments)
+        self._pairs = _pairs(separation)
+        self._layout = layout
+        self._state = self.DeclareVectorInputPort("plant_state", layout.size)
+        self._released = self.DeclareVectorInputPort("released", self._size)
+        self._joints = self.DeclareNumericParameter(BasicVector(_FIELDS * self._size))
+        self._mated = self.DeclareNumericParameter(BasicVector(4 * len(self._pairs)))
+        # Parameters are read once, until an attachment lets go: a quarter of the cost.
+        self._held = self.DeclareCacheEntry(
+            "held joints",
+            ValueProducer(allocate=lambda: Value[object](), calc=self._calc_held),
+            {self._released.ticket(), self.all_parameters_ticket()},
+        )
+        self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
+        self.DeclareVectorOutputPort("loads", 6 * self._size, self._calc_loads)
+        self.DeclareVectorOutputPort("energy", 1, self._calc_energy)
+
+    def set_joints(self, context: Context, separation: Separation) -> None:
+        """Write the joints of a separation into this system's Context."""
+        rows: list[float] = []
+        for attachment in separation.attachments:
+            joint = attachment.joint
+            rows += joint.held_gains()
+            pad_A = attachment.p_AoPad_A
+            rows += [*pad_A, *pad_on_B(separation, attachment, pad_A)]
+            rows += axis_on_B(separation, attachment)
+        context.get_mutable_numeric_parameter(self._joints).SetFromVector(rows)
+        bodies = separation.bodies
+        orientations: list[float] = []
+        for a, b in self._pairs:
+            orientations += mated_orientation(bodies[a], bodies[b])
+        context.get_mutable_numeric_parameter(self._mated).SetFromVector(orientations)
+
+    def _calc_held(self, context: Context, output: AbstractValue) -> None:
+        released = self._released.Eval(context).tolist()
+        rows = context.get_numeric_parameter(self._joints).value().tolist()
+        mated = context.get_numeric_parameter(self._mated).value().tolist()
+        pairs = []
+        for i, ((a, b), joints) in enumerate(self._pairs.items()):
+            held = []
+            for joint in joints:
+                if math.isinf(released[joint.attachment]):
+                    start = _FIELDS * joint.attachment
+                    row = rows[start : start + _FIELDS]
+                    vectors = (tuple(row[k : k + 3]) for k in range(0, _FIELDS, 3))
+                    each = HeldJoint(joint.type, joint.R_AJ, *vectors)
+                    held.append((joint.attachment, each))
+            if held:
+                turns = any(holds_all_rotations(each.type) for _, each in held)
+                q_AB = tuple(mated[4 * i : 4 * i + 4])
+                pairs.append(_Held(a, b, q_AB, turns, held))
+        output.set_value(pairs)
+
+    def _held_pairs(self, context: Context) -> Iterator[_HeldPair]:
+        pairs = self._held.Eval(context)
+        if not pairs:
+            return
+        bodies = self._layout.read(self._state.Eval(context).tolist())
+        for a, b, q_AB, turns, joints in pairs:
+            A, B = bodies[a], bodies[b]
+            motion = motion_laws.pair_state(A, B)
+            turn = NO_TURN
+            if turns:
+                turn = joint_laws.rotation_deviation(A, B, q_AB, motion.w_AB, math)
+            held = [
+                (i, joint, *joint_laws.joint_pull(joint, motion, turn, math))
+                for i, joint in joints
+            ]
+            yield _HeldPair(a, b, A, motion, turn, held)
+
+    def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
+        total = WrenchSum(self._count)
+        for pair in self._held_pairs(context):
+            force, torque, moment = _ZERO, _ZERO, _ZERO
+            for _, joint, r_A, pull in pair.held:
+                each = joint_laws.pull_at_origin(joint, r_A, pull)
+                force, torque, moment = map(add, (force, torque, moment), each)
+            torque = add(torque, joint_laws.turning_torque(pair.turn, moment))
+            on_A, on_B = motion_laws.wrenches_at_origin(
+                pair.A, pair.motion.p_AoBo, force, torque
+            )
+            total.add(pair.a, on_A)
+            total.add(pair.b, on_B)
+        total.write(output)
+
+    def _calc_loads(self, context: Context, output: BasicVector) -> None:
+        loads = [0.0] * (6 * self._size)
+        for pair in self._held_pairs(context):
+            for i, joint, _, pull in pair.held:
+                moment_A = joint_laws.turning_torque(pair.turn, joint.in_A(pull.moment))
+                torque = add(pull.torque, joint.in_J(moment_A))
+                start = 6 * i
+                loads[start : start + 6] = [*torque, *pull.force]
+        output.SetFromVector(loads)
+
+    def _calc_energy(self, context: Context, output: BasicVector) -> None:
+        energy = 0.0
+        for pair in self._held_pairs(context):
+            energy += sum(pull.energy for *_, pull in pair.held)
+        output.SetFromVector([energy])
+
+
+def _pairs(separation: Separation) -> dict[tuple[int, int], list[_Joint]]:
+    """Return the joints between each pair of bodies, by the bodies' indices."""
+    pairs: dict[tuple[int, int], list[_Joint]] = {}
+    for i, attachment in enumerate(separation.attachments):
+        joint = attachment.joint
+        ends = separation.ends(attachment)
+        pairs.setdefault(ends, []).append(_Joint(i, joint.type, joint.R_AJ_if_turned))
+    return pairs

@@ -1,0 +1,178 @@
+"""The motion of B, in W and relative to A, and the momentum the springs give it."""
+
+import math
+from typing import NamedTuple
+
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    ContinuousState,
+    LeafSystem,
+)
+
+from drakesep.systems.diagram.state_layout import StateLayout
+from drakesep.systems.equations import relative_motion as motion_laws
+from drakesep.systems.equations.mated_stack import place_in_stack
+from drakesep.systems.equations.relative_motion import BodyState, Wrench
+from drakesep.systems.model.separation import Separation
+from drakesep.systems.vectors import Vector, scale
+
+
+class Measured(NamedTuple):
+    """What the motion analysis knows of the measured body B."""
+
+    p_BoBcm_B: Vector
+    """B's CG, m."""
+    mated_p_AoBcm_A: Vector
+    """Place of B's CG in A while mated, m."""
+    mass: float
+    """kg."""
+    inertia: float
+    """Mean of the principal moments, kg m^2."""
+
+    @classmethod
+    def of(cls, separation: Separation) -> "Measured":
+        """Return that of a separation."""
+        B = separation.body(separation.B)
+        return cls(
+            B.p_BoBcm_B,
+            place_in_stack(B, B.p_BoBcm_B),
+            B.mass,
+            sum(B.I_BBcm_B[:3]) / 3.0,
+        )
+
+
+class MotionAnalysis(LeafSystem):
+    """Measures the motion of B.
+
+    Input ports:
+        plant_state: state of the plant.
+        plant_acceleration: (6 m,) angular acceleration, rad/s^2, and acceleration of
+            the origin, m/s^2, in W, of each of the m bodies.
+        spring_wrenches: (6 m,) wrenches of the springs on each of the m bodies.
+
+    Output ports, (3,) each:
+        rate: angular velocity of B in W, in B, rad/s.
+        relative_rate: angular velocity of B in A, in B, rad/s.
+        angle: roll, pitch and yaw of B in W, rad.
+        relative_position: B's CG from its mated place, in A, m.
+        relative_velocity: velocity of B's CG as seen from A, in A, m/s.
+        acceleration: acceleration of B's CG in W, m/s^2.
+        linear_momentum_change: given to B by the springs, in B, N s (Eq. 6).
+        angular_momentum_change: given to B by the springs about its CG, in B,
+            N m s (Eq. 7).
+
+    Parameters:
+        0: (8,) CG of B in B and, while mated, in A, m; mass, kg, and mean moment of
+            inertia, kg m^2, of B.
+
+    Continuous state:
+        (6,) the momentum changes over mass and mean moment of inertia. Integrators
+        weigh errors absolutely: in N s, of which there are hundreds, the momentum
+        alone would dictate the step size.
+    """
+
+    def __init__(self, separation: Separation, layout: StateLayout):
+        super().__init__()
+        names = [body.name for body in separation.bodies]
+        self._a = names.index(separation.A)
+        self._b = names.index(separation.B)
+        self._layout = layout
+        self._state = self.DeclareVectorInputPort("plant_state", layout.size)
+        self._acceleration = self.DeclareVectorInputPort(
+            "plant_acceleration", 6 * len(names)
+        )
+        self._springs = self.DeclareVectorInputPort("spring_wrenches", 6 * len(names))
+        self._measured = self.DeclareNumericParameter(BasicVector(8))
+        self.DeclareContinuousState(6)
+        # Stated, so that a command or a thrust may depend on the motion, and not on the
+        # acceleration, without an algebraic loop.
+        self._measuring = {
+            self._state.ticket(),
+            self.all_parameters_ticket(),
+        }
+        for quantity in motion_laws.RelativeMotion._fields:
+            self._declare_motion_port(quantity)
+        self.DeclareVectorOutputPort(
+            "acceleration",
+            3,
+            self._calc_acceleration,
+            {*self._measuring, self._acceleration.ticket()},
+        )
+        self._declare_momentum_port("linear_momentum_change", 0)
+        self._declare_momentum_port("angular_momentum_change", 1)
+
+    def set_measured(self, context: Context, separation: Separation) -> None:
+        """Write what is known of the measured body, and that none has pushed it yet."""
+        context.SetContinuousState([0.0] * 6)
+        p_BoBcm_B, mated_p_AoBcm_A, mass, inertia = Measured.of(separation)
+        context.get_mutable_numeric_parameter(self._measured).SetFromVector(
+            [*p_BoBcm_B, *mated_p_AoBcm_A, mass, inertia]
+        )
+
+    def _get_measured(self, context: Context) -> Measured:
+        p = context.get_numeric_parameter(self._measured).value().tolist()
+        return Measured(tuple(p[:3]), tuple(p[3:6]), p[6], p[7])
+
+    def _eval_B(self, context: Context) -> BodyState:
+        return self._layout.read_one(self._state.Eval(context).tolist(), self._b)
+
+    def _eval_bodies(self, context: Context) -> tuple[BodyState, BodyState]:
+        bodies = self._layout.read(self._state.Eval(context).tolist())
+        return bodies[self._a], bodies[self._b]
+
+    def _declare_motion_port(self, quantity: str) -> None:
+        def calc(context: Context, output: BasicVector) -> None:
+            measured = self._get_measured(context)
+            motion = motion_laws.relative_motion(
+                *self._eval_bodies(context),
+                measured.p_BoBcm_B,
+                measured.mated_p_AoBcm_A,
+                math,
+            )
+            output.SetFromVector(getattr(motion, quantity))
+
+        self.DeclareVectorOutputPort(quantity, 3, calc, self._measuring)
+
+    def _calc_acceleration(self, context: Context, output: BasicVector) -> None:
+        B = self._eval_B(context)
+        vdot = self._acceleration.Eval(context).tolist()
+        v = 6 * self._b
+        output.SetFromVector(
+            motion_laws.cg_acceleration(
+                B,
+                self._get_measured(context).p_BoBcm_B,
+                tuple(vdot[v : v + 3]),
+                tuple(vdot[v + 3 : v + 6]),
+            )
+        )
+
+    def _declare_momentum_port(self, quantity: str, index: int) -> None:
+        def calc(context: Context, output: BasicVector) -> None:
+            measured = self._get_measured(context)
+            z = context.get_continuous_state_vector().CopyToVector().tolist()
+            weight = (measured.mass, measured.inertia)[index]
+            output.SetFromVector(scale(weight, tuple(z[3 * index : 3 * index + 3])))
+
+        tickets = {self.z_ticket(), self.all_parameters_ticket()}
+        self.DeclareVectorOutputPort(quantity, 3, calc, tickets)
+
+    def DoCalcTimeDerivatives(
+        self, context: Context, derivatives: ContinuousState
+    ) -> None:
+        """Set the rates of the momentum given to B."""
+        w = self._springs.Eval(context).tolist()[6 * self._b : 6 * self._b + 6]
+        if not any(w):
+            derivatives.get_mutable_vector().SetZero()
+            return
+        measured = self._get_measured(context)
+        B = self._eval_B(context)
+        linear, angular = motion_laws.momentum_rate(
+            B, measured.p_BoBcm_B, Wrench(tuple(w[:3]), tuple(w[3:]))
+        )
+        derivatives.get_mutable_vector().SetFromVector(
+            [
+                *scale(1.0 / measured.mass, linear),
+                *scale(1.0 / measured.inertia, angular),
+            ]
+        )

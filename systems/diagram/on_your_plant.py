@@ -1,0 +1,270 @@
+"""A separation on somebody else's plant.
+
+The plant may hold more than the bodies of the separation, in any order, with joints,
+gravity and forces of its own. Two adapters stand between it and the elements: one reads
+the bodies' motion from the plant's ports, one turns wrenches into its spatial forces.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from pydrake.common.value import AbstractValue
+from pydrake.math import RigidTransform
+from pydrake.multibody.math import SpatialAcceleration, SpatialForce, SpatialVelocity
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
+from pydrake.multibody.tree import BodyIndex, RigidBody
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    DiagramBuilder,
+    InputPort,
+    LeafSystem,
+    OutputPort,
+)
+
+from drakesep.systems.checks import InputError, unknown
+from drakesep.systems.design.mass_properties import mass_properties_of
+from drakesep.systems.diagram.separation_forces import SeparationElements
+from drakesep.systems.diagram.state_layout import StateLayout
+from drakesep.systems.model.separation import Body, Separation
+
+
+_Q, _V = 7, 6
+"""Of a floating body: its quaternion and position, and its spatial velocity."""
+
+
+def add_separation(
+    builder: DiagramBuilder,
+    plant: MultibodyPlant,
+    separation: Separation,
+    *,
+    bodies: Sequence[RigidBody] | None = None,
+    other_forces: OutputPort | None = None,
+    name: str = "separation",
+) -> SeparationElements:
+    """Add release, springs, joints, loads and motion analysis to a plant of one's own.
+
+    The plant stays in charge of its bodies: their mass properties, their initial motion
+    and gravity are its own. Its world takes the place of W; a separation with an orbit
+    adds the differential gravity of a freely falling world.
+
+    Args:
+        builder: that holds the plant.
+        plant: finalized and continuous.
+        separation: its bodies' names and mass properties are those of the plant's
+            bodies; see `body_of_plant`.
+        bodies: those of the plant, in the order of `Separation.bodies`; by default
+            those of their names.
+        other_forces: output port with a list of ExternallyAppliedSpatialForce of one's
+            own; the plant's input port is taken by the separation.
+        name: of the system that is added.
+
+    Returns:
+        The system that was added. Write the separation's numbers into its Context with
+        `SeparationElements.set_separation`; where they vary the bodies, write these
+        into the plant's with `set_mass_properties`.
+
+    Raises:
+        ValueError: the plant is discrete or not finalized, has no such body or one of
+            another mass, its input port for spatial forces is taken, or the separation
+            has recontact.
+    """
+    _check_plant(builder, plant)
+    if separation.recontact is not None:
+        raise InputError(
+            "recontact: must be None here: contact is the plant's own; before it is "
+            "finalized, register_contact gives it the geometry, and then "
+            "dataclasses.replace(separation, recontact=None) goes here"
+        )
+    found = list(bodies or (_find(plant, body.name) for body in separation.bodies))
+    _check_bodies(plant, found, separation)
+    count = len(found)
+    layout = StateLayout(
+        count * (_Q + _V),
+        tuple((_Q * i, _Q * count + _V * i) for i in range(count)),
+    )
+    elements: SeparationElements = builder.AddNamedSystem(
+        name, SeparationElements(separation, layout)
+    )
+    motion = builder.AddNamedSystem(f"{name}_motion", _BodyMotion(found))
+    forces = builder.AddNamedSystem(f"{name}_forces", _SpatialForces(found))
+    for source, target in (
+        (plant.get_body_poses_output_port(), motion.GetInputPort("poses")),
+        (
+            plant.get_body_spatial_velocities_output_port(),
+            motion.GetInputPort("velocities"),
+        ),
+        (
+            plant.get_body_spatial_accelerations_output_port(),
+            motion.GetInputPort("accelerations"),
+        ),
+        (motion.GetOutputPort("state"), elements.GetInputPort("plant_state")),
+        (
+            motion.GetOutputPort("acceleration"),
+            elements.GetInputPort("plant_acceleration"),
+        ),
+        (elements.GetOutputPort("wrenches"), forces.GetInputPort("wrenches")),
+        (forces.get_output_port(), plant.get_applied_spatial_force_input_port()),
+    ):
+        builder.Connect(source, target)
+    if other_forces is not None:
+        builder.Connect(other_forces, forces.GetInputPort("other_forces"))
+    return elements
+
+
+def body_of_plant(plant: MultibodyPlant, body: RigidBody) -> Body:
+    """Return the description of a plant's body, with its default mass properties.
+
+    Its mated place is the origin; `dataclasses.replace` gives it another.
+
+    Args:
+        plant: finalized.
+        body: of the plant.
+    """
+    M = body.CalcSpatialInertiaInBodyFrame(plant.CreateDefaultContext())
+    return Body(name=body.name(), **mass_properties_of(M)._asdict())
+
+
+def _check_plant(builder: DiagramBuilder, plant: MultibodyPlant) -> None:
+    if not plant.is_finalized():
+        raise InputError("plant must be finalized before a separation is added to it")
+    if plant.time_step() > 0.0:
+        raise InputError(
+            "plant must be continuous: stiff joints are wrong in a discrete one; "
+            f"got a time step of {plant.time_step():g} s"
+        )
+    if builder.IsConnectedOrExported(plant.get_applied_spatial_force_input_port()):
+        raise InputError(
+            "plant's applied_spatial_force input port must be free; hand the port that "
+            "it is connected to over as other_forces"
+        )
+
+
+def _find(plant: MultibodyPlant, name: str) -> RigidBody:
+    indices = map(BodyIndex, range(plant.num_bodies()))
+    names = [plant.get_body(index).name() for index in indices]
+    if names.count(name) > 1:
+        raise InputError(
+            f"plant: must have one body named {name!r}, got {names.count(name)}; hand "
+            "the right ones over as bodies"
+        )
+    if name not in names:
+        raise InputError(f"plant: {unknown('body', name, names)}")
+    return plant.GetBodyByName(name)
+
+
+def _check_bodies(
+    plant: MultibodyPlant, bodies: Sequence[RigidBody], separation: Separation
+) -> None:
+    wanted = separation.bodies
+    if len(bodies) != len(wanted):
+        raise InputError(
+            f"bodies must be the {len(wanted)} of the separation, got {len(bodies)}"
+        )
+    if len({int(body.index()) for body in bodies}) != len(bodies):
+        raise InputError("bodies must differ, got one twice")
+    for body, description in zip(bodies, wanted, strict=True):
+        if body.GetParentPlant() is not plant:
+            raise InputError(f"{description.name}: must be a body of the plant")
+        own = body_of_plant(plant, body)
+        for quantity, got, of_plant in (
+            ("mass", (description.mass,), (own.mass,)),
+            ("CG", description.p_BoBcm_B, own.p_BoBcm_B),
+            ("inertia", description.I_BBcm_B, own.I_BBcm_B),
+        ):
+            largest = max(map(abs, of_plant))
+            if not np.allclose(got, of_plant, rtol=0.0, atol=1e-6 * largest):
+                raise InputError(
+                    f"{description.name}: {quantity} must be that of the plant's body, "
+                    f"{of_plant}, got {got}; see body_of_plant"
+                )
+
+
+class _BodyMotion(LeafSystem):
+    """Reads bodies' motion from a plant's ports, as if they floated in its world.
+
+    Input ports:
+        poses, velocities, accelerations: the plant's, by body.
+
+    Output ports:
+        state: (13 m,) quaternion and position of each body, then angular velocity and
+            velocity of the origin of each.
+        acceleration: (6 m,) angular acceleration of each body, and acceleration of its
+            origin.
+    """
+
+    def __init__(self, bodies: Sequence[RigidBody]):
+        super().__init__()
+        self._indices = [int(body.index()) for body in bodies]
+
+        def declare(name: str, kind: type) -> InputPort:
+            return self.DeclareAbstractInputPort(name, AbstractValue.Make([kind()]))
+
+        self._poses = declare("poses", RigidTransform)
+        self._velocities = declare("velocities", SpatialVelocity)
+        self._accelerations = declare("accelerations", SpatialAcceleration)
+        self.DeclareVectorOutputPort(
+            "state",
+            (_Q + _V) * len(bodies),
+            self._calc_state,
+            {self._poses.ticket(), self._velocities.ticket()},
+        )
+        self.DeclareVectorOutputPort(
+            "acceleration",
+            _V * len(bodies),
+            self._calc_acceleration,
+            {self._accelerations.ticket()},
+        )
+
+    def _calc_state(self, context: Context, output: BasicVector) -> None:
+        poses, velocities = self._poses.Eval(context), self._velocities.Eval(context)
+        entries: list[float] = []
+        for i in self._indices:
+            entries += poses[i].rotation().ToQuaternion().wxyz().tolist()
+            entries += poses[i].translation().tolist()
+        for i in self._indices:
+            entries += velocities[i].get_coeffs().tolist()
+        output.SetFromVector(entries)
+
+    def _calc_acceleration(self, context: Context, output: BasicVector) -> None:
+        accelerations = self._accelerations.Eval(context)
+        entries: list[float] = []
+        for i in self._indices:
+            entries += accelerations[i].get_coeffs().tolist()
+        output.SetFromVector(entries)
+
+
+class _SpatialForces(LeafSystem):
+    """Turns wrenches about bodies' origins into a plant's external forces.
+
+    Input ports:
+        wrenches: (6 m,) torque about the origin, N m, and force, N, in W.
+        other_forces: list of ExternallyAppliedSpatialForce, passed on; optional.
+
+    Output port:
+        spatial_forces: list of ExternallyAppliedSpatialForce.
+    """
+
+    def __init__(self, bodies: Sequence[RigidBody]):
+        super().__init__()
+        self._indices = [body.index() for body in bodies]
+        self._wrenches = self.DeclareVectorInputPort("wrenches", 6 * len(bodies))
+        no_forces = AbstractValue.Make([ExternallyAppliedSpatialForce()])
+        self._others = self.DeclareAbstractInputPort("other_forces", no_forces)
+        self.DeclareAbstractOutputPort(
+            "spatial_forces", lambda: no_forces.Clone(), self._calc_forces
+        )
+
+    def _calc_forces(self, context: Context, output: AbstractValue) -> None:
+        wrenches = self._wrenches.Eval(context)
+        forces = []
+        for k, index in enumerate(self._indices):
+            force = ExternallyAppliedSpatialForce()
+            force.body_index = index
+            force.F_Bq_W = SpatialForce(
+                tau=wrenches[6 * k : 6 * k + 3], f=wrenches[6 * k + 3 : 6 * k + 6]
+            )
+            forces.append(force)
+        if self._others.HasValue(context):
+            forces += self._others.Eval(context)
+        output.set_value(forces)

@@ -1,0 +1,199 @@
+"""Everything of a separation but its bodies, as a Drake diagram."""
+
+import math
+
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
+from pydrake.systems.primitives import Adder
+
+from drakesep.systems.checks import InputError
+from drakesep.systems.diagram.gravity import Gravity
+from drakesep.systems.diagram.joints import CfeBushing
+from drakesep.systems.diagram.loads import Loads
+from drakesep.systems.diagram.motion_analysis import MotionAnalysis
+from drakesep.systems.diagram.release import Release
+from drakesep.systems.diagram.springs import Springs
+from drakesep.systems.diagram.state_layout import StateLayout
+from drakesep.systems.model.separation import Separation
+
+
+class SeparationElements(Diagram):
+    """Release, springs, joints, loads, gravity and motion analysis of a separation.
+
+    Built once for the structure of a separation: every number in it is written into a
+    Context with `set_separation`, so that a run is varied without a rebuild.
+
+    Subsystems: ``release``, ``springs``, ``cfe_bushing``, ``motion_analysis``; and
+    ``loads`` and ``gravity`` if the separation has loads or an orbit.
+
+    Input ports:
+        plant_state: in which the layout finds the motion of each body.
+        plant_acceleration: (6 m,) angular acceleration, rad/s^2, and acceleration of
+            the origin, m/s^2, in W, of each of the m bodies.
+        trigger: (1,) commands the release of all attachments; optional, see `Release`.
+        triggers: (n,) command the release of each attachment; optional.
+        external_wrenches: (6 m,), if asked for; see `SeparationSystem`.
+
+    Output ports:
+        wrenches: (6 m,) torque about the origin, N m, and force, N, in W, on each of
+            the bodies.
+        released: see `Release`.
+        spring_forces, spring_energy: see `Springs`.
+        joint_loads, joint_energy: see `CfeBushing`.
+        rate, relative_rate, angle, relative_position, relative_velocity,
+        acceleration, linear_momentum_change, angular_momentum_change: see
+            `MotionAnalysis`.
+    """
+
+    def __init__(
+        self,
+        separation: Separation,
+        layout: StateLayout,
+        *,
+        external_wrenches: bool = False,
+    ):
+        """Build the diagram.
+
+        Args:
+            separation: the bodies, attachments, springs and loads.
+            layout: where `plant_state` holds the motion of each body.
+            external_wrenches: whether to have that input port, which must then be
+                connected.
+        """
+        super().__init__()
+        builder = DiagramBuilder()
+        self._release: Release = builder.AddNamedSystem(
+            "release", Release(separation, layout)
+        )
+        self._springs: Springs = builder.AddNamedSystem(
+            "springs", Springs(separation, layout)
+        )
+        self._bushing: CfeBushing = builder.AddNamedSystem(
+            "cfe_bushing", CfeBushing(separation, layout)
+        )
+        self._motion: MotionAnalysis = builder.AddNamedSystem(
+            "motion_analysis", MotionAnalysis(separation, layout)
+        )
+        self._loads: Loads | None = None
+        self._gravity: Gravity | None = None
+        forces: list[System] = [self._springs, self._bushing]
+        if separation.loads:
+            self._loads = builder.AddNamedSystem("loads", Loads(separation, layout))
+            forces.append(self._loads)
+        if separation.orbit is not None:
+            self._gravity = builder.AddNamedSystem(
+                "gravity", Gravity(separation, layout)
+            )
+            forces.append(self._gravity)
+        total = builder.AddNamedSystem(
+            "wrenches",
+            Adder(len(forces) + external_wrenches, 6 * len(separation.bodies)),
+        )
+        for i, system in enumerate(forces):
+            builder.Connect(system.GetOutputPort("wrenches"), total.get_input_port(i))
+        if external_wrenches:
+            last = total.get_input_port(len(forces))
+            builder.ExportInput(last, "external_wrenches")
+
+        released = self._release.GetOutputPort("released")
+        for system in (self._springs, self._bushing, self._loads):
+            if system is not None:
+                builder.Connect(released, system.GetInputPort("released"))
+        readers = (self._release, *forces, self._motion)
+        builder.ExportInput(readers[0].GetInputPort("plant_state"), "plant_state")
+        for system in readers[1:]:
+            builder.ConnectInput("plant_state", system.GetInputPort("plant_state"))
+        builder.Connect(
+            self._springs.GetOutputPort("wrenches"),
+            self._motion.GetInputPort("spring_wrenches"),
+        )
+        builder.ExportInput(
+            self._motion.GetInputPort("plant_acceleration"), "plant_acceleration"
+        )
+        for name in ("trigger", "triggers"):
+            builder.ExportInput(self._release.GetInputPort(name), name)
+
+        builder.ExportOutput(total.get_output_port(), "wrenches")
+        builder.ExportOutput(released, "released")
+        for system, port, name in (
+            (self._springs, "forces", "spring_forces"),
+            (self._springs, "energy", "spring_energy"),
+            (self._bushing, "loads", "joint_loads"),
+            (self._bushing, "energy", "joint_energy"),
+        ):
+            builder.ExportOutput(system.GetOutputPort(port), name)
+        for i in range(self._motion.num_output_ports()):
+            output = self._motion.get_output_port(i)
+            builder.ExportOutput(output, output.get_name())
+        builder.BuildInto(self)
+        self._structure = _structure(separation)
+
+    def set_separation(self, context: Context, separation: Separation) -> None:
+        """Write the numbers of a separation into a Context.
+
+        Args:
+            context: of this diagram.
+            separation: with the structure that this system was built for.
+
+        Raises:
+            ValueError: the separation has other bodies, attachments, joint types or
+                axes, springs, profiles or load tables.
+        """
+        structure = _structure(separation)
+        for part, built in self._structure.items():
+            if structure[part] != built:
+                raise InputError(
+                    f"separation must have the {part} that the system was built for, "
+                    f"{built}; got {structure[part]}"
+                )
+
+        def of(system: System) -> Context:
+            return self.GetMutableSubsystemContext(system, context)
+
+        self._release.set_schedule(of(self._release), separation)
+        self._springs.set_springs(of(self._springs), separation)
+        self._bushing.set_joints(of(self._bushing), separation)
+        self._motion.set_measured(of(self._motion), separation)
+        if self._loads is not None:
+            self._loads.set_loads(of(self._loads), separation)
+        if self._gravity is not None:
+            self._gravity.set_gravity(of(self._gravity), separation)
+
+    def is_release_due(self, context: Context) -> bool:
+        """Return whether an attachment holds that has turned by its release angle.
+
+        Args:
+            context: of this diagram.
+        """
+        return self._release.is_due_by_angle(
+            self.GetSubsystemContext(self._release, context)
+        )
+
+
+def _structure(separation: Separation) -> dict[str, object]:
+    """Return what a diagram is built for, part by part."""
+    attachments = separation.attachments
+    return {
+        "bodies": tuple(body.name for body in separation.bodies),
+        "attachments": tuple((a.name, a.A, a.B) for a in attachments),
+        "releases by angle": tuple(math.isfinite(a.release_angle) for a in attachments),
+        "joints": tuple(
+            (a.joint.type, a.joint.x_axis_A, a.joint.y_axis_A) for a in attachments
+        ),
+        "springs": tuple(
+            a.spring
+            and (
+                type(a.spring).__name__,
+                a.spring.name,
+                getattr(a.spring, "profile", None),
+            )
+            for a in attachments
+        ),
+        "loads": tuple(
+            (x.name, x.body, x.axes, x.after, x.times, x.forces, x.torques)
+            for x in separation.loads
+        ),
+        "pair": (separation.A, separation.B),
+        "recontact": separation.recontact
+        and (separation.recontact, tuple(body.elements for body in separation.bodies)),
+        "gravity": "of an orbit" if separation.orbit else "none",
+    }

@@ -1,0 +1,243 @@
+"""One separation as a Drake diagram."""
+
+import math
+
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.geometry import SceneGraph
+from pydrake.math import RigidTransform
+from pydrake.multibody.math import SpatialVelocity
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import RotationalInertia, SpatialInertia
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+
+from drakesep.systems.checks import InputError
+from drakesep.systems.diagram.scene import register_contact, register_illustration
+from drakesep.systems.diagram.separation_forces import SeparationElements
+from drakesep.systems.diagram.state_layout import state_layout
+from drakesep.systems.equations.mated_stack import mated_motion
+from drakesep.systems.model.part_pairs import owners_of
+from drakesep.systems.model.separation import Body, Separation
+from drakesep.systems.vectors import Vector
+
+
+class SeparationSystem(Diagram):
+    """Bodies in free fall, held by joints and pushed apart by springs.
+
+    Built once for the structure of a separation: every number in it is written
+    into a Context with `set_separation`, so that a run is varied without a rebuild.
+
+    The plant is continuous and its world is the freely falling W. Subsystems: ``plant``
+    and ``elements``, a `SeparationElements`; and, if the separation has recontact or is
+    to be seen, ``scene_graph`` with the bodies' geometry.
+
+    Input ports:
+        trigger: (1,) commands the release of all attachments when it rises above 0.5;
+            optional. With it, or the next, the scheduled times are not used.
+        triggers: (n,) command the release of each of the n attachments; optional.
+        external_wrenches: (6 m,), if asked for: torque about the origin, N m, and
+            force, N, in W, on each of the m bodies, in the order of
+            `Separation.bodies`: thrust, disturbances, whatever the surrounding diagram
+            knows of.
+
+    Output ports:
+        plant_state: state of the plant; q and v of each body, in the order of
+            `Separation.bodies`.
+        geometry_query: Drake's QueryObject, for a MeshcatVisualizer say; if there is a
+            scene graph.
+        contact_results: Drake's ContactResults; if the separation has recontact.
+        All of those of `SeparationElements` but ``wrenches``.
+    """
+
+    def __init__(
+        self,
+        separation: Separation,
+        *,
+        external_wrenches: bool = False,
+        illustrated: bool = False,
+    ):
+        """Build the diagram.
+
+        Args:
+            separation: the bodies, attachments, springs and loads.
+            external_wrenches: whether to have that input port, which must then be
+                connected.
+            illustrated: whether the bodies' geometry is to be seen.
+
+        Raises:
+            ValueError: elements that push each other overlap while mated, or a mesh
+                cannot be read.
+        """
+        super().__init__()
+        builder = DiagramBuilder()
+        plant = builder.AddNamedSystem("plant", _plant_of_bodies(separation))
+        pushing = separation.recontact is not None
+        scene = None
+        if illustrated or pushing:
+            scene = builder.AddNamedSystem("scene_graph", SceneGraph())
+            plant.RegisterAsSourceForSceneGraph(scene)
+        if illustrated:
+            register_illustration(plant, separation)
+        self._element_of = register_contact(plant, scene, separation) if pushing else {}
+        plant.Finalize()
+        layout = state_layout(plant, [body.name for body in separation.bodies])
+        elements = builder.AddNamedSystem(
+            "elements",
+            SeparationElements(separation, layout, external_wrenches=external_wrenches),
+        )
+        state = plant.get_state_output_port()
+        builder.Connect(state, elements.GetInputPort("plant_state"))
+        # The bodies float, in order: their wrenches are the generalized forces, and
+        # their accelerations the generalized ones.
+        builder.Connect(
+            plant.get_generalized_acceleration_output_port(),
+            elements.GetInputPort("plant_acceleration"),
+        )
+        builder.Connect(
+            elements.GetOutputPort("wrenches"),
+            plant.get_applied_generalized_force_input_port(),
+        )
+        inputs = ["trigger", "triggers"]
+        inputs += ["external_wrenches"] if external_wrenches else []
+        for name in inputs:
+            builder.ExportInput(elements.GetInputPort(name), name)
+        builder.ExportOutput(state, "plant_state")
+        for i in range(elements.num_output_ports()):
+            port = elements.get_output_port(i)
+            if port.get_name() != "wrenches":
+                builder.ExportOutput(port, port.get_name())
+        if scene is not None:
+            poses = scene.get_source_pose_port(plant.get_source_id())
+            builder.Connect(plant.get_geometry_pose_output_port(), poses)
+            query = scene.get_query_output_port()
+            builder.ExportOutput(query, "geometry_query")
+            if pushing:
+                builder.Connect(query, plant.get_geometry_query_input_port())
+                contacts = plant.get_contact_results_output_port()
+                builder.ExportOutput(contacts, "contact_results")
+        builder.BuildInto(self)
+
+        self.plant: MultibodyPlant = plant
+        self.elements: SeparationElements = elements
+        self.layout = layout
+        self._order = {name: i for i, name in enumerate(owners_of(separation))}
+        self._check_mated(separation)
+
+    def set_separation(self, context: Context, separation: Separation) -> None:
+        """Write the numbers and the initial state of a separation into a Context.
+
+        Args:
+            context: of this diagram.
+            separation: with the structure that this system was built for.
+
+        Raises:
+            ValueError: the separation has another structure; see `SeparationElements`.
+        """
+        self.elements.set_separation(
+            self.GetMutableSubsystemContext(self.elements, context), separation
+        )
+        plant_context = self.GetMutableSubsystemContext(self.plant, context)
+        set_mass_properties(self.plant, plant_context, separation)
+        set_mated_motion(self.plant, plant_context, separation)
+
+    def contact_forces(self, context: Context) -> dict[tuple[str, str], Vector]:
+        """Return the force between each two elements that touch, N, by their names.
+
+        On the second, in W; nothing if the separation has no recontact.
+
+        Args:
+            context: of this diagram.
+        """
+        if not self._element_of:
+            return {}
+        results = self.GetOutputPort("contact_results").Eval(context)
+        forces: dict[tuple[str, str], Vector] = {}
+        for k in range(results.num_point_pair_contacts()):
+            contact = results.point_pair_contact_info(k)
+            pair = contact.point_pair()
+            first, second = (self._element_of[x] for x in (pair.id_A, pair.id_B))
+            force = contact.contact_force()
+            if self._order[first] > self._order[second]:
+                first, second, force = second, first, -force
+            before = forces.get((first, second), (0.0, 0.0, 0.0))
+            x, y, z = before + force
+            forces[first, second] = (float(x), float(y), float(z))
+        return forces
+
+    def _check_mated(self, separation: Separation) -> None:
+        context = self.CreateDefaultContext()
+        self.set_separation(context, separation)
+        for first, second in self.contact_forces(context):
+            raise InputError(
+                f"recontact: {first} and {second} must be apart while mated, or be "
+                "listed as touching, which then do not push each other; got an overlap"
+            )
+
+    def is_release_due(self, context: Context) -> bool:
+        """Return whether an attachment holds that has turned by its release angle."""
+        return self.elements.is_release_due(
+            self.GetSubsystemContext(self.elements, context)
+        )
+
+
+def spatial_inertia(body: Body) -> SpatialInertia:
+    """Return a body's mass properties as Drake takes them, validated by Drake."""
+    xx, yy, zz, xy, xz, yz = body.I_BBcm_B
+    return SpatialInertia.MakeFromCentralInertia(
+        body.mass, body.p_BoBcm_B, RotationalInertia(xx, yy, zz, xy, xz, yz)
+    )
+
+
+def make_plant(separation: Separation) -> MultibodyPlant:
+    """Return the continuous plant of a separation's bodies, free in W."""
+    plant = _plant_of_bodies(separation)
+    plant.Finalize()
+    return plant
+
+
+def _plant_of_bodies(separation: Separation) -> MultibodyPlant:
+    plant = MultibodyPlant(time_step=0.0)
+    for body in separation.bodies:
+        plant.AddRigidBody(body.name, spatial_inertia(body))
+    plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, 0.0])
+    return plant
+
+
+def set_mass_properties(
+    plant: MultibodyPlant, context: Context, separation: Separation
+) -> None:
+    """Write the bodies' mass properties into a plant's Context.
+
+    Args:
+        plant: that has bodies of their names.
+        context: of the plant.
+        separation: with the bodies.
+    """
+    for body in separation.bodies:
+        plant.GetBodyByName(body.name).SetSpatialInertiaInBodyFrame(
+            context, spatial_inertia(body)
+        )
+
+
+def set_mated_motion(
+    plant: MultibodyPlant, context: Context, separation: Separation
+) -> None:
+    """Write the motion of the mated stack into a plant's Context.
+
+    It moves as one rigid body, with A's origin at W's and A's CG at rest.
+
+    Args:
+        plant: in which bodies of their names float.
+        context: of the plant.
+        separation: with the bodies, their mated places and the initial motion.
+    """
+    initial = separation.initial
+    c_A = separation.body(separation.A).p_BoBcm_B
+    motions = mated_motion(separation, initial.rpy_WA, initial.w_WA_A, c_A, math)
+    for body, (q_WB, p_WBo, w_WB, v_WBo) in zip(
+        separation.bodies, motions, strict=True
+    ):
+        link = plant.GetBodyByName(body.name)
+        plant.SetFloatingBaseBodyPoseInWorldFrame(
+            context, link, RigidTransform(Quaternion(q_WB), p_WBo)
+        )
+        plant.SetFreeBodySpatialVelocity(context, link, SpatialVelocity(w_WB, v_WBo))

@@ -1,0 +1,1 @@
+"""Each equation once, on floats or on lanes of arrays; free of Drake and JAX."""

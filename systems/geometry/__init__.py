@@ -1,0 +1,1 @@
+"""Shapes of parts: pieces, distances, and how they are drawn."""

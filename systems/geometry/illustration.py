@@ -1,0 +1,69 @@
+"""How elements are drawn: Drake shapes for illustration, and their colours."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pydrake.geometry as drake
+from pydrake.common import MemoryFile
+from pydrake.math import RigidTransform
+
+from drakesep.systems.geometry.convex_pieces import Z_TO_X, mesh_of, place_of
+from drakesep.systems.model.parts import Box, Capsule, Cone, Element, Mesh, Sphere
+
+
+if TYPE_CHECKING:
+    import trimesh
+
+_SECTIONS = 96
+"""Sides of a round wall as it is drawn."""
+# Okabe and Ito's colours, as in the figures; walls let one see through.
+_COLOURS = ((0.45, 0.45, 0.5), (0.0, 0.45, 0.7), (0.9, 0.62, 0.0), (0.0, 0.62, 0.45))
+
+
+def colour_of(element: Element, body: int) -> tuple[float, float, float, float]:
+    """Return red, green, blue and opacity of an element of the i-th body."""
+    hollow = isinstance(element.shape, Cone) and element.shape.thickness is not None
+    return (*_COLOURS[body % len(_COLOURS)], 0.45 if hollow else 1.0)
+
+
+def illustration_of(element: Element) -> tuple[Any, RigidTransform]:
+    """Return Drake's shape of an element as it is drawn, and its pose X_BG.
+
+    Raises:
+        ValueError: a mesh is missing, empty or not closed.
+    """
+    shape, X_BG = element.shape, place_of(element)
+    match shape:
+        case Box():
+            return drake.Box(*shape.size), X_BG
+        case Sphere():
+            return drake.Sphere(shape.radius), X_BG
+        case Capsule():
+            return drake.Capsule(shape.radius, shape.length), X_BG @ Z_TO_X
+        case Cone():
+            return _drawn(_revolved(shape), 1.0, element.name), X_BG @ Z_TO_X
+        case Mesh():
+            return _drawn(mesh_of(element), shape.scale, element.name), X_BG
+
+
+def _drawn(mesh: "trimesh.Trimesh", scale: float, name: str) -> Any:
+    """Return a mesh in memory, in the one format that everything draws."""
+    text = mesh.export(file_type="obj", include_normals=False, header=None)
+    return drake.Mesh(
+        drake.InMemoryMesh(mesh_file=MemoryFile(text, ".obj", name)), scale
+    )
+
+
+def _revolved(cone: Cone) -> "trimesh.Trimesh":
+    """Return the surface of a cone along z."""
+    import trimesh
+
+    half = 0.5 * cone.length
+    aft, fore = (cone.radius_aft, -half), (cone.radius_fore, half)
+    if cone.thickness is None:
+        profile = [(0.0, -half), aft, fore, (0.0, half)]
+    else:
+        inner_aft = (cone.radius_aft - cone.thickness, -half)
+        inner_fore = (cone.radius_fore - cone.thickness, half)
+        profile = [inner_aft, aft, fore, inner_fore, inner_aft]
+    return trimesh.creation.revolve(np.array(profile), sections=_SECTIONS)

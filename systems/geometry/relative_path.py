@@ -1,0 +1,124 @@
+"""The motion of one body as seen from another, at any time of a run.
+
+Between samples it is the cubic through places and velocities: of fourth order, and for
+a run that is sampled as these are (see `drakesep.systems.sampling`) far finer than any
+clearance.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline, PPoly
+
+from drakesep.systems.equations.relative_motion import body_state
+from drakesep.systems.model.run import Array, Trajectory
+from drakesep.systems.vectors import (
+    conjugate,
+    cross,
+    multiply,
+    rotation_matrix,
+    subtract,
+    unrotate,
+)
+
+
+class Pose(NamedTuple):
+    """Pose and velocity of B in A."""
+
+    q_AB: Array
+    """(4,)."""
+    R_AB: Array
+    """(3, 3)."""
+    p_AoBo_A: Array
+    """m."""
+    w_AB_A: Array
+    """rad/s."""
+    v_ABo_A: Array
+    """As seen from A, m/s."""
+
+
+class RelativePath:
+    """The motion of body B as seen from body A.
+
+    Attributes:
+        time: (n,) at which it was sampled, s.
+    """
+
+    def __init__(self, trajectory: Trajectory, A: str, B: str):
+        """Take the motion of two bodies from that of all."""
+        self.time = trajectory.time
+        a, b = (body_state(trajectory.of(name).T, 0, 7) for name in (A, B))
+        arm = subtract(b.p_WBo, a.p_WBo)
+        p = unrotate(a.R_WB, arm)
+        v = unrotate(a.R_WB, subtract(subtract(b.v_WBo, a.v_WBo), cross(a.w_WB, arm)))
+        w = unrotate(a.R_WB, subtract(b.w_WB, a.w_WB))
+        q = multiply(conjugate(a.q_WB), b.q_WB)
+        q_dot = [0.5 * x for x in multiply((np.zeros_like(w[0]), *w), q)]
+        self._spline = CubicHermiteSpline(
+            self.time, np.stack([*q, *p], axis=1), np.stack([*q_dot, *v], axis=1)
+        )
+        self._derivative = self._spline.derivative()
+        # Second derivatives are linear on an interval: they peak at its ends.
+        second = self._spline.derivative(2)
+        steps = np.diff(self.time)
+        ends = np.stack([second.c[-1], second.c[-1] + second.c[0] * steps[:, None]])
+        self._bending = np.linalg.norm(ends[..., :4], axis=2).max(axis=0)
+        self._acceleration = np.linalg.norm(ends[..., 4:], axis=2).max(axis=0)
+        speeds = np.linalg.norm(np.stack(q_dot), axis=0)
+        self._turning = (
+            np.maximum(speeds[:-1], speeds[1:]) + 0.5 * steps * self._bending
+        )
+
+    def at(self, t: float) -> Pose:
+        """Return pose and velocity of B in A at a time, s."""
+        x, x_dot = self._spline(t), self._derivative(t)
+        # Between samples its length misses one by the error of the cubic.
+        length = np.linalg.norm(x[:4])
+        q, q_dot = x[:4] / length, x_dot[:4] / length
+        R = np.array(rotation_matrix(tuple(q.tolist()))).reshape(3, 3)
+        _, *w = multiply(tuple(q_dot), conjugate(tuple(q)))
+        return Pose(q, R, x[4:], 2.0 * np.array(w), x_dot[4:])
+
+    def places(self, times: Array) -> tuple[Array, Array]:
+        """Return (n, 3, 3) orientations R_AB and (n, 3) places p_AoBo_A, m, of B in A.
+
+        Args:
+            times: (n,) s.
+        """
+        x = self._spline(times)
+        q = x[:, :4] / np.linalg.norm(x[:, :4], axis=1)[:, None]
+        R = np.stack(rotation_matrix(tuple(q.T)), axis=1)
+        return R.reshape(-1, 3, 3), x[:, 4:]
+
+    def time_apart(self, distance: float) -> float:
+        """Return when B's origin has first moved so far along A's x axis, s.
+
+        Infinite if it never does.
+
+        Args:
+            distance: from where it is at first, m.
+        """
+        along = PPoly(self._spline.c[:, :, 4], self.time)
+        reached = along.solve(float(along(self.time[0])) + distance, extrapolate=False)
+        return float(np.nanmin(reached, initial=np.inf))
+
+    def bounds(self, start: float, end: float) -> tuple[float, float, float]:
+        """Return bounds on the motion between two times.
+
+        Returns:
+            Of the angular velocity, rad/s; of the acceleration of B's origin as seen
+            from A, m/s^2; and of the acceleration of a point of B about it, over its
+            distance, 1/s^2.
+        """
+        i = int(np.searchsorted(self.time, start, side="right")) - 1
+        j = int(np.searchsorted(self.time, end, side="left"))
+        i = min(max(i, 0), len(self._turning) - 1)
+        mine = slice(i, max(j, i + 1))
+        turning = float(self._turning[mine].max())
+        bending = float(self._bending[mine].max())
+        # R is of second degree in the quaternion.
+        return (
+            2.0 * turning,
+            float(self._acceleration[mine].max()),
+            2.0 * (bending + turning**2),
+        )

@@ -1,0 +1,144 @@
+"""What comes out of one simulated separation."""
+
+import enum
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drakesep.systems.model.separation import Attachment, Separation
+
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motion:
+    """The motion of B at n sample times, in SI and radians; vectors are (n, 3)."""
+
+    time: Array
+    """(n,), s."""
+    rate: Array
+    """Angular velocity of B in W, in B, rad/s."""
+    relative_rate: Array
+    """Angular velocity of B in A, in B, rad/s."""
+    angle: Array
+    """Roll, pitch and yaw of B in W, rad."""
+    relative_position: Array
+    """B's CG from its mated place, in A, m."""
+    relative_velocity: Array
+    """Velocity of B's CG as seen from A, in A, m/s."""
+    acceleration: Array
+    """Acceleration of B's CG in W, m/s^2."""
+    linear_momentum_change: Array
+    """Given to B by the springs, in B, N s (Eq. 6)."""
+    angular_momentum_change: Array
+    """Given to B by the springs about its CG, in B, N m s (Eq. 7)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trajectory:
+    """The motion of all m bodies in W at n sample times."""
+
+    names: tuple[str, ...]
+    """(m,) of the bodies."""
+    time: Array
+    """(n,), s."""
+    states: Array
+    """(n, m, 13) of each body, as in Drake's plant: orientation q_WB, position p_WBo,
+    m, angular velocity w_WB, rad/s, and velocity v_WBo, m/s, all in W."""
+
+    def of(self, body: str) -> Array:
+        """Return the states (n, 13) of one body."""
+        return self.states[:, self.names.index(body)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContactForces:
+    """How two elements push each other, at the integration steps at which they do.
+
+    And at the step after, with no force: it parts one contact from the next.
+    """
+
+    first: str
+    second: str
+    time: Array
+    """(n,), s."""
+    force: Array
+    """(n, 3) on the second, in W, N."""
+
+
+class RunStatus(enum.Enum):
+    """How a run ended."""
+
+    COMPLETED = "completed"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Run:
+    """One simulated separation."""
+
+    separation: Separation
+    """As it was flown, with its varied values."""
+    status: RunStatus
+    message: str = ""
+    """Why the run failed; empty if it did not."""
+    motion: Motion | None = field(default=None, repr=False)
+    """None if the run failed."""
+    trajectory: Trajectory | None = field(default=None, repr=False)
+    """None if the run failed."""
+    breaks: tuple[float, ...] = ()
+    """Where the motion has a kink: start, releases, ends of strokes, edges of loads,
+    end, s."""
+    releases: Mapping[str, float] = field(default_factory=dict)
+    """When each attachment let go, s, by its name."""
+    stroke_ends: Mapping[str, float] = field(default_factory=dict)
+    """When each spring reached its stroke, s, by its name."""
+    contacts: tuple[ContactForces, ...] = ()
+    """Of elements that touch again, if the separation has recontact."""
+    steps: int = 0
+    """Integration steps taken."""
+    evaluations: int = 0
+    """Evaluations of the time derivatives."""
+
+    @property
+    def completed_motion(self) -> Motion:
+        """The motion of a completed run.
+
+        Raises:
+            RuntimeError: the run failed.
+        """
+        if self.motion is None:
+            raise RuntimeError(f"the run failed: {self.message}")
+        return self.motion
+
+    @property
+    def completed_trajectory(self) -> Trajectory:
+        """The motion of all bodies of a completed run.
+
+        Raises:
+            RuntimeError: the run failed.
+        """
+        if self.trajectory is None:
+            raise RuntimeError(f"the run failed: {self.message}")
+        return self.trajectory
+
+    @property
+    def separation_start(self) -> float:
+        """When the first attachment of the measured body B let go, s."""
+        return min(self.releases[a.name] for a in self._attachments_of_B)
+
+    @property
+    def separation_end(self) -> float:
+        """When all attachments of B have let go and their strokes are reached, s."""
+        return max(
+            self.stroke_ends[a.spring.name] if a.spring else self.releases[a.name]
+            for a in self._attachments_of_B
+        )
+
+    @property
+    def _attachments_of_B(self) -> list[Attachment]:
+        B = self.separation.B
+        return [a for a in self.separation.attachments if B in (a.A, a.B)]

@@ -1,0 +1,313 @@
+"""The description of one separation: bodies, attachments, springs, orbit.
+
+Frozen records in SI and radians, free of Drake, that check themselves, can be
+pickled and compare by value. Frames: A is the body pushed from, B the body pushed
+away, W the freely falling world (see README, "Frames").
+"""
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from drakesep.systems.checks import (
+    InputError,
+    Vector3,
+    check_entries,
+    check_finite,
+    check_not_negative,
+    check_positive,
+    unknown,
+)
+from drakesep.systems.model.inertia import Inertia, check_inertia
+from drakesep.systems.model.joints import Joint
+from drakesep.systems.model.loads import Load
+from drakesep.systems.model.parts import Element
+from drakesep.systems.model.recontact import Recontact
+from drakesep.systems.model.springs import DisplacementSpring, Spring
+
+
+STACK = "before_separation"
+"""Stands before the parameters of the mated stack's motion."""
+RESERVED_NAMES = (STACK, "world")
+"""Names that no element can have; the second is Drake's."""
+EARTH_MU = 3.986004418e14
+"""Gravitational parameter of the Earth, m^3/s^2 (WGS 84)."""
+EARTH_RADIUS = 6378137.0
+"""Equatorial radius of the Earth, m (WGS 84)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Body:
+    """A rigid body and its place in the mated stack.
+
+    Raises:
+        ValueError: a value is not finite, the mass is not positive, or no rigid
+            body has such an inertia.
+    """
+
+    name: str
+    mass: float
+    """kg."""
+    p_BoBcm_B: Vector3
+    """CG from the body's origin, m."""
+    I_BBcm_B: Inertia
+    """Inertia about the CG in body axes, kg m^2."""
+    p_ABo: Vector3 = (0.0, 0.0, 0.0)
+    """Place of the body's origin in the frame of A while mated, m."""
+    rpy_AB: Vector3 = (0.0, 0.0, 0.0)
+    """Roll, pitch and yaw of the body in the frame of A while mated, rad."""
+    elements: tuple[Element, ...] = ()
+    """Parts of it that may come near others."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check_positive(f"{self.name}: mass", self.mass)
+        check_entries(f"{self.name}: CG", self.p_BoBcm_B, 3)
+        check_entries(f"{self.name}: inertia", self.I_BBcm_B, 6)
+        check_inertia(f"{self.name}: inertia", self.I_BBcm_B)
+        check_entries(f"{self.name}: mated position", self.p_ABo, 3)
+        check_entries(f"{self.name}: mated attitude", self.rpy_AB, 3)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Attachment:
+    """A place where B is held to A, and pushed from it by a spring after release.
+
+    It lets go at its release time, or once its joint has turned by its release angle,
+    whichever comes first; a signal of the surrounding diagram takes the place of the
+    time (see `Release`). With neither it waits for such a signal.
+
+    Raises:
+        ValueError: a value is not finite, both bodies are the same, or it lets go at an
+            angle about which its joint does not turn.
+    """
+
+    name: str
+    A: str
+    """Name of the body pushed from."""
+    B: str
+    """Name of the body pushed away."""
+    p_AoPad_A: Vector3
+    """Place in A, m; the pad on B is where it coincides with this while mated."""
+    joint: Joint
+    spring: Spring | DisplacementSpring | None = None
+    release_time: float = 0.0
+    """s; infinite: not by time."""
+    release_angle: float = math.inf
+    """About the joint's x axis, either way, rad; infinite: not by angle."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check_entries(f"{self.name}: position", self.p_AoPad_A, 3)
+        if self.release_time != math.inf:
+            check_not_negative(f"{self.name}: release time", self.release_time)
+        if self.release_angle != math.inf:
+            self._check_release_angle()
+        if self.A == self.B:
+            raise InputError(
+                f"{self.name}: must join two different bodies, got {self.A!r} twice"
+            )
+
+    def _check_release_angle(self) -> None:
+        check_finite(f"{self.name}: release angle", self.release_angle)
+        if not 0.0 < self.release_angle < math.pi:
+            raise InputError(
+                f"{self.name}: release angle must be above 0 and below 180 deg, "
+                f"got {math.degrees(self.release_angle):g}"
+            )
+        constraints = self.joint.constraints
+        if constraints.rotation[0] or not constraints.rotation[1]:
+            raise InputError(
+                f"{self.name}: release angle needs a joint that turns about its x axis "
+                f"alone, got {self.joint.type}"
+            )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Orbit:
+    """The circular orbit along which W falls.
+
+    Raises:
+        ValueError: the radius or the gravitational parameter is not positive.
+    """
+
+    radius: float
+    """From the centre of the Earth, m."""
+    mu: float = EARTH_MU
+    """Gravitational parameter, m^3/s^2."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check_positive("orbit: radius", self.radius)
+        check_positive("orbit: mu", self.mu)
+
+    @property
+    def mean_motion(self) -> float:
+        """rad/s."""
+        return math.sqrt(self.mu / self.radius**3)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InitialMotion:
+    """Motion of the mated stack at t = 0, when A's CG is at rest in W.
+
+    Raises:
+        ValueError: a value is not finite.
+    """
+
+    rpy_WA: Vector3 = (0.0, 0.0, 0.0)
+    """Roll, pitch and yaw of A in W, rad."""
+    w_WA_A: Vector3 = (0.0, 0.0, 0.0)
+    """Angular velocity of A in W, in A, rad/s."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check_entries("attitude before separation", self.rpy_WA, 3)
+        check_entries("rate before separation", self.w_WA_A, 3)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Separation:
+    """Everything that decides how bodies leave each other.
+
+    Raises:
+        ValueError: a name is used twice or names nothing, a body is not attached, A
+            is not at the origin of the mated stack, or a scheduled release or the push
+            of a spring driven by time does not end before the end of the run.
+    """
+
+    bodies: tuple[Body, ...]
+    attachments: tuple[Attachment, ...]
+    A: str
+    """Name of the body pushed from; the mated stack is placed in its frame."""
+    B: str
+    """Name of the body pushed away, whose motion is analysed."""
+    loads: tuple[Load, ...] = ()
+    """Thrusters, retro-rockets, disturbances."""
+    initial: InitialMotion = InitialMotion()
+    orbit: Orbit | None = None
+    """None: free of gravity."""
+    recontact: Recontact | None = None
+    """None: elements are measured and feel no force."""
+    duration: float
+    """Length of the run from t = 0, s."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check_positive("duration", self.duration)
+        self._check_names()
+        self._check_bodies_named()
+        self._check_bodies_attached()
+        self._check_recontact()
+        base = self.body(self.A)
+        if any((*base.p_ABo, *base.rpy_AB)):
+            raise InputError(
+                f"{base.name}: mated place must be zero, since the stack is placed in "
+                f"its frame; got position {base.p_ABo}, attitude {base.rpy_AB}"
+            )
+        for attachment in self.attachments:
+            if self.duration <= attachment.release_time < math.inf:
+                raise InputError(
+                    f"{attachment.name}: release time must lie before the end of the "
+                    f"run at {self.duration} s, got {attachment.release_time} s"
+                )
+        for load in self.loads:
+            if load.after is None and load.start + load.times[0] >= self.duration:
+                raise InputError(
+                    f"{load.name}: must begin before the end of the run at "
+                    f"{self.duration} s, got {load.start + load.times[0]} s"
+                )
+        last = max(
+            self.timed_stroke_ends(self.scheduled_releases).values(), default=0.0
+        )
+        if last >= self.duration:
+            raise InputError(
+                "duration must be longer than it takes the springs to reach their "
+                f"stroke, {last:.4g} s, got {self.duration} s"
+            )
+
+    def _check_names(self) -> None:
+        names = [body.name for body in self.bodies]
+        names += [attachment.name for attachment in self.attachments]
+        names += [spring.name for spring in self.springs]
+        names += [load.name for load in self.loads]
+        names += [element.name for body in self.bodies for element in body.elements]
+        counts = Counter([*names, *RESERVED_NAMES])
+        for name, count in counts.items():
+            if count > 1:
+                raise InputError(
+                    f"names must differ, got {name!r} {count} times"
+                    + (" (it is reserved)" if name in RESERVED_NAMES else "")
+                )
+
+    def _check_bodies_named(self) -> None:
+        names = [body.name for body in self.bodies]
+        for attachment in self.attachments:
+            for name in (attachment.A, attachment.B):
+                if name not in names:
+                    raise InputError(
+                        f"{attachment.name}: {unknown('body', name, names)}"
+                    )
+        attachments = [attachment.name for attachment in self.attachments]
+        for load in self.loads:
+            if load.body not in names:
+                raise InputError(f"{load.name}: {unknown('body', load.body, names)}")
+            if load.after is not None and load.after not in attachments:
+                raise InputError(
+                    f"{load.name}: {unknown('attachment', load.after, attachments)}"
+                )
+        for name in (self.A, self.B):
+            if name not in names:
+                raise InputError(f"pair: {unknown('body', name, names)}")
+        if self.A == self.B:
+            raise InputError(f"pair: must name two different bodies, got {self.A!r}")
+
+    def _check_bodies_attached(self) -> None:
+        attached = {name for a in self.attachments for name in (a.A, a.B)}
+        for body in self.bodies:
+            if body.name not in attached:
+                raise InputError(f"{body.name}: must be attached, got no attachment")
+
+    def _check_recontact(self) -> None:
+        shaped = [body.name for body in self.bodies if body.elements]
+        if self.recontact is not None and len(shaped) < 2:
+            raise InputError(
+                "recontact: needs geometry on two bodies, got "
+                f"{' and '.join(shaped) or 'none'}"
+            )
+
+    def body(self, name: str) -> Body:
+        """Return the body of this name."""
+        return next(body for body in self.bodies if body.name == name)
+
+    def ends(self, attachment: Attachment) -> tuple[int, int]:
+        """Return the indices of an attachment's bodies A and B."""
+        names = [body.name for body in self.bodies]
+        return names.index(attachment.A), names.index(attachment.B)
+
+    @property
+    def springs(self) -> tuple[Spring | DisplacementSpring, ...]:
+        """The springs, in the order of their attachments."""
+        return tuple(a.spring for a in self.attachments if a.spring is not None)
+
+    def timed_stroke_ends(self, releases: Mapping[str, float]) -> dict[str, float]:
+        """Return when the springs driven by time reach their stroke, s, by their names.
+
+        Args:
+            releases: times of release by attachment, s.
+        """
+        return {
+            a.spring.name: releases[a.name] + a.spring.duration
+            for a in self.attachments
+            if isinstance(a.spring, Spring) and a.name in releases
+        }
+
+    @property
+    def scheduled_releases(self) -> dict[str, float]:
+        """Times of the releases by time, s, by their attachments' names."""
+        return {
+            a.name: a.release_time
+            for a in self.attachments
+            if math.isfinite(a.release_time)
+        }

@@ -1,0 +1,1 @@
+"""Runs of one separation in Drake."""

@@ -1,0 +1,286 @@
+"""Runs of one separation: the diagram is built once, then flown as often as asked."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
+from pydrake.systems.framework import Context, EventStatus
+from scipy.optimize import brentq
+
+from drakesep.systems.diagram.motion_analysis import Measured
+from drakesep.systems.diagram.separation_system import SeparationSystem
+from drakesep.systems.equations import relative_motion as motion_laws
+from drakesep.systems.equations import springs as spring_laws
+from drakesep.systems.equations.mated_stack import pad_on_B
+from drakesep.systems.model.integration import Integration
+from drakesep.systems.model.parameters import with_values
+from drakesep.systems.model.run import (
+    Array,
+    ContactForces,
+    Motion,
+    Run,
+    RunStatus,
+    Trajectory,
+)
+from drakesep.systems.model.separation import Attachment, Separation
+from drakesep.systems.model.springs import DisplacementSpring
+from drakesep.systems.sampling import NANOSECOND, find_breaks, sample_times
+from drakesep.systems.simulation.contact_log import ContactLog
+from drakesep.systems.simulation.recorder import Recorder
+
+
+_FIRST_STEP = 1e-3
+"""Tried at the start, s."""
+_RECONTACT_STEP = 5e-3
+"""The largest where elements may push each other, s: in free flight error control would
+step over a contact."""
+
+
+class Simulation:
+    """Flies a separation, and any variation of its parameters.
+
+    Every run starts from a fresh Context and a fresh Simulator: a run is the same,
+    bit for bit, whatever was flown before it.
+    """
+
+    def __init__(self, separation: Separation, integration: Integration | None = None):
+        self.separation = separation
+        self.integration = integration or Integration()
+        self._system = SeparationSystem(separation)
+
+    def run(self, values: Mapping[str, float] | None = None) -> Run:
+        """Fly the separation with some of its parameters changed.
+
+        Args:
+            values: new values by parameter name, in SI; see
+                `drakesep.systems.model.parameters`.
+
+        Returns:
+            The run. One that fails numerically has the status FAILED and says why.
+
+        Raises:
+            ValueError: a parameter is unknown, or its value is not physical.
+        """
+        separation = with_values(self.separation, values or {})
+        context = self._system.CreateDefaultContext()
+        self._system.set_separation(context, separation)
+        simulator = self._make_simulator(context)
+        try:
+            contacts = ContactLog(self._system, context)
+            recorder, releases = self._advance(simulator, context, separation, contacts)
+            ends = _find_stroke_ends(self._system, separation, recorder, releases)
+            breaks = find_breaks(separation, releases, ends)
+            times = sample_times(separation, releases, ends)
+            times = _with_contacts(times, recorder.step_times(), contacts.forces)
+            motion, trajectory = _sample(self._system, separation, recorder, times)
+        except (RuntimeError, ArithmeticError, ValueError) as error:
+            # Drake's: the step size collapsed, say. Python's: a number overflowed.
+            return Run(
+                separation=separation,
+                status=RunStatus.FAILED,
+                message=f"{error} (at t = {context.get_time():g} s)",
+            )
+        integrator = simulator.get_mutable_integrator()
+        return Run(
+            separation=separation,
+            status=RunStatus.COMPLETED,
+            motion=motion,
+            trajectory=trajectory,
+            breaks=breaks,
+            releases=releases,
+            stroke_ends=ends,
+            contacts=contacts.forces,
+            steps=integrator.get_num_steps_taken(),
+            evaluations=integrator.get_num_derivative_evaluations(),
+        )
+
+    def _make_simulator(self, context: Context) -> Simulator:
+        # New for every run: a used integrator remembers its last step size.
+        context.SetAccuracy(self.integration.accuracy)
+        max_step = self.integration.max_step
+        if self.separation.recontact is not None:
+            max_step = min(max_step, _RECONTACT_STEP)
+        simulator = Simulator(self._system, context)
+        ApplySimulatorConfig(
+            SimulatorConfig(
+                integration_scheme=self.integration.scheme,
+                accuracy=self.integration.accuracy,
+                max_step_size=max_step,
+                use_error_control=True,
+            ),
+            simulator,
+        )
+        # Drake's own first try, a tenth of the largest step, overflows stiff joints; it
+        # refuses one above the largest.
+        first_step = min(_FIRST_STEP, max_step)
+        simulator.get_mutable_integrator().request_initial_step_size_target(first_step)
+        return simulator
+
+    def _advance(
+        self,
+        simulator: Simulator,
+        context: Context,
+        separation: Separation,
+        contacts: ContactLog,
+    ) -> tuple[Recorder, dict[str, float]]:
+        """Fly to the end; return what was recorded, and when attachments let go, s."""
+        system = self._system
+        released = system.GetOutputPort("released")
+        recorder = Recorder(
+            system,
+            context,
+            kinks_within_steps=separation.recontact is not None
+            or any(isinstance(s, DisplacementSpring) for s in separation.springs),
+        )
+        by_angle = any(math.isfinite(a.release_angle) for a in separation.attachments)
+
+        def monitor(_: Context) -> EventStatus:
+            recorder.note()
+            contacts.note()
+            if by_angle and system.is_release_due(context):
+                return EventStatus.ReachedTermination(system, "release by angle")
+            return EventStatus.DidNothing()
+
+        simulator.set_monitor(monitor)
+        simulator.Initialize()
+        # Steps end at kinks: none straddles one.
+        while (now := context.get_time()) < separation.duration:
+            releases = _releases(separation, released.Eval(context))
+            strokes = separation.timed_stroke_ends(releases)
+            stops = find_breaks(
+                separation, separation.scheduled_releases | releases, strokes
+            )
+            recorder.start_piece()
+            simulator.AdvanceTo(next(t for t in stops if t > now + NANOSECOND))
+            recorder.end_piece()
+            simulator.AdvancePendingEvents()
+        releases = _releases(separation, released.Eval(context))
+        for attachment in separation.attachments:
+            if attachment.name not in releases:
+                why = "it waits for a command"
+                if math.isfinite(attachment.release_angle):
+                    angle = math.degrees(attachment.release_angle)
+                    why = f"its joint has not turned by {angle:g} deg"
+                raise RuntimeError(f"{attachment.name} has not let go: {why}")
+        return recorder, releases
+
+
+def _releases(separation: Separation, released: Array) -> dict[str, float]:
+    """Return when each attachment let go, s, of those that did."""
+    return {
+        attachment.name: float(t)
+        for attachment, t in zip(separation.attachments, released, strict=True)
+        if math.isfinite(t)
+    }
+
+
+def _find_stroke_ends(
+    system: SeparationSystem,
+    separation: Separation,
+    recorder: Recorder,
+    releases: Mapping[str, float],
+) -> dict[str, float]:
+    """Return when each spring reached its stroke, s, by its name.
+
+    Raises:
+        RuntimeError: one did not within the run.
+    """
+    ends = separation.timed_stroke_ends(releases)
+    for name, end in ends.items():
+        # The model knows when scheduled releases are; not those at an angle.
+        if end >= separation.duration:
+            raise RuntimeError(f"{name} has not reached its stroke")
+    for attachment in separation.attachments:
+        if isinstance(attachment.spring, DisplacementSpring):
+            release = releases[attachment.name]
+            end = _find_stroke_end(system, separation, recorder, attachment, release)
+            ends[attachment.spring.name] = end
+    return ends
+
+
+def _find_stroke_end(
+    system: SeparationSystem,
+    separation: Separation,
+    recorder: Recorder,
+    attachment: Attachment,
+    release: float,
+) -> float:
+    """Return when a spring driven by displacement reached its stroke, s.
+
+    Raises:
+        RuntimeError: it did not within the run.
+    """
+    spring = attachment.spring
+    assert spring is not None  # _find_stroke_ends
+    a, b = separation.ends(attachment)
+    pad_B = pad_on_B(separation, attachment, attachment.p_AoPad_A)
+    axis_A = spring_laws.push_axis(spring.tilt_y, spring.tilt_z, math)
+
+    def left(times: Array) -> Array:
+        bodies = system.layout.read(recorder.sample(times)[0])
+        displacement, _ = spring_laws.spring_displacement(
+            bodies[a], bodies[b], attachment.p_AoPad_A, pad_B, axis_A
+        )
+        return spring.stroke - np.asarray(displacement)
+
+    times = recorder.step_times()
+    times = times[times >= release]
+    beyond = np.flatnonzero(left(times) <= 0.0)
+    if not beyond.size:
+        raise RuntimeError(f"{spring.name} has not reached its stroke")
+    if beyond[0] == 0:
+        return release  # it was past its stroke when it was let go
+    t0, t1 = times[beyond[0] - 1 : beyond[0] + 1]
+    end = brentq(lambda t: left(np.array([t]))[0], t0, t1, xtol=NANOSECOND)
+    return float(end)
+
+
+def _with_contacts(
+    times: Array, steps: Array, contacts: Sequence[ContactForces]
+) -> Array:
+    """Return sample times and the steps of contacts, with those beside them, s.
+
+    Between samples the motion is taken for smooth, which a blow is not.
+    """
+    touching = np.isin(steps, [t for contact in contacts for t in contact.time])
+    beside = touching.copy()
+    beside[:-1] |= touching[1:]
+    beside[1:] |= touching[:-1]
+    # A step at a sample time but for round-off is that sample.
+    new = steps[beside]
+    after = np.searchsorted(times, new)
+    nearest = np.minimum(
+        np.abs(new - times[np.maximum(after - 1, 0)]),
+        np.abs(new - times[np.minimum(after, len(times) - 1)]),
+    )
+    return np.union1d(times, new[nearest > NANOSECOND])
+
+
+def _sample(
+    system: SeparationSystem, separation: Separation, recorder: Recorder, times: Array
+) -> tuple[Motion, Trajectory]:
+    layout = system.layout
+    x, xdot = recorder.sample(times)
+    names = tuple(body.name for body in separation.bodies)
+    bodies = layout.read(x)
+    A, B = bodies[names.index(separation.A)], bodies[names.index(separation.B)]
+    _, v = layout.starts[names.index(separation.B)]
+    measured = Measured.of(separation)
+    motion = motion_laws.relative_motion(
+        A, B, measured.p_BoBcm_B, measured.mated_p_AoBcm_A, np
+    )
+    acceleration = motion_laws.cg_acceleration(
+        B, measured.p_BoBcm_B, tuple(xdot[v : v + 3]), tuple(xdot[v + 3 : v + 6])
+    )
+    momentum = x[layout.size :]
+    states = np.array([[*b.q_WB, *b.p_WBo, *b.w_WB, *b.v_WBo] for b in bodies])
+    trajectory = Trajectory(names=names, time=times, states=np.moveaxis(states, -1, 0))
+    sampled = Motion(
+        time=times,
+        acceleration=np.stack(acceleration, axis=1),
+        linear_momentum_change=measured.mass * momentum[:3].T,
+        angular_momentum_change=measured.inertia * momentum[3:].T,
+        **{name: np.stack(vector, axis=1) for name, vector in motion._asdict().items()},
+    )
+    return sampled, trajectory

@@ -1,0 +1,151 @@
+"""How far tolerances may grow, on functions whose worst cases are known."""
+
+import math
+
+import numpy as np
+import pytest
+from runs import fly_nothing
+from separations import generic_pair
+
+from drakesep.analysis.engines.evaluator import RunEvaluator
+from drakesep.analysis.margins.tolerance_margins import MOST, Limit, grow
+from drakesep.analysis.metrics.objectives import of_run
+from drakesep.analysis.search.problem import Problem
+from drakesep.analysis.tolerances.box import Box
+from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
+from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.run import Run, RunStatus
+
+
+PAIR = generic_pair()
+NAMES = ("upper.cg_x", "upper.cg_y", "upper.mass")
+BOX = Box.around(PAIR, dict(zip(NAMES, (0.02, 0.01, 400.0), strict=True)))
+SET = ToleranceSet(PAIR, BOX)
+
+
+def problem(function, tolerances=SET):
+    """A function of deviations in units of the tolerances, which may exceed 1."""
+    fly, box = fly_nothing(PAIR), tolerances.box
+
+    def deviation(run):
+        values = parameters(run.separation)
+        return function(box.scaled({name: values[name] for name in box.names}))
+
+    evaluator = RunEvaluator(
+        lambda rows: fly([dict(zip(box.names, row, strict=True)) for row in rows]),
+        box.names,
+        [of_run(deviation, "f")],
+    )
+    return Problem(tolerances=tolerances, evaluator=evaluator)
+
+
+def test_linear_function():
+    """|g| k reaches the limit."""
+    g = np.array([1.0, -2.0, 0.5])
+    limits = [
+        Limit(objective=0, value=7.0, u=(1.0, -1.0, 1.0)),
+        *(
+            Limit(objective=0, value=7.0, u=(1.0, -1.0, 1.0), parameter=i)
+            for i in range(3)
+        ),
+    ]
+    told = []
+    together, x, y, mass = grow(
+        problem(lambda v: g @ v),
+        limits,
+        on_progress=lambda done, total: told.append((done, total)),
+    )
+    assert (told[0], told[-1]) == ((0, 4), (4, 4))
+    assert told == sorted(told)
+    assert together.factor == pytest.approx(7.0 / 3.5, rel=1e-5)
+    assert together.values == pytest.approx(BOX.values([2.0, -2.0, 2.0]))
+    assert x.factor == pytest.approx(7.0 - 2.5, rel=1e-5)
+    assert y.factor == pytest.approx((7.0 - 1.5) / 2.0, rel=1e-5)
+    # 0.5 k = 4 lies beyond where the mass would be negative, at k = 3
+    assert math.isinf(mass.factor)
+    assert together.most == MOST
+    assert mass.most == pytest.approx(1200.0 / 400.0, rel=1e-3)
+    assert mass.values == {}
+
+
+def test_worst_case_that_turns_over_as_tolerances_grow():
+    """v_x up to k = 1, then -v_x^2 + ... : max(v_x, 0.5 v_x^2) changes sides.
+
+    f = v_x for small k, with its maximum at +k; f = 0.4 v_y^2 overtakes it at 2.5. The
+    growth that begins at the corner of v_x must find the other.
+    """
+
+    def function(v):
+        return v[0] + 0.4 * v[1] ** 2 - 3.0 * v[2] ** 2
+
+    found = grow(problem(function), [Limit(objective=0, value=5.0, u=(1.0, 0.3, 0.2))])
+    k = (-1.0 + math.sqrt(1.0 + 4.0 * 0.4 * 5.0)) / (2.0 * 0.4)
+    assert found[0].factor == pytest.approx(k, rel=2e-3)
+
+
+def test_limit_beyond_reach_and_limit_already_passed():
+    far, passed = grow(
+        problem(lambda v: v[0]),
+        [
+            Limit(objective=0, value=2.0 * MOST, u=(1.0, 0.0, 0.0)),
+            Limit(objective=0, value=-1.0, u=(1.0, 0.0, 0.0)),
+        ],
+    )
+    assert math.isinf(far.factor)
+    assert passed.factor == 0.0
+
+
+def test_violated_already_within_the_tolerances():
+    [growth] = grow(
+        problem(lambda v: v[0]), [Limit(objective=0, value=0.25, u=(1.0, 0.0, 0.0))]
+    )
+    assert growth.factor == pytest.approx(0.25, rel=1e-5)
+
+
+def test_nothing_to_do():
+    assert grow(problem(lambda v: v[0]), []) == []
+
+
+def test_limit_that_is_passed_only_in_between():
+    """A ridge inside the box: below the limit at no growth, and at five times."""
+
+    def ridge(v):
+        return math.exp(-(((v[0] - 0.9) / 0.1) ** 2)) + 1e-3 * v[1]
+
+    [growth] = grow(problem(ridge), [Limit(objective=0, value=0.5, u=(0.9, 1.0, 0.0))])
+    assert growth.factor <= 1.0
+
+
+def test_parameter_that_does_not_go_on_does_not_stop_the_others():
+    """The mass ends at 3 times its tolerance; the rest reaches 5 - 1.5 at 3.5."""
+    [growth] = grow(
+        problem(lambda v: v[0] + 0.5 * v[2]),
+        [Limit(objective=0, value=5.0, u=(1.0, 0.0, 1.0))],
+    )
+    assert growth.factor == pytest.approx(3.5, rel=1e-3)
+    assert growth.values["upper.mass"] == pytest.approx(2400.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_failed_runs_do_not_hide_what_was_found(seed):
+    """Runs fail beyond four times the tolerance of x."""
+    asked = problem(lambda v: v[0] + 1e-3 * v[1])
+    inner = asked.evaluator
+
+    def fly(rows):
+        return [
+            Run(separation=run.separation, status=RunStatus.FAILED, message="boom")
+            if row[0] > BOX.nominal[0] + 4.0 * BOX.tolerance[0]
+            else run
+            for row, run in zip(rows, inner._fly(rows), strict=True)
+        ]
+
+    evaluator = RunEvaluator(fly, BOX.names, inner.objectives)
+    [growth] = grow(
+        Problem(tolerances=SET, evaluator=evaluator),
+        [Limit(objective=0, value=2.0, u=(1.0, 1.0, 0.0))],
+        corners=64,
+        seed=seed,
+    )
+    assert growth.factor == pytest.approx(2.0, rel=2e-3)
+    assert growth.message == "boom"

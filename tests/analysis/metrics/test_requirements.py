@@ -1,0 +1,83 @@
+"""Requirements: margins, the worst of several runs, verdicts."""
+
+import math
+
+import pytest
+
+from drakesep.analysis.metrics.requirements import Requirement, assess, deviation_limits
+
+
+AT_MOST = Requirement(metric="deviation_at_separation_pitch", sense="<=", limit=2.0)
+AT_LEAST = Requirement(metric="longitudinal_speed_max", sense=">=", limit=0.5)
+
+
+def test_margin():
+    assert AT_MOST.margin(1.5) == 0.5
+    assert AT_MOST.margin(2.5) == -0.5
+    assert AT_LEAST.margin(0.75) == 0.25
+    assert AT_LEAST.margin(0.25) == -0.25
+
+
+def test_worst_of_several_runs():
+    runs = {
+        "nominal": {AT_MOST.metric: 1.0, AT_LEAST.metric: 1.0},
+        "a": {AT_MOST.metric: 1.9, AT_LEAST.metric: 0.4},
+        "b": {AT_MOST.metric: 1.2, AT_LEAST.metric: 0.6},
+    }
+    pitch, speed = assess([AT_MOST, AT_LEAST], runs, "nominal")
+    assert (pitch.nominal, pitch.worst, pitch.run, pitch.met) == (1.0, 1.9, "a", True)
+    assert pitch.margin == pytest.approx(0.1)
+    assert (speed.worst, speed.run, speed.met) == (0.4, "a", False)
+
+
+@pytest.mark.parametrize(
+    ("metric", "sense", "runs", "worst"),
+    [
+        (
+            "longitudinal_speed_after_separation",
+            "<=",
+            {"longitudinal_speed_max_after_separation": 1.2},
+            1.2,
+        ),
+        ("longitudinal_speed_after_separation", ">=", {}, 0.6),
+        (
+            "rate_after_separation_x",
+            ">=",
+            {"rate_magnitude_min_after_separation_x": 0.1},
+            0.1,
+        ),
+        ("rate_after_separation_x", "<=", {}, 0.3),
+    ],
+)
+def test_judged_by_the_extreme_that_breaks_the_limit(metric, sense, runs, worst):
+    figures = {
+        "longitudinal_speed_after_separation": 0.6,
+        "rate_after_separation_x": 0.3,
+        **runs,
+    }
+    requirement = Requirement(metric=metric, sense=sense, limit=0.5)
+    [finding] = assess([requirement], {"nominal": figures}, "nominal")
+    assert (finding.worst, finding.nominal) == (worst, worst)
+
+
+def test_exactly_at_the_limit_is_met():
+    runs = {"nominal": {AT_MOST.metric: 2.0}}
+    [finding] = assess([AT_MOST], runs, "nominal")
+    assert finding.met
+
+
+def test_deviation_limits():
+    assert deviation_limits([AT_MOST, AT_LEAST]) == (math.inf, 2.0, math.inf)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"limit": math.nan}, "limit must be finite, got nan"),
+        ({"sense": "<"}, "sense must be '<=' or '>=', got '<'"),
+    ],
+)
+def test_bad_requirement(changes, message):
+    values = {"metric": "separation_end", "sense": "<=", "limit": 1.0, **changes}
+    with pytest.raises(ValueError, match=message):
+        Requirement(**values)

@@ -1,0 +1,68 @@
+"""The pictures show what they say."""
+
+import numpy as np
+import pytest
+
+from drakesep.analysis.metrics.objectives import OBJECTIVES
+from drakesep.plots import motion as figures
+from drakesep.units import unit_of
+
+
+@pytest.fixture(scope="module")
+def shown(vega_verification):
+    return [
+        flight
+        for flight in vega_verification.flights
+        if flight.objective in (None, *OBJECTIVES) and flight.published is None
+        if not flight.label.startswith("sqp_")
+    ]
+
+
+def test_curves_are_the_runs(shown, vega_verification):
+    figure = figures.rotation_figure(shown, vega_verification.case.limits)
+    panels = {axes.get_title(): axes for axes in figure.axes}
+    assert set(panels) == {
+        *(f"angle, {angle}" for angle in ("roll", "pitch", "yaw")),
+        *(f"rate, {axis}" for axis in "xyz"),
+        *(f"angular momentum change, {axis}" for axis in "xyz"),
+    }
+    line = panels["rate, z"].get_lines()[3]
+    assert line.get_label() == "worst_Linf"
+    motion = shown[3].run.motion
+    expected = motion.rate[:, 2] * unit_of("rate_z").per_si
+    assert np.array_equal(line.get_ydata(), expected)
+
+
+@pytest.mark.parametrize(
+    ("make", "title", "limit"),
+    [
+        (figures.rotation_figure, "rate, y", 1.5),
+        (figures.rotation_figure, "angle, yaw", 1.0),
+        (figures.translation_figure, "relative velocity, x", 0.5),
+    ],
+)
+def test_limits_are_drawn(shown, vega_verification, make, title, limit):
+    figure = make(shown, vega_verification.case.limits)
+    [axes] = [axes for axes in figure.axes if axes.get_title() == title]
+    assert axes.get_lines()[-1].get_ydata()[0] == pytest.approx(limit)
+
+
+def test_legend_names_every_run(shown, vega_verification):
+    figure = figures.translation_figure(shown, vega_verification.case.limits)
+    [legend] = figure.legends
+    names = [text.get_text() for text in legend.get_texts()]
+    assert names == [*(flight.label for flight in shown), "end of separation", "limit"]
+
+
+def test_tornado_has_a_panel_for_each_objective(vega_verification):
+    """Bars are the table's, the largest on top."""
+    frame = vega_verification.sensitivities
+    figure = figures.tornado_figure(frame)
+    panels = {axes.get_title(): axes for axes in figure.axes if axes.get_visible()}
+    assert len(panels) == frame["objective"].nunique()
+    rows = frame[frame["objective"] == "L1"]
+    bars = panels["L1"].containers[0].patches
+    assert [bar.get_width() for bar in bars] == pytest.approx(
+        rows["per_tolerance_at_worst"].head(len(bars)).tolist()
+    )
+    assert (vega_verification.folder / "tornado.png").stat().st_size > 20_000

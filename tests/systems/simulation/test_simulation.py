@@ -1,0 +1,156 @@
+"""Whole runs: against an independent integration, converged, repeatable."""
+
+import dataclasses
+import resource
+
+import numpy as np
+import oracle
+import pytest
+from separations import GENERIC, generic_pair, vega
+
+from drakesep.systems.model.integration import Integration
+from drakesep.systems.model.joints import Joint
+from drakesep.systems.model.run import Motion, RunStatus
+from drakesep.systems.model.separation import Orbit
+from drakesep.systems.simulation.simulation import Simulation
+
+
+def same(a: Motion, b: Motion) -> bool:
+    return all(
+        np.array_equal(getattr(a, field.name), getattr(b, field.name))
+        for field in dataclasses.fields(Motion)
+    )
+
+
+@pytest.mark.parametrize(
+    "separation",
+    [
+        vega(),
+        generic_pair(orbit=Orbit(radius=7.0e6)),
+        generic_pair(
+            initial=dataclasses.replace(GENERIC, w_WA_A=(0.9, -1.1, 0.8)), duration=3.0
+        ),
+    ],
+    ids=["vega", "generic", "large rates"],
+)
+def test_against_an_independent_integration(separation):
+    run = Simulation(separation, Integration(accuracy=1e-10)).run()
+    flight = oracle.fly(separation, run.motion.time)
+    # 1e-10 a step; momenta are per mass and per inertia of about a thousand.
+    for name, tolerance in {
+        "rate": 5e-10,
+        "relative_rate": 5e-10,
+        "angle": 1e-9,
+        "relative_velocity": 1e-8,
+        "linear_momentum_change": 1e-6,
+        "angular_momentum_change": 1e-6,
+    }.items():
+        expected = getattr(flight, name)
+        assert getattr(run.motion, name) == pytest.approx(expected, abs=tolerance)
+
+
+@pytest.mark.parametrize("worst", [False, True], ids=["nominal", "corner"])
+def test_default_accuracy_is_enough(worst):
+    """Within 1e-6 deg/s and 1e-6 m of a run 100 times tighter."""
+    separation = vega()
+    tight = Integration(accuracy=0.01 * Integration().accuracy)
+    values = {"payload.mass": 1840.0, "spring_1.force_max": 1500.0} if worst else {}
+    a = Simulation(separation).run(values).motion
+    b = Simulation(separation, tight).run(values).motion
+    assert np.degrees(a.rate[-1]) == pytest.approx(np.degrees(b.rate[-1]), abs=1e-6)
+    assert a.relative_position == pytest.approx(b.relative_position, abs=1e-6)
+
+
+def test_error_falls_with_the_accuracy():
+    separation = vega()
+    reference = Simulation(separation, Integration(accuracy=1e-11)).run().motion
+    errors = []
+    for accuracy in (1e-5, 1e-7, 1e-9):
+        motion = Simulation(separation, Integration(accuracy=accuracy)).run().motion
+        difference = motion.relative_position - reference.relative_position
+        errors.append(np.abs(difference).max())
+    assert errors[0] > 5.0 * errors[1] > 25.0 * errors[2]
+
+
+def test_same_run_bit_for_bit_whatever_ran_before():
+    simulation = Simulation(generic_pair(release_times=(0.0, 0.05, 0.1, 0.101)))
+    first = simulation.run().motion
+    simulation.run({"upper.mass": 1300.0, "attachment_1.release_time": 0.3})
+    simulation.run({"lower.cg_y": 0.2, "spring_2.stroke": 0.2})
+    assert same(simulation.run().motion, first)
+    assert same(Simulation(simulation.separation).run().motion, first)
+
+
+def test_samples():
+    """At least 300 rows, start, end and every kink among them, in order."""
+    separation = generic_pair(release_times=(0.0, 0.0, 0.1, 0.2))
+    run = Simulation(separation).run()
+    time = run.motion.time
+    assert len(time) > 300
+    assert (time[0], time[-1]) == (0.0, separation.duration)
+    assert (np.diff(time) > 0.0).all()
+    ends = separation.timed_stroke_ends(separation.scheduled_releases).values()
+    kinks = {0.1, 0.2, *ends}
+    assert kinks <= set(run.breaks) <= set(time)
+    assert run.separation_end == max(ends)
+
+
+def test_releases_of_a_run_are_exact():
+    """Steps end at the releases: nothing happens early or late, by a bit."""
+    run = Simulation(generic_pair(release_times=(0.1, 0.1, 0.1, 0.1))).run()
+    momentum = np.linalg.norm(run.motion.linear_momentum_change, axis=1)
+    assert momentum[run.motion.time <= 0.1].max() == 0.0
+    at_release = run.motion.acceleration[run.motion.time == 0.1]
+    force = sum(s.force_max for s in run.separation.springs)
+    assert np.linalg.norm(at_release) == pytest.approx(force / 1200.0, rel=1e-12)
+
+
+def test_runs_of_a_case_share_their_times():
+    """300 intervals of the run, whatever the springs do; more between them."""
+    simulation = Simulation(generic_pair())
+    grid = set(np.linspace(0.0, 1.0, 301))
+    for values in ({}, {"spring_1.stroke": 0.11, "spring_2.force_max": 1000.0}):
+        assert grid <= set(simulation.run(values).motion.time)
+
+
+def test_short_stroke_does_not_multiply_the_samples():
+    run = Simulation(generic_pair()).run({"spring_1.stroke": 1e-9})
+    assert len(run.motion.time) < 700
+
+
+def test_separation_ends_with_the_last_release():
+    """An attachment without a spring may hold longest."""
+    separation = generic_pair(release_times=(0.0, 0.0, 0.0, 0.5))
+    *others, last = separation.attachments
+    last = dataclasses.replace(last, spring=None)
+    separation = dataclasses.replace(separation, attachments=(*others, last))
+    assert Simulation(separation).run().separation_end == 0.5
+
+
+def test_values_are_those_flown():
+    run = Simulation(generic_pair()).run({"upper.mass": 1300.0})
+    assert run.separation.body("upper").mass == 1300.0
+
+
+def test_failed_run_says_why():
+    """Gains that no step can follow stop the run, not the program."""
+    stiff = Joint(K_F=1e30, D_F=0.0, K_T=1e30, D_T=0.0)
+    separation = generic_pair(release_times=(0.5,), joint=stiff)
+    run = Simulation(separation).run()
+    assert run.status is RunStatus.FAILED
+    assert run.motion is None
+    assert "at t = " in run.message
+    with pytest.raises(RuntimeError, match="the run failed"):
+        _ = run.completed_motion
+
+
+def test_runs_do_not_pile_up_memory():
+    """A hundred runs in one diagram; a rebuilt one would keep 170 KiB each."""
+    simulation = Simulation(generic_pair(duration=0.3))
+    for _ in range(20):
+        simulation.run()
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    for _ in range(100):
+        simulation.run()
+    after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    assert after - before < 5000  # KiB: a third of what rebuilding would leave
