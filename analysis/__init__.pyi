@@ -1,7 +1,7 @@
 from .clearance.of_pair import Clearance as Clearance
 from .clearance.of_pair import Contact as Contact
 from .clearance.of_run import ClearanceAnalysis as ClearanceAnalysis
-from .engines.drake_pool import Fleet as Fleet
+from .engines.drake_pool import DrakePool as DrakePool
 from .engines.evaluator import BatchEvaluator as BatchEvaluator
 from .engines.evaluator import Evaluator as Evaluator
 from .engines.evaluator import RunEvaluator as RunEvaluator
@@ -36,7 +36,7 @@ from .search.sqp import Iteration as Iteration
 from .search.sqp import SearchStatus as SearchStatus
 from .search.sqp import Start as Start
 from .search.sqp import ascend as ascend
-from .tolerances.box import Box as Box
 from .tolerances.box import Dispersion as Dispersion
+from .tolerances.box import ToleranceBox as ToleranceBox
 from .tolerances.ellipsoid import Ellipsoid as Ellipsoid
 from .tolerances.tolerance_set import ToleranceSet as ToleranceSet

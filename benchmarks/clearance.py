@@ -2,7 +2,7 @@
 
     python benchmarks/clearance.py
 
-Each pair of VEGA's elements, then a tube of more and more triangles around a capsule
+Each pair of VEGA's parts, then a tube of more and more triangles around a capsule
 that leaves it. Runs are compared with flying the same run in Drake, side by side in one
 process, so that ratios hold on a machine whose speed drifts.
 """
@@ -23,7 +23,7 @@ from drakesep.analysis import ClearanceAnalysis
 from drakesep.systems import Simulation
 from drakesep.systems.geometry.convex_pieces import pieces_of
 from drakesep.systems.geometry.distance import Proximity
-from drakesep.systems.model.parts import Capsule, Element, Mesh
+from drakesep.systems.model.parts import Capsule, Mesh, Part
 from drakesep.systems.model.separation import Separation
 
 
@@ -53,18 +53,18 @@ def tube_row(case, sections: int, folder: Path) -> dict:
     )
     file = folder / f"tube_{sections}.stl"
     mesh.export(file)
-    elements = {
-        "launch_vehicle": Element(
+    parts = {
+        "launch_vehicle": Part(
             name="tube", shape=Mesh(file=file), p_BoGo_B=(-0.5, 0.0, 0.0)
         ),
-        "payload": Element(
+        "payload": Part(
             name="plug", shape=Capsule(radius=0.2, length=0.4), p_BoGo_B=(-0.4, 0.1, 0)
         ),
     }
     separation = dataclasses.replace(
         case.separation,
         bodies=tuple(
-            dataclasses.replace(body, elements=(elements[body.name],))
+            dataclasses.replace(body, parts=(parts[body.name],))
             for body in case.separation.bodies
         ),
     )
@@ -87,11 +87,11 @@ def row(separation: Separation, pair, simulation: Simulation, run) -> dict:
         flown.append(seconds(lambda: simulation.run({})))
         whole.append(seconds(lambda: analysis.of(run)))
         moments.append(seconds(lambda: analysis.over_time(run)) / samples)
-    elements = {e.name: e for body in separation.bodies for e in body.elements}
+    parts = {e.name: e for body in separation.bodies for e in body.parts}
     ratio = statistics.median(w / f for w, f in zip(whole, flown, strict=True))
     return {
         "pair": " to ".join(pair),
-        "pieces": " x ".join(str(len(pieces_of(elements[name]))) for name in pair),
+        "pieces": " x ".join(str(len(pieces_of(parts[name]))) for name in pair),
         "build (ms)": round(1e3 * built, 1),
         "query (us)": round(1e6 * query(separation, pair), 1),
         "moment (us)": round(1e6 * statistics.median(moments), 1),
@@ -101,9 +101,9 @@ def row(separation: Separation, pair, simulation: Simulation, run) -> dict:
 
 
 def query(separation: Separation, pair) -> float:
-    """Seconds of Drake's query between the roots of two elements."""
-    elements = {e.name: e for body in separation.bodies for e in body.elements}
-    first, second = (elements[name] for name in pair)
+    """Seconds of Drake's query between the roots of two parts."""
+    parts = {e.name: e for body in separation.bodies for e in body.parts}
+    first, second = (parts[name] for name in pair)
     proximity = Proximity([first], [second])
     proximity.place(np.eye(3), np.array([5.0, 0.0, 0.0]))
     roots = proximity.roots[first.name], proximity.roots[second.name]

@@ -21,7 +21,7 @@ from drakesep.systems.diagram.motion_analysis import MotionAnalysis
 from drakesep.systems.diagram.release import Release
 from drakesep.systems.diagram.separation_system import (
     SeparationSystem,
-    make_plant,
+    plant_of_bodies,
     set_mated_motion,
 )
 from drakesep.systems.diagram.springs import Springs
@@ -37,7 +37,8 @@ STAGES = ("plant alone", "+ springs", "+ joints", "+ gravity", "+ motion analysi
 def with_systems(separation: Separation, count: int) -> tuple[Callable, Context]:
     """Return how to evaluate the plant with the first `count` systems."""
     builder = DiagramBuilder()
-    plant = builder.AddSystem(make_plant(separation))
+    plant = builder.AddSystem(plant_of_bodies(separation))
+    plant.Finalize()
     names = [body.name for body in separation.bodies]
     layout = state_layout(plant, names)
     state = plant.get_state_output_port()

@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 from mujoco_rollout import MujocoRollout
 
-from drakesep.analysis.engines.drake_pool import Fleet
+from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.case_file.reader import load_case
@@ -71,9 +71,9 @@ def variations(names: tuple[str, ...], rows: np.ndarray) -> list[dict[str, float
     return [dict(zip(names, row, strict=True)) for row in rows.tolist()]
 
 
-def drake(fleet: Fleet, names: tuple[str, ...]) -> Callable:
+def drake(pool: DrakePool, names: tuple[str, ...]) -> Callable:
     def fly(rows: np.ndarray) -> np.ndarray:
-        motions = [run.completed_motion for run in fleet.fly(variations(names, rows))]
+        motions = [run.completed_motion for run in pool.fly(variations(names, rows))]
         speeds = [motion.relative_velocity[:, 0].max() for motion in motions]
         return np.column_stack([[motion.rate[-1] for motion in motions], speeds])
 
@@ -97,8 +97,8 @@ def mujoco(case, rows: np.ndarray, timestep: float) -> Callable:
 
 def table(rows: np.ndarray, case, engines: list[Engine]) -> None:
     names = case.box.names
-    with Fleet(case.separation, Integration(accuracy=1e-10)) as fleet:
-        reference = drake(fleet, names)(rows[:REFERENCE_ROWS])
+    with DrakePool(case.separation, Integration(accuracy=1e-10)) as pool:
+        reference = drake(pool, names)(rows[:REFERENCE_ROWS])
     seconds: dict[str, list[float]] = {engine.name: [] for engine in engines}
     errors = {}
     for number in range(ROUNDS + 1):
@@ -178,7 +178,7 @@ def with_bodies(separation: Separation, count: int) -> Separation:
     for i in range(count - 2):
         place = (5.0 * (i + 1), 0.0, 0.0)
         bodies.append(
-            dataclasses.replace(payload, name=f"more_{i}", p_ABo=place, elements=())
+            dataclasses.replace(payload, name=f"more_{i}", p_ABo=place, parts=())
         )
         a = separation.attachments[0]
         attachments.append(
@@ -242,12 +242,12 @@ def main() -> None:
     batch = Batch(case.separation, box.names, deviation_limits=limits)
     one = Batch(case.separation, box.names, deviation_limits=limits, workers=1)
     with (
-        Fleet(case.separation, case.integration, workers=1) as single,
-        Fleet(case.separation, case.integration) as fleet,
+        DrakePool(case.separation, case.integration, workers=1) as single,
+        DrakePool(case.separation, case.integration) as pool,
     ):
         engines = [
             Engine("Drake, one process", 40, drake(single, box.names)),
-            Engine("Drake, all cores", 80, drake(fleet, box.names)),
+            Engine("Drake, all cores", 80, drake(pool, box.names)),
             Engine("batch, one worker", 4096, batched(one)),
             Engine("batch, all cores", 16_384, batched(batch)),
         ]

@@ -22,7 +22,7 @@ from drakesep.analysis import (
     SEARCHES,
     Batch,
     BatchEvaluator,
-    Fleet,
+    DrakePool,
     Problem,
     RunEvaluator,
     SearchSettings,
@@ -99,10 +99,10 @@ def main():
     batch.run(batch.nominal[None])
     on_batch = BatchEvaluator(batch, [objective], limits)
     records = {}
-    with Fleet(case.separation, case.integration) as fleet:
+    with DrakePool(case.separation, case.integration) as pool:
 
         def fly(rows):
-            return fleet.fly([dict(zip(names, row, strict=True)) for row in rows])
+            return pool.fly([dict(zip(names, row, strict=True)) for row in rows])
 
         fly(np.tile(batch.nominal, (8, 1)))  # the workers have started
         in_drake = RunEvaluator(fly, names, [objective], limits)

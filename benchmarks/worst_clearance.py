@@ -14,18 +14,16 @@ import itertools
 import time
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drakesep import Case, load_case, worst_case
 from drakesep.analysis.clearance.objective import LowestClearance
 from drakesep.analysis.clearance.of_run import ClearanceAnalysis
 from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.systems.arrays import Array
 from drakesep.systems.geometry.convex_pieces import pieces_of
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.run import Run
 
-
-Array = NDArray[np.float64]
 
 STEP = 1e-3
 """Between places of the nominal run that samples are held against, m."""
@@ -46,13 +44,13 @@ class Screen:
         times = np.linspace(0.0, end, int((until + 0.05) / STEP))
         self._R, self._p = path.places(times)
         self._x = self._p[:, 0]
-        elements = {e.name: e for b in separation.bodies for e in b.elements}
+        parts = {e.name: e for b in separation.bodies for e in b.parts}
         analysis = ClearanceAnalysis(separation, case.clearance.pairs)
         self.bounds: dict[str, tuple[Array, Array]] = {}
         for names, one in analysis._along(nominal):
             distances = np.array([one.at(t).distance for t in times.tolist()])
-            element = elements[names[1]]
-            points = np.concatenate([piece.points for piece in pieces_of(element)])
+            part = parts[names[1]]
+            points = np.concatenate([piece.points for piece in pieces_of(part)])
             low, high = points.min(axis=0), points.max(axis=0)
             corners = np.array(list(itertools.product(*zip(low, high, strict=True))))
             self.bounds[" to ".join(names)] = distances, corners

@@ -197,19 +197,19 @@ def main() -> None:
     builder.Connect(poses, propulsion.GetInputPort("poses"))
     builder.Connect(velocities, propulsion.GetInputPort("velocities"))
     builder.Connect(velocities, guidance.get_input_port())
-    elements = add_separation(
+    forces = add_separation(
         builder, plant, separation, other_forces=propulsion.get_output_port()
     )
-    builder.Connect(guidance.get_output_port(), elements.GetInputPort("triggers"))
+    builder.Connect(guidance.get_output_port(), forces.GetInputPort("triggers"))
     logs = {
-        name: LogVectorOutput(elements.GetOutputPort(name), builder, 0.02)
+        name: LogVectorOutput(forces.GetOutputPort(name), builder, 0.02)
         for name in ("rate", "relative_rate", "relative_velocity", "joint_loads")
     }
     diagram = builder.Build()
 
     context = diagram.CreateDefaultContext()
-    inner = elements.GetMyMutableContextFromRoot(context)
-    elements.set_separation(inner, separation)
+    inner = forces.GetMyMutableContextFromRoot(context)
+    forces.set_separation(inner, separation)
     start(plant, plant.GetMyMutableContextFromRoot(context), separation)
     context.SetAccuracy(1e-6)
     simulator = Simulator(diagram, context)
@@ -217,7 +217,7 @@ def main() -> None:
     simulator.get_mutable_integrator().request_initial_step_size_target(1e-3)
     simulator.AdvanceTo(END)
 
-    released = elements.GetOutputPort("released").Eval(inner)
+    released = forces.GetOutputPort("released").Eval(inner)
     found = {name: log.FindLog(context) for name, log in logs.items()}
     report(released, found)
     draw(released, found, sys.argv[1] if len(sys.argv) > 1 else "end_to_end.png")

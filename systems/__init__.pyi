@@ -7,7 +7,7 @@ from .diagram.on_your_plant import add_separation as add_separation
 from .diagram.on_your_plant import body_of_plant as body_of_plant
 from .diagram.scene import register_contact as register_contact
 from .diagram.scene import register_illustration as register_illustration
-from .diagram.separation_forces import SeparationElements as SeparationElements
+from .diagram.separation_forces import SeparationForces as SeparationForces
 from .diagram.separation_system import SeparationSystem as SeparationSystem
 from .diagram.separation_system import set_mass_properties as set_mass_properties
 from .diagram.separation_system import set_mated_motion as set_mated_motion
@@ -17,7 +17,7 @@ from .model.loads import Load as Load
 from .model.loads import thruster as thruster
 from .model.parameters import parameters as parameters
 from .model.parameters import with_values as with_values
-from .model.parts import Element as Element
+from .model.parts import Part as Part
 from .model.recontact import Recontact as Recontact
 from .model.run import ContactForces as ContactForces
 from .model.run import Motion as Motion

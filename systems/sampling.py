@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from drakesep.systems.model.run import Array
+from drakesep.systems.arrays import Array
 from drakesep.systems.model.separation import Separation
 
 

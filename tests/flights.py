@@ -40,14 +40,14 @@ def straight(time, start, velocity, **turning):
 
 
 def run_of(motion, on_lower, on_upper):
-    """A completed run of two bodies with elements."""
+    """A completed run of two bodies with parts."""
     pair = generic_pair()
     lower, upper = pair.bodies
     separation = dataclasses.replace(
         pair,
         bodies=(
-            dataclasses.replace(lower, elements=tuple(on_lower)),
-            dataclasses.replace(upper, elements=tuple(on_upper)),
+            dataclasses.replace(lower, parts=tuple(on_lower)),
+            dataclasses.replace(upper, parts=tuple(on_upper)),
         ),
         duration=float(motion.time[-1]),
     )

@@ -1,10 +1,11 @@
 """Diagrams under a plain Simulator, as somebody else would fly them."""
 
 import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import Context, Diagram
 
-from drakesep.systems.diagram.separation_system import SeparationSystem
+from drakesep.systems.diagram.separation_system import SeparationSystem, plant_of_bodies
 from drakesep.systems.model.separation import Separation
 
 
@@ -38,3 +39,10 @@ def momentum(system: SeparationSystem, context: Context) -> np.ndarray:
         plant.GetMyContextFromRoot(context), np.zeros(3)
     )
     return np.append(total.translational(), total.rotational())
+
+
+def plant_of(separation: Separation) -> MultibodyPlant:
+    """The finalized plant of a separation's bodies, free in W."""
+    plant = plant_of_bodies(separation)
+    plant.Finalize()
+    return plant

@@ -1,4 +1,4 @@
-"""How near elements come as an objective: the worst clearance over tolerances.
+"""How near parts come as an objective: the worst clearance over tolerances.
 
 The smallest distance over pairs and times has a kink wherever another pair or time
 becomes the smallest, and is known to some tens of micrometres: too coarse for
@@ -16,15 +16,16 @@ import numpy as np
 from drakesep.analysis.clearance.of_pair import ACCURACY, Clearance
 from drakesep.analysis.clearance.of_run import ClearanceAnalysis
 from drakesep.analysis.metrics.objectives import About, Limits, Objective
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, check_positive
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.part_pairs import owners_of, pairs_apart
-from drakesep.systems.model.run import Array, Run
+from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Separation
 
 
 CLEARANCE = "clearance"
-"""The figure: how near the nearest elements come, m; of some runs only."""
+"""The figure: how near the nearest parts come, m; of some runs only."""
 LOWEST = f"lowest_{CLEARANCE}"
 """The objective."""
 _MOMENTS = 25
@@ -32,12 +33,12 @@ _MOMENTS = 25
 
 
 class LowestClearance(Objective):
-    """Less the smallest distance between elements: 0, the highest, at contact."""
+    """Less the smallest distance between parts: 0, the highest, at contact."""
 
     figure = CLEARANCE
     sign = -1.0
     of_figures_alone = False
-    costly = True
+    expensive = True
     has_parts = True
 
     def __init__(
@@ -52,8 +53,8 @@ class LowestClearance(Objective):
         """Prepare.
 
         Args:
-            separation: whose bodies have elements.
-            pairs: of elements; if None, all of different bodies that do not touch while
+            separation: whose bodies have parts.
+            pairs: of parts; if None, all of different bodies that do not touch while
                 mated: those that do begin at no distance.
             touching: those that touch or overlap while mated.
             until_separation: how far B is to move along A's x axis until the distances
@@ -61,7 +62,7 @@ class LowestClearance(Objective):
             name: in tables.
 
         Raises:
-            ValueError: a pair names no element or two of one body, or the separation is
+            ValueError: a pair names no part or two of one body, or the separation is
                 not positive.
         """
         if until_separation is not None:
@@ -79,11 +80,11 @@ class LowestClearance(Objective):
 
     @functools.cached_property
     def _analysis(self) -> ClearanceAnalysis:
-        # Once it is needed: cutting elements into pieces takes its time.
+        # Once it is needed: cutting parts into pieces takes its time.
         return ClearanceAnalysis(self._separation, self._pairs, touching=self._touching)
 
     def prepare(self) -> None:
-        """Cut elements into pieces now, which warns of meshes of a doubtful scale."""
+        """Cut parts into pieces now, which warns of meshes of a doubtful scale."""
         _ = self._analysis
 
     def nearest(self, run: Run) -> Clearance:

@@ -1,4 +1,4 @@
-"""How near two elements come to each other along the path of their bodies.
+"""How near two parts come to each other along the path of their bodies.
 
 The smallest distance is that over continuous time. Where pieces stand at some moment
 bounds how near they can be a little later: a plane between two convex pieces stays
@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from drakesep.systems.arrays import Array
 from drakesep.systems.geometry.distance import (
     TOUCHING,
     Nearest,
@@ -33,8 +33,6 @@ from drakesep.systems.model.part_pairs import Names
 from drakesep.systems.model.parts import Mesh
 from drakesep.systems.vectors import cross
 
-
-Array = NDArray[np.float64]
 
 ACCURACY = 5e-5
 """By which a smallest distance may miss that over continuous time, m."""
@@ -54,7 +52,7 @@ _MOMENTS = (1e-6, 1e-5, 1e-4, 1e-3)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Contact:
-    """Where two elements first touch."""
+    """Where two parts first touch."""
 
     time: float
     """s."""
@@ -64,7 +62,7 @@ class Contact:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Clearance:
-    """How near two elements come in a run."""
+    """How near two parts come in a run."""
 
     first: str
     second: str
@@ -94,7 +92,7 @@ class _Moment(NamedTuple):
 
 
 class ClearanceOfPair:
-    """Measures two elements along the path of their bodies.
+    """Measures two parts along the path of their bodies.
 
     It keeps the last distance of each pair of pieces, and measures anew only those that
     may have come nearest since.
@@ -111,14 +109,14 @@ class ClearanceOfPair:
         self.time = path.time
         first, second = (proximity.roots[name] for name in names)
         self.solid = not any(
-            isinstance(proximity.elements[name].shape, Mesh) for name in names
+            isinstance(proximity.parts[name].shape, Mesh) for name in names
         )
         self._pairs: list[Pair] = []
         self._rows = np.empty((_ROOM, _WIDTH))
         self._add((first, second))
 
     def at(self, t: float) -> Nearest:
-        """Return how near the elements are at a time, s."""
+        """Return how near the parts are at a time, s."""
         return self._nearest(self._look(t))
 
     def at_below(self, t: float, limit: float) -> Nearest | None:
@@ -131,7 +129,7 @@ class ClearanceOfPair:
         if self._settle(t, t, TOUCHING) is None and self.solid:
             return False
         nearest = self._nearest(pose)
-        first, second = (self._proximity.elements[name] for name in self._names)
+        first, second = (self._proximity.parts[name] for name in self._names)
         p_AoCb_A = pose.R_AB @ nearest.p_BoCb_B + pose.p_AoBo_A
         p_BoCa_B = pose.R_AB.T @ (nearest.p_AoCa_A - pose.p_AoBo_A)
         return (
@@ -249,7 +247,7 @@ class ClearanceOfPair:
         return pose
 
     def _nearest(self, pose: Pose) -> Nearest:
-        """Return the nearest pair of pieces of elements as they are placed."""
+        """Return the nearest pair of pieces of parts as they are placed."""
         nearest = self._nearest_below(pose, math.inf)
         assert nearest is not None
         return nearest

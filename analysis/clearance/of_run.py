@@ -1,4 +1,4 @@
-"""How near elements of different bodies come to each other in a run."""
+"""How near parts of different bodies come to each other in a run."""
 
 import functools
 import math
@@ -8,35 +8,34 @@ from collections.abc import Callable, Sequence
 from typing import Any, Concatenate, NamedTuple, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drakesep.analysis.clearance.of_pair import Clearance, ClearanceOfPair
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.geometry.convex_pieces import mesh_of
 from drakesep.systems.geometry.distance import Nearest, Proximity
 from drakesep.systems.geometry.relative_path import RelativePath
-from drakesep.systems.model.part_pairs import Names, element_pairs, owners_of
-from drakesep.systems.model.parts import Element, Mesh
+from drakesep.systems.model.part_pairs import Names, owners_of, part_pairs
+from drakesep.systems.model.parts import Mesh, Part
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Body, Separation
 
 
-Array = NDArray[np.float64]
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 _SMALLEST, _LARGEST = 1e-3, 15.0
 """Size of a mesh over its body's radius of gyration, beyond which it is doubted."""
 PARTED = 1e-3
-"""Distance from which elements that touch while mated are measured, m."""
+"""Distance from which parts that touch while mated are measured, m."""
 
 
 _Along: TypeAlias = tuple[Names, ClearanceOfPair]
-"""A pair of elements, along the path of their bodies."""
+"""A pair of parts, along the path of their bodies."""
 
 
 class NearestPair(NamedTuple):
-    """Two elements at some moment."""
+    """Two parts at some moment."""
 
     names: Names
     bodies: Names
@@ -57,11 +56,11 @@ def _alone(
 
 
 class ClearanceAnalysis:
-    """Measures elements of a separation in its runs, whatever values these vary.
+    """Measures parts of a separation in its runs, whatever values these vary.
 
     Attributes:
-        separation: whose elements they are.
-        names: (k,) the pairs of elements that are measured.
+        separation: whose parts they are.
+        names: (k,) the pairs of parts that are measured.
         bodies: (k,) those that these are parts of.
     """
 
@@ -75,39 +74,38 @@ class ClearanceAnalysis:
         """Prepare.
 
         Args:
-            separation: whose bodies have elements.
-            pairs: names of elements of different bodies; all there are if None.
+            separation: whose bodies have parts.
+            pairs: names of parts of different bodies; all there are if None.
             touching: those that touch or overlap while mated: they are measured from
                 when they are first `PARTED`, or by as much deeper into each other.
 
         Raises:
-            ValueError: a pair names no element or two of one body, none is left, a mesh
-                cannot be read, or elements overlap while mated that are not said to.
+            ValueError: a pair names no part or two of one body, none is left, a mesh
+                cannot be read, or parts overlap while mated that are not said to.
         """
         self._made_of = separation, pairs, touching
         self._lock = threading.RLock()
         self.separation = separation
-        self.names = element_pairs(separation, pairs)
+        self.names = part_pairs(separation, pairs)
         if not self.names:
-            raise InputError("geometry: a clearance needs elements on two bodies")
-        self._touching = set(map(frozenset, element_pairs(separation, touching)))
+            raise InputError("geometry: a clearance needs parts on two bodies")
+        self._touching = set(map(frozenset, part_pairs(separation, touching)))
         owners = owners_of(separation)
         self.bodies = [(owners[a], owners[b]) for a, b in self.names]
         asked = {name for pair in self.names for name in pair}
-        elements = {
-            body.name: [e for e in body.elements if e.name in asked]
+        parts = {
+            body.name: [e for e in body.parts if e.name in asked]
             for body in separation.bodies
         }
         for body in separation.bodies:
-            for element in elements[body.name]:
-                _warn_of_scale(body, element)
+            for part in parts[body.name]:
+                _warn_of_scale(body, part)
         self._proximities = {
-            (A, B): Proximity(elements[A], elements[B])
-            for A, B in dict.fromkeys(self.bodies)
+            (A, B): Proximity(parts[A], parts[B]) for A, B in dict.fromkeys(self.bodies)
         }
 
     def __reduce__(self) -> tuple[Callable[..., "ClearanceAnalysis"], tuple[Any, ...]]:
-        """Let another process cut elements into pieces anew: Drake's cannot be sent."""
+        """Let another process cut parts into pieces anew: Drake's cannot be sent."""
         separation, pairs, touching = self._made_of
         again = functools.partial(ClearanceAnalysis, touching=touching)
         return again, (separation, pairs)
@@ -121,7 +119,7 @@ class ClearanceAnalysis:
             until: to this time, s; to the end of the run if None.
 
         Raises:
-            ValueError: elements overlap at the start that are not said to touch.
+            ValueError: parts overlap at the start that are not said to touch.
             RuntimeError: the run failed.
         """
         end = _end(run, until)
@@ -145,7 +143,7 @@ class ClearanceAnalysis:
                 than the accuracy, and sooner.
 
         Raises:
-            ValueError: elements overlap at the start that are not said to touch.
+            ValueError: parts overlap at the start that are not said to touch.
             RuntimeError: the run failed.
         """
         end = _end(run, until)
@@ -285,17 +283,17 @@ def _end(run: Run, until: float | None) -> float:
     return end
 
 
-def _warn_of_scale(body: Body, element: Element) -> None:
+def _warn_of_scale(body: Body, part: Part) -> None:
     """Warn of a mesh that does not go with the size of its body."""
-    mesh = element.shape
+    mesh = part.shape
     if not isinstance(mesh, Mesh):
         return
     xx, yy, zz, *_ = body.I_BBcm_B
     size = math.sqrt(0.5 * (xx + yy + zz) / body.mass)  # radius of gyration
-    extent = mesh.scale * float(mesh_of(element).scale)
+    extent = mesh.scale * float(mesh_of(part).scale)
     if not _SMALLEST <= extent / size <= _LARGEST:
         warnings.warn(
-            f"{element.name}: mesh is {extent:.3g} m across on a body of radius of "
+            f"{part.name}: mesh is {extent:.3g} m across on a body of radius of "
             f"gyration {size:.3g} m; check scale, metres in a unit of the file, now "
             f"{mesh.scale:g} (0.001 for a file in mm)",
             stacklevel=3,

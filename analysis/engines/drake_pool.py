@@ -15,7 +15,7 @@ from drakesep.systems.model.separation import Separation
 from drakesep.systems.simulation.simulation import Simulation
 
 
-class Fleet:
+class DrakePool:
     """Flies variations of one separation, spread over processes.
 
     A run is the same wherever it is flown: results do not depend on the number of

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from drakesep.analysis.engines.jax.batch import Batch, BatchResult
 from drakesep.analysis.metrics.objectives import About, Limits, Objective
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run, RunStatus
 
 
-Array = NDArray[np.float64]
 Progress: TypeAlias = Callable[[int, int], None]
 """Told how many rows are done, and of how many."""
 
@@ -121,8 +121,8 @@ class RunEvaluator:
         asked = range(len(self.objectives)) if of is None else of
         values = np.full((len(rows), len(self.objectives)), np.nan)
         failures: dict[int, str] = {}
-        costly = any(self.objectives[k].costly for k in asked)
-        size = 1 if costly else _ROWS
+        expensive = any(self.objectives[k].expensive for k in asked)
+        size = 1 if expensive else _ROWS
         for first in range(0, len(rows), size):
             part = rows[first : first + size]
             for i, run in enumerate(self._fly(part), first):
@@ -194,7 +194,7 @@ class RunEvaluator:
                 f"{about.value} at {point}; let it return a number for such a run too, "
                 "a low one if the run is harmless"
             )
-        if objective.costly:
+        if objective.expensive:
             self._last[key] = about
             if len(self._last) > _KEPT:
                 self._last.popitem(last=False)
@@ -204,7 +204,7 @@ class RunEvaluator:
 _ROWS = 64
 """Between two tellings of progress."""
 _KEPT = 1024
-"""Answers to costly questions."""
+"""Answers to expensive questions."""
 _COMPILERS = 2
 """Programs that are compiled beside each other."""
 

@@ -13,19 +13,15 @@ violated before it rests on the searches.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
 from drakesep.analysis.search.problem import Problem
 from drakesep.analysis.search.sqp import AscentSettings, Start, ascend
+from drakesep.systems.arrays import Array
 from drakesep.systems.model.parameters import with_values
 
-
-Array = NDArray[np.float64]
-Index: TypeAlias = NDArray[np.intp]
 
 MOST = 5.0
 """Beyond this growth is not looked at: tolerances five times as large are another
@@ -36,7 +32,7 @@ _WORST = 4
 _SETTLED = 1e-3
 """Relative change of a growth at which its ray has settled."""
 _ROUNDS = 4
-_CLIMB = AscentSettings(tolerance=1e-6, max_iterations=2, differences=True)
+_SQP = AscentSettings(tolerance=1e-6, max_iterations=2, differences=True)
 """In a round: the next one goes on from there. Differences of a batch cost less than
 its derivatives, and settle a growth as well."""
 _GRID = (0.0, 0.5, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, MOST)
@@ -282,7 +278,7 @@ def _search(
                 u=grown.draw_back(ray),
             )
         )
-    ascents = ascend(starts, problem.evaluator, _CLIMB)
+    ascents = ascend(starts, problem.evaluator, _SQP)
     worst = [
         ascent.u if math.isfinite(ascent.value) else tuple(ray)
         for ascent, ray in zip(ascents, rays, strict=True)

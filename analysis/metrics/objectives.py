@@ -13,7 +13,6 @@ from types import MappingProxyType
 from typing import Literal, NamedTuple, Self, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drakesep.analysis.metrics.of_run import (
     ANGLES,
@@ -24,11 +23,11 @@ from drakesep.analysis.metrics.of_run import (
     metrics,
 )
 from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.model.run import Run
 
 
-Array = NDArray[np.float64]
 ObjectiveName: TypeAlias = Literal["L1", "L2", "Linf", "PM"]
 """Of the paper."""
 Limits: TypeAlias = Sequence[float]
@@ -57,8 +56,8 @@ class Objective(ABC):
             motion is needed, and its derivatives are exact.
         figure: that it is, or less it; None if it is something else.
         sign: 1, or -1 if it is less its figure.
-        costly: whether it takes longer to tell than its run to fly: searches that fly
-            very many runs leave it out, beside others.
+        expensive: whether it takes longer to tell than its run to fly: searches that
+            fly very many runs leave it out, beside others.
         has_parts: whether it is the largest of parts that `parts` tells.
     """
 
@@ -66,7 +65,7 @@ class Objective(ABC):
     of_figures_alone: bool
     figure: str | None = None
     sign: float = 1.0
-    costly: bool = False
+    expensive: bool = False
     has_parts: bool = False
 
     def __call__(self, run: Run) -> float:
@@ -209,7 +208,7 @@ class _Together(Objective):
         self.name = name
         self._terms = tuple(terms)
         self.of_figures_alone = all(term.of_figures_alone for term in terms)
-        self.costly = any(term.costly for term in terms)
+        self.expensive = any(term.expensive for term in terms)
 
     def _each_of_figures(self, figures: Array) -> Array:
         return np.stack([term.of_figures(figures) for term in self._terms], axis=-1)

@@ -8,11 +8,10 @@ import itertools
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PPoly
 
+from drakesep.systems.arrays import Array
 
-Array = NDArray[np.float64]
 
 # Gauss-Legendre with 4 nodes is exact for the square of a cubic.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)

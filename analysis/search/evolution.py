@@ -4,7 +4,6 @@ from collections.abc import Callable
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 
 from drakesep.analysis.search.ask_tell import side_by_side
@@ -17,9 +16,7 @@ from drakesep.analysis.search.problem import (
     SearchSettings,
 )
 from drakesep.analysis.search.sweeps import Best
-
-
-Array = NDArray[np.float64]
+from drakesep.systems.arrays import Array
 
 
 def evolve(

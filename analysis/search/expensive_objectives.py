@@ -1,8 +1,8 @@
-"""Searches for costly objectives, beside those for the others.
+"""Searches for expensive objectives, beside those for the others.
 
 What takes longer to tell than its run to fly, as a clearance does, is not swept: it is
-climbed only, from fewer starts, in a thread beside the searches for the others. Neither
-knows of the other, so that nothing depends on which is sooner.
+searched by SQP only, from fewer starts, in a thread beside the searches for the others.
+Neither knows of the other, so that nothing depends on which is sooner.
 """
 
 import dataclasses
@@ -22,7 +22,7 @@ from drakesep.analysis.search.problem import (
     SearchProgress,
     SearchSettings,
 )
-from drakesep.analysis.search.registry import CLIMBS, SEARCHES
+from drakesep.analysis.search.registry import SEARCHES, SQP_SEARCHES
 from drakesep.systems.checks import InputError
 
 
@@ -32,37 +32,38 @@ _A_MOMENT = 0.1
 """Between two tellings of progress, s."""
 
 
-def check_climbed(objectives: Sequence[Objective], searches: Sequence[str]) -> None:
-    """Raise ValueError if some objectives are costly, others not, and none is climbed.
+def check_expensive(objectives: Sequence[Objective], searches: Sequence[str]) -> None:
+    """Raise ValueError if expensive objectives beside others have no search by SQP.
 
     Args:
         objectives: of a study.
         searches: names out of `SEARCHES`.
     """
-    costly = [o.name for o in objectives if o.costly]
-    if 0 < len(costly) < len(objectives) and not set(searches) & set(CLIMBS):
+    expensive = [o.name for o in objectives if o.expensive]
+    if 0 < len(expensive) < len(objectives) and not set(searches) & set(SQP_SEARCHES):
         raise InputError(
-            f"searches: {', '.join(costly)} takes too long to be swept beside others: "
-            f"must have {' or '.join(CLIMBS)} too, got {', '.join(searches)}"
+            f"searches: {', '.join(expensive)} takes too long to be swept beside "
+            f"others: must have {' or '.join(SQP_SEARCHES)} too, got "
+            f"{', '.join(searches)}"
         )
 
 
 def by_cost(problem: Problem) -> tuple[Problem, Problem | None]:
-    """Return the problem of the cheap objectives, and that of the costly ones.
+    """Return the problem of the cheap objectives, and that of the expensive ones.
 
     The problem itself and None, unless it has both.
     """
     objectives = problem.evaluator.objectives
-    costly = tuple(k for k in problem.asked if objectives[k].costly)
-    cheap = tuple(k for k in problem.asked if not objectives[k].costly)
-    if not (cheap and costly):
+    expensive = tuple(k for k in problem.asked if objectives[k].expensive)
+    cheap = tuple(k for k in problem.asked if not objectives[k].expensive)
+    if not (cheap and expensive):
         return problem, None
     cheaply = dataclasses.replace(problem, only=cheap)
-    return cheaply, dataclasses.replace(problem, only=costly)
+    return cheaply, dataclasses.replace(problem, only=expensive)
 
 
-class CostlySearches:
-    """The climbs among searches, for costly objectives; a context manager.
+class ExpensiveSearches:
+    """The searches by SQP, for expensive objectives; a context manager.
 
     They begin at once if the evaluator may be asked by several threads, else each when
     it is waited for.
@@ -78,16 +79,16 @@ class CostlySearches:
         """Begin.
 
         Args:
-            problem: the costly objectives, and the set.
+            problem: the expensive objectives, and the set.
             searches: names out of `SEARCHES`, in their order.
             settings: how hard to search for others.
             on_progress: called with what they tell, when one of them is waited for.
 
         Raises:
-            ValueError: no search is a climb.
+            ValueError: no search is by SQP.
         """
-        check_climbed(problem.evaluator.objectives, searches)
-        names = [name for name in searches if name in CLIMBS]
+        check_expensive(problem.evaluator.objectives, searches)
+        names = [name for name in searches if name in SQP_SEARCHES]
         fewer = 1 - (1 - settings.starts) // _FEWER
         self._problem = problem
         self._settings = dataclasses.replace(settings, starts=fewer)
@@ -118,7 +119,7 @@ class CostlySearches:
         self._thread.shutdown(cancel_futures=True)
 
     def join(self, found: Searched) -> Searched:
-        """Return a search for others, with the same for the costly objectives."""
+        """Return a search for others, with the same for the expensive objectives."""
         if found.search not in self._names:
             return found
         begun = self._begun.get(found.search)

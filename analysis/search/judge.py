@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drakesep.analysis.search.expensive_objectives import CostlySearches, by_cost
+from drakesep.analysis.search.expensive_objectives import ExpensiveSearches, by_cost
 from drakesep.analysis.search.optimality import (
     Optimality,
     fraction_beyond,
@@ -109,12 +109,12 @@ def find_worst_cases(
         check_search(name)
     settings = settings or SearchSettings()
     names = list(dict.fromkeys(searches))
-    cheap, costly = by_cost(problem)
+    cheap, expensive = by_cost(problem)
     done = []
     with contextlib.ExitStack() as stack:
         beside = None
-        if costly is not None:
-            beside = CostlySearches(costly, names, settings, on_progress)
+        if expensive is not None:
+            beside = ExpensiveSearches(expensive, names, settings, on_progress)
             stack.enter_context(beside)
         known: list[Candidate] = []
         for name in names:

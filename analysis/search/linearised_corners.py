@@ -1,4 +1,4 @@
-"""Points where a costly objective may be worst although its slope does not say so.
+"""Points where a expensive objective may be worst although its slope does not say so.
 
 A clearance is the smallest of many distances. Where a gap that nothing changes is the
 smallest, no slope leads away; and a distance that is not the smallest at the nominal
@@ -9,13 +9,11 @@ order, each is worst in the corner of the box that its own slopes point to.
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drakesep.analysis.search.problem import Problem
+from drakesep.systems.arrays import Array
 from drakesep.systems.model.run import RunStatus
 
-
-Array = NDArray[np.float64]
 
 _STEP = 0.1
 """Of differences, in tolerances: rates of a part hardly bend over it."""
@@ -23,7 +21,7 @@ _BENDS = 1.25
 """By how much more than its slopes say a part may rise."""
 
 
-def suspects(problem: Problem, k: int) -> list[Array]:
+def linearised_corners(problem: Problem, k: int) -> list[Array]:
     """Return the corners (n,) where parts of an objective may be worst, worst first.
 
     One for each part that may rise above what is highest at the nominal; empty if the

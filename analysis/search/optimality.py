@@ -11,14 +11,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 from scipy.special import betaincinv
 
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
+from drakesep.systems.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 _AT_BOUND = 1e-6
 """How near to a bound a parameter is at it, scaled: an ascent ends a little before."""

@@ -9,16 +9,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias, TypedDict, Unpack
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drakesep.analysis.engines.evaluator import Evaluator
 from drakesep.analysis.search.sqp import Ascent, AscentSettings, Iteration
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.systems.checks import InputError
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

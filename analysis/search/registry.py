@@ -8,22 +8,22 @@ from types import MappingProxyType
 
 from drakesep.analysis.search.evolution import evolve
 from drakesep.analysis.search.problem import Search
-from drakesep.analysis.search.sqp_searches import climb, climb_from_many
+from drakesep.analysis.search.sqp_searches import sqp_from_many, sqp_from_nominal
 from drakesep.analysis.search.sweeps import sample, sweep_vertices
 from drakesep.systems.checks import InputError, unknown
 
 
 SEARCHES: Mapping[str, Search] = MappingProxyType(
     {
-        "sqp": climb,
-        "multistart": climb_from_many,
+        "sqp": sqp_from_nominal,
+        "multistart": sqp_from_many,
         "vertices": sweep_vertices,
         "samples": sample,
         "evolution": evolve,
     }
 )
 """The searches by name."""
-CLIMBS = ("sqp", "multistart")
+SQP_SEARCHES = ("sqp", "multistart")
 """Those that go uphill; the others sweep: they fly very many runs."""
 
 

@@ -12,16 +12,13 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import Bounds, minimize
 
 from drakesep.analysis.engines.evaluator import Evaluator
 from drakesep.analysis.search.ask_tell import side_by_side
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -138,7 +135,7 @@ def ascend(
         def log(iteration: Iteration) -> None:
             untold.append((i, iteration))
 
-        return lambda ask: _Climb(starts[i], settings, evaluator, ask, log).run()
+        return lambda ask: _Sqp(starts[i], settings, evaluator, ask, log).run()
 
     def answer(questions: list[_Question]) -> list[_Answer | None]:
         tell()  # here, where one thread at a time comes by
@@ -165,9 +162,9 @@ def slopes_at(
 
     def task(point: Start) -> Callable[[_Ask], Array]:
         def slopes(ask: _Ask) -> Array:
-            climb = _Climb(point, settings, evaluator, ask)
+            sqp = _Sqp(point, settings, evaluator, ask)
             try:
-                return climb.gradient(np.asarray(point.u, dtype=float))
+                return sqp.gradient(np.asarray(point.u, dtype=float))
             except _RunFailedError:
                 return np.full(len(point.tolerances), np.nan)
 
@@ -259,7 +256,7 @@ class _RunFailedError(Exception):
     """A run that the search needs has failed."""
 
 
-class _Climb:
+class _Sqp:
     """One search: asks for an objective and its slopes, and keeps the record."""
 
     def __init__(
@@ -274,7 +271,7 @@ class _Climb:
         self._set = start.tolerances
         self._settings = settings
         self._exact = evaluator.exact(start.objective) and not settings.differences
-        self._costly = evaluator.objectives[start.objective].costly
+        self._expensive = evaluator.objectives[start.objective].expensive
         self._ask = ask
         self._tell = tell
         self._evaluations = 0
@@ -363,7 +360,7 @@ class _Climb:
         point = self._set.draw_back(u)
         probes = self._probes(point)
         steps = probes - point
-        if self._costly:
+        if self._expensive:
             together = np.concatenate([point[None], probes])
             rises = self._evaluate(together, _Kind.NEAR).values[1:] - value
         else:

@@ -5,9 +5,8 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drakesep.analysis.search.linearised_corners import different, suspects
+from drakesep.analysis.search.linearised_corners import different, linearised_corners
 from drakesep.analysis.search.problem import (
     Candidate,
     Known,
@@ -18,9 +17,8 @@ from drakesep.analysis.search.problem import (
     SearchSettings,
 )
 from drakesep.analysis.search.sqp import Iteration, SearchStatus, Start, ascend
+from drakesep.systems.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 _PATIENCE = 12
 """Iterations of one of many starts: what creeps on is none of the best."""
@@ -28,19 +26,19 @@ _ENOUGH = 1e-8
 """Tolerance of one of many starts: maxima that differ by 1e-6 are told apart."""
 
 
-def climb(
+def sqp_from_nominal(
     problem: Problem, settings: SearchSettings, known: Known, on_progress: OnProgress
 ) -> Searched:
     """Go up by sequential quadratic programming from the nominal, as the paper does."""
     nominal = [np.zeros(len(problem.tolerances))]
     starts = dict.fromkeys(problem.asked, nominal)
-    return _climb("sqp", problem, settings, on_progress, starts)
+    return _search("sqp", problem, settings, on_progress, starts)
 
 
-def climb_from_many(
+def sqp_from_many(
     problem: Problem, settings: SearchSettings, known: Known, on_progress: OnProgress
 ) -> Searched:
-    """Go up from many starts: nominal, suspects, the best known points, random ones.
+    """Go up from many starts: nominal, corners, the best known points, random ones.
 
     An earlier ascent from the nominal is one of them.
     """
@@ -50,28 +48,28 @@ def climb_from_many(
         tolerance=max(settings.ascent.tolerance, _ENOUGH),
     )
     settings = dataclasses.replace(settings, ascent=patience)
-    climbed = any(candidate.search == "sqp" for candidate in known)
-    count = settings.starts - 1 if climbed else settings.starts
-    nominal = [] if climbed else [np.zeros(len(problem.tolerances))]
+    done = any(candidate.search == "sqp" for candidate in known)
+    count = settings.starts - 1 if done else settings.starts
+    nominal = [] if done else [np.zeros(len(problem.tolerances))]
     starts = {}
     for k in problem.asked:
         mine = sorted(
             (c for c in known if c.objective == k and c.ascent is None),
             key=lambda c: -c.value,
         )
-        found = suspects(problem, k)
+        found = linearised_corners(problem, k)
         best = [*nominal, *found, *(np.array(c.u) for c in mine)]
-        # All that are suspect; around the nominal, what is near has another side.
+        # All such corners; around the nominal, what is near has another side.
         best += [problem.tolerances.draw_back(-u) for u in found]
         best = different(best)[: max(count, len(nominal) + len(found))]
         # The same for each objective: what others there are changes nothing.
         rng = np.random.default_rng(settings.seed)
         drawn = problem.tolerances.draw(max(count - len(best), 0), rng)
         starts[k] = [*best, *drawn]
-    return _climb("multistart", problem, settings, on_progress, starts)
+    return _search("multistart", problem, settings, on_progress, starts)
 
 
-def _climb(
+def _search(
     search: str,
     problem: Problem,
     settings: SearchSettings,

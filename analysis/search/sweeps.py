@@ -8,7 +8,6 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drakesep.analysis.search.problem import (
     Candidate,
@@ -21,10 +20,10 @@ from drakesep.analysis.search.problem import (
 )
 from drakesep.analysis.search.sqp import Start, slopes_at
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 
 
-Array = NDArray[np.float64]
 _T = TypeVar("_T")
 
 _KEPT = 4

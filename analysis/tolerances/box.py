@@ -4,14 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, check_finite, check_positive, unknown
 from drakesep.systems.model.parameters import parameters, with_values
 from drakesep.systems.model.separation import Separation
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,7 +30,7 @@ class Dispersion:
         check_positive(f"{self.name}: tolerance", self.tolerance)
 
 
-class Box:
+class ToleranceBox:
     """The set of all values within their tolerances.
 
     A point of the box is scaled: u in [-1, 1]^n, value = nominal + tolerance u.
@@ -49,7 +47,9 @@ class Box:
         self.tolerance = np.array([d.tolerance for d in self.dispersions])
 
     @classmethod
-    def around(cls, separation: Separation, tolerances: Mapping[str, float]) -> "Box":
+    def around(
+        cls, separation: Separation, tolerances: Mapping[str, float]
+    ) -> "ToleranceBox":
         """Return the box around a separation's own values.
 
         Args:

@@ -4,13 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drakesep.analysis.tolerances.box import Box
+from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,7 +74,7 @@ class WithinEllipsoid:
         indices: of its parameters in the box.
     """
 
-    def __init__(self, ellipsoid: Ellipsoid, box: Box):
+    def __init__(self, ellipsoid: Ellipsoid, box: ToleranceBox):
         """Prepare.
 
         Raises:

@@ -6,15 +6,13 @@ their intersection with the box.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drakesep.analysis.tolerances.box import Box
+from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.inertia import ENTRIES, second_moment
 from drakesep.systems.model.separation import Body
 
-
-Array = NDArray[np.float64]
 
 # How far inside the set to stay, as a part of the nominal tr(Sigma): above the
 # round-off of Drake's own check, far below any tolerance.
@@ -32,7 +30,7 @@ class PhysicalInertia:
         indices: of its parameters in the box.
     """
 
-    def __init__(self, body: Body, box: Box):
+    def __init__(self, body: Body, box: ToleranceBox):
         """Prepare.
 
         Raises:

@@ -12,18 +12,17 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drakesep.analysis.tolerances.box import Box, Dispersion
+from drakesep.analysis.tolerances.box import Dispersion, ToleranceBox
 from drakesep.analysis.tolerances.ellipsoid import (
     Ellipsoid,
     WithinEllipsoid,
     check_apart,
 )
 from drakesep.analysis.tolerances.physical_inertia import PhysicalInertia
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.separation import Separation
 
-
-Array = NDArray[np.float64]
 
 _INSIDE = 1e-12
 """How far inside a constraint a point is drawn back to, above round-off."""
@@ -53,7 +52,7 @@ class Constraint(Protocol):
 class ToleranceSet:
     """Every point that the tolerances admit.
 
-    Points are scaled, as those of a `Box`: u in [-1, 1]^n.
+    Points are scaled, as those of a `ToleranceBox`: u in [-1, 1]^n.
 
     Attributes:
         separation: whose parameters they are.
@@ -63,7 +62,10 @@ class ToleranceSet:
     """
 
     def __init__(
-        self, separation: Separation, box: Box, ellipsoids: Sequence[Ellipsoid] = ()
+        self,
+        separation: Separation,
+        box: ToleranceBox,
+        ellipsoids: Sequence[Ellipsoid] = (),
     ):
         """Prepare.
 
@@ -111,7 +113,7 @@ class ToleranceSet:
             Dispersion(name=d.name, nominal=d.nominal, tolerance=float(tolerance))
             for d, tolerance in zip(self.box.dispersions, tolerances, strict=True)
         ]
-        return ToleranceSet(self.separation, Box(dispersions), self.ellipsoids)
+        return ToleranceSet(self.separation, ToleranceBox(dispersions), self.ellipsoids)
 
     def margins(self, u: Array) -> Array:
         """Return (..., k) margins of all constraints at points (..., n)."""

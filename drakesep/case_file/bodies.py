@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import Field, model_validator
 
-from drakesep.case_file.geometry import ElementSection
+from drakesep.case_file.geometry import PartSection
 from drakesep.case_file.section import (
     File,
     Name,
@@ -30,7 +30,7 @@ from drakesep.units import unit_of
 
 
 if TYPE_CHECKING:  # imports Drake
-    from drakesep.systems.design.mass_properties import MassProperties, Shape
+    from drakesep.systems.design.mass_properties import MassProperties, SolidKind
 
 
 class InertiaSection(Section):
@@ -87,7 +87,7 @@ class SolidSection(Section):
             return mass_properties.mass_properties_of_mesh(
                 self.mesh.file, scale=self.mesh.scale, **options
             )
-        shape: Shape
+        shape: SolidKind
         for shape in ("box", "cylinder", "sphere", "ellipsoid", "capsule"):
             section = getattr(self, shape)
             if section is not None:
@@ -125,7 +125,7 @@ class BodySection(Section):
     solid: SolidSection | None = None
     model: ModelSection | None = None
     mated: MatedPlaceSection = MatedPlaceSection()
-    geometry: dict[Name, ElementSection] = Field(default_factory=dict)
+    geometry: dict[Name, PartSection] = Field(default_factory=dict)
     """Parts of it that may come near others."""
 
     @model_validator(mode="after")
@@ -145,7 +145,7 @@ class BodySection(Section):
         """Return the body."""
         with named(name):
             mass, p_BoBcm_B, I_BBcm_B = self._mass_properties()
-            elements = tuple(e.in_si(key) for key, e in self.geometry.items())
+            parts = tuple(e.in_si(key) for key, e in self.geometry.items())
         return Body(
             name=name,
             mass=mass,
@@ -153,7 +153,7 @@ class BodySection(Section):
             I_BBcm_B=I_BBcm_B,
             p_ABo=to_si("position", self.mated.position_mm),
             rpy_AB=to_si("attitude", self.mated.attitude_deg),
-            elements=elements,
+            parts=parts,
         )
 
     def _mass_properties(self) -> tuple[float, Vector3, Inertia]:

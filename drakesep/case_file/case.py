@@ -11,14 +11,14 @@ from pydantic import Field, model_validator
 
 from drakesep.analysis.metrics.objectives import Objective, lowest, towards
 from drakesep.analysis.metrics.requirements import Requirement, deviation_limits
-from drakesep.analysis.tolerances.box import Box
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.case_file.attachments import AttachmentSection, LoadSection
 from drakesep.case_file.bodies import BodySection
 from drakesep.case_file.geometry import ClearanceSection, RecontactSection
 from drakesep.case_file.others import (
     BeforeSeparationSection,
-    EllipsoidSection,
+    CorrelationSection,
     OrbitSection,
     PairSection,
     PublishedSection,
@@ -29,7 +29,7 @@ from drakesep.case_file.section import Name, Positive, Section, named
 from drakesep.systems.checks import InputError, check_finite, unknown
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.parameters import parameters, with_values
-from drakesep.systems.model.part_pairs import element_pairs, pairs_apart
+from drakesep.systems.model.part_pairs import pairs_apart, part_pairs
 from drakesep.systems.model.recontact import Recontact
 from drakesep.systems.model.separation import Separation
 from drakesep.units import unit_of, with_unit
@@ -53,7 +53,7 @@ class Case(Section):
     before_separation: BeforeSeparationSection = BeforeSeparationSection()
     dispersions: dict[str, Positive] = Field(default_factory=dict)
     """Tolerances to either side of the values above."""
-    ellipsoids: list[EllipsoidSection] = Field(default_factory=list)
+    ellipsoids: list[CorrelationSection] = Field(default_factory=list)
     """Dispersed parameters that go together."""
     requirements: list[RequirementSection] = Field(default_factory=list)
     clearance: ClearanceSection = ClearanceSection()
@@ -75,13 +75,15 @@ class Case(Section):
 
     def _check_clearance(self) -> None:
         with named("clearance"):
-            element_pairs(self.separation, self.clearance.pairs)
-            element_pairs(self.separation, self.clearance.touching)
+            part_pairs(self.separation, self.clearance.pairs)
+            part_pairs(self.separation, self.clearance.touching)
 
     def _check_dispersions(self) -> None:
         for key, tolerance in self.dispersions.items():
             try:
-                Box.around(self.separation, self.values_in_si({key: tolerance}))
+                ToleranceBox.around(
+                    self.separation, self.values_in_si({key: tolerance})
+                )
             except InputError as error:
                 bound = f"{key} ± {tolerance:g}: " if error.__cause__ else ""
                 raise CaseError(
@@ -147,9 +149,9 @@ class Case(Section):
         return self.run.in_si()
 
     @property
-    def box(self) -> Box:
+    def box(self) -> ToleranceBox:
         """The tolerances, in SI."""
-        return Box.around(self.separation, self.values_in_si(self.dispersions))
+        return ToleranceBox.around(self.separation, self.values_in_si(self.dispersions))
 
     @property
     def tolerance_set(self) -> ToleranceSet:
@@ -205,7 +207,7 @@ class Case(Section):
 
     @property
     def has_clearance(self) -> bool:
-        """Whether elements of two bodies may come near each other."""
+        """Whether parts of two bodies may come near each other."""
         of = self.clearance
         return bool(pairs_apart(self.separation, of.pairs, of.touching))
 

@@ -24,8 +24,8 @@ from drakesep.systems.model.parts import (
     Box,
     Capsule,
     Cone,
-    Element,
     Mesh,
+    Part,
     Shape,
     Sphere,
 )
@@ -53,7 +53,7 @@ class ConeSection(Section):
 _SHAPES = ("box", "sphere", "capsule", "cylinder", "cone", "mesh")
 
 
-class ElementSection(Section):
+class PartSection(Section):
     """A part of a body: one shape or mesh, its place, and what it is."""
 
     box: BoxSection | None = None
@@ -71,11 +71,11 @@ class ElementSection(Section):
         check_one(self, _SHAPES)
         return self
 
-    def in_si(self, name: str) -> Element:
-        """Return the element."""
+    def in_si(self, name: str) -> Part:
+        """Return the part."""
         with named(name):
             shape = self._shape()
-        return Element(
+        return Part(
             name=name,
             shape=shape,
             p_BoGo_B=to_si("position", self.position_mm),
@@ -114,11 +114,11 @@ class ElementSection(Section):
 
 def _check_pair(value: Any) -> Any:
     if not isinstance(value, list | tuple) or len(value) != 2:
-        raise ValueError(f"must be two names of elements, got {value!r}")
+        raise ValueError(f"must be two names of parts, got {value!r}")
     return value
 
 
-ElementNames = Annotated[tuple[str, str], Strict(False), BeforeValidator(_check_pair)]
+PartNames = Annotated[tuple[str, str], Strict(False), BeforeValidator(_check_pair)]
 
 
 class RecontactSection(Section):
@@ -128,8 +128,8 @@ class RecontactSection(Section):
     dissipation_s_m: NotNegative = 0.0
     friction: NotNegative = 0.0
 
-    def in_si(self, touching: list[ElementNames]) -> Recontact:
-        """Return it, without the elements that touch while mated."""
+    def in_si(self, touching: list[PartNames]) -> Recontact:
+        """Return it, without the parts that touch while mated."""
         return Recontact(
             stiffness=self.stiffness_N_m,
             dissipation=self.dissipation_s_m,
@@ -139,9 +139,9 @@ class RecontactSection(Section):
 
 
 class ClearanceSection(Section):
-    """Which elements are measured to each other."""
+    """Which parts are measured to each other."""
 
-    pairs: list[ElementNames] | None = None
+    pairs: list[PartNames] | None = None
     """All of different bodies if None."""
-    touching: list[ElementNames] = Field(default_factory=list)
+    touching: list[PartNames] = Field(default_factory=list)
     """That touch or overlap while mated: measured once they have parted."""

@@ -61,7 +61,7 @@ class BeforeSeparationSection(Section):
         )
 
 
-class EllipsoidSection(Section):
+class CorrelationSection(Section):
     """Dispersed parameters that do not all reach their tolerances together."""
 
     parameters: list[str]

@@ -1,4 +1,4 @@
-"""Shapes in a case file: of solids with mass, and of elements to be measured."""
+"""Shapes in a case file: of solids with mass, and of parts to be measured."""
 
 from drakesep.case_file.section import File, Positive, Section, Vector
 

@@ -120,7 +120,7 @@ def simulate(
         _fail(FAILED, result.flight.status)
     print_frame(console, "Figures of the run", tables.figures_table(result.flight))
     if len(result.contacts):
-        print_frame(console, "Elements that touch again", result.contacts)
+        print_frame(console, "Parts that touch again", result.contacts)
     console.print(f"Tables and figures are in {folder}", markup=False)
 
 

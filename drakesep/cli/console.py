@@ -86,7 +86,7 @@ def print_case(console: Console, case: Case) -> None:
     )
     print_frame(console, "Bodies", _bodies(case))
     print_frame(console, "Attachments", _attachments(case))
-    if any(body.elements for body in case.separation.bodies):
+    if any(body.parts for body in case.separation.bodies):
         print_frame(console, "Geometry", _geometry(case))
     if case.loads:
         print_frame(console, "Loads", _loads(case))
@@ -137,7 +137,7 @@ def _attachments(case: Case) -> pd.DataFrame:
 
 
 def _geometry(case: Case) -> pd.DataFrame:
-    """Return where elements are: a mesh in the wrong unit is seen at once."""
+    """Return where parts are: a mesh in the wrong unit is seen at once."""
     from drakesep.systems.geometry.convex_pieces import (
         pieces_of,  # and Drake, where there are any
     )
@@ -145,13 +145,13 @@ def _geometry(case: Case) -> pd.DataFrame:
     mm = unit_of("position")
     rows = []
     for body in case.separation.bodies:
-        for element in body.elements:
-            points = np.concatenate([piece.points for piece in pieces_of(element)])
+        for part in body.parts:
+            points = np.concatenate([piece.points for piece in pieces_of(part)])
             row = {
-                "element": element.name,
+                "part": part.name,
                 "of": body.name,
-                "shape": type(element.shape).__name__.lower(),
-                "role": element.role,
+                "shape": type(part.shape).__name__.lower(),
+                "role": part.role,
             }
             for axis, low, high in zip(
                 "xyz", points.min(axis=0), points.max(axis=0), strict=True

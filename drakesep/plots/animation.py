@@ -16,9 +16,10 @@ import pydrake.geometry as drake
 from pydrake.math import RigidTransform, RotationMatrix
 
 from drakesep.analysis.clearance.of_run import ClearanceAnalysis
+from drakesep.systems.arrays import Array
 from drakesep.systems.geometry.illustration import colour_of, illustration_of
 from drakesep.systems.geometry.relative_path import RelativePath
-from drakesep.systems.model.run import Array, Run
+from drakesep.systems.model.run import Run
 
 
 _FRAMES = 30
@@ -51,7 +52,7 @@ def animation(
 
     Args:
         runs: by their labels; the first is shown first.
-        pairs: elements that are measured; all of different bodies if None.
+        pairs: parts that are measured; all of different bodies if None.
         touching: those that touch while mated.
         title: of the page.
 
@@ -96,10 +97,10 @@ def _animate(
     """Draw a run below a path of its own, and return what is said of it."""
     separation = run.separation
     for i, body in enumerate(separation.bodies):
-        for element in body.elements:
-            shape, X_BG = illustration_of(element)
-            path = f"{root}/{body.name}/{element.name}"
-            meshcat.SetObject(path, shape, drake.Rgba(*colour_of(element, i)))
+        for part in body.parts:
+            shape, X_BG = illustration_of(part)
+            path = f"{root}/{body.name}/{part.name}"
+            meshcat.SetObject(path, shape, drake.Rgba(*colour_of(part, i)))
             meshcat.SetTransform(path, X_BG)
     meshcat.SetObject(f"{root}/bar", drake.Cylinder(_BAR, 1.0), _NEAREST)
     for end in ("first", "second"):

@@ -1,4 +1,4 @@
-"""Pictures of how near bodies come: distances, and the space that elements sweep."""
+"""Pictures of how near bodies come: distances, and the space that parts sweep."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -12,11 +12,12 @@ from matplotlib.path import Path as Outline
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.plots.motion import COLOURS, DASHES, LIMIT
 from drakesep.plots.pictures import Approach
+from drakesep.systems.arrays import Array
 from drakesep.systems.geometry.convex_pieces import Node, farthest, leaves_of, tree_of
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.part_pairs import Names
-from drakesep.systems.model.parts import Element
-from drakesep.systems.model.run import Array, Run
+from drakesep.systems.model.parts import Part
+from drakesep.systems.model.run import Run
 from drakesep.units import unit_of
 
 
@@ -67,7 +68,7 @@ def clearance_figure(
     panels[0].set_ylabel("distance (mm)")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
-    figure.suptitle("Distances between elements; dots: smallest, crosses: contact")
+    figure.suptitle("Distances between parts; dots: smallest, crosses: contact")
     return figure
 
 
@@ -128,14 +129,14 @@ _DIRECTIONS = 72
 _VIEWS = (("x", 0, "z", 2), ("x", 0, "y", 1), ("y", 1, "z", 2))
 _WIDTHS = (1.2, 1.2, 1.0)
 _MANY = 64
-"""Pieces of an element, beyond which they are not outlined one by one."""
+"""Pieces of an part, beyond which they are not outlined one by one."""
 _STAYS = "#5A5A5A"
 _THROUGH = 0.3
 """How opaque a wall of A is, in front of what moves within it."""
 
 
 def save_swept(run: Run, pairs: Sequence[Names], folder: Path) -> None:
-    """Write swept.png into a folder, if elements of A and B are in the pairs."""
+    """Write swept.png into a folder, if parts of A and B are in the pairs."""
     stays, moves = _in_pairs(run, pairs)
     if stays and moves:
         swept_figure(run, pairs).savefig(folder / "swept.png", dpi=130)
@@ -143,31 +144,31 @@ def save_swept(run: Run, pairs: Sequence[Names], folder: Path) -> None:
 
 def _in_pairs(
     run: Run, pairs: Sequence[Names]
-) -> tuple[tuple[Element, ...], tuple[Element, ...]]:
-    """Return the elements of A and of B that are in pairs."""
+) -> tuple[tuple[Part, ...], tuple[Part, ...]]:
+    """Return the parts of A and of B that are in pairs."""
     names = {name for pair in pairs for name in pair}
     bodies = {body.name: body for body in run.separation.bodies}
     of_A, of_B = bodies[run.separation.A], bodies[run.separation.B]
     return (
-        tuple(e for e in of_A.elements if e.name in names),
-        tuple(e for e in of_B.elements if e.name in names),
+        tuple(e for e in of_A.parts if e.name in names),
+        tuple(e for e in of_B.parts if e.name in names),
     )
 
 
 def swept_figure(run: Run, pairs: Sequence[Names]) -> Figure:
-    """Return the space that elements of B sweep, as seen from A, along A's axes.
+    """Return the space that parts of B sweep, as seen from A, along A's axes.
 
-    From the mated place until no element of B is beside one of A any more.
+    From the mated place until no part of B is beside one of A any more.
 
     Args:
         run: a completed run.
-        pairs: names of elements; those of A and B among them are drawn.
+        pairs: names of parts; those of A and B among them are drawn.
     """
     on_A, on_B = _in_pairs(run, pairs)
     separation = run.separation
     path = RelativePath(run.completed_trajectory, separation.A, separation.B)
-    stays = [tree_of(element) for element in on_A]
-    moves = {element.name: tree_of(element) for element in on_B}
+    stays = [tree_of(part) for part in on_A]
+    moves = {part.name: tree_of(part) for part in on_B}
     clear = path.time_apart(_until_clear(stays, list(moves.values()), path))
     times = np.linspace(0.0, min(clear, float(path.time[-1])), _MOMENTS)
     figure = Figure(figsize=(14, 4.4), layout="constrained")
@@ -213,7 +214,7 @@ def _place(path: RelativePath, t: float) -> tuple[Array, Array]:
 def _until_clear(
     stays: Sequence[Node], moves: Sequence[Node], path: RelativePath
 ) -> float:
-    """Return how far B must move along A's x axis to be beyond A's elements, m."""
+    """Return how far B must move along A's x axis to be beyond A's parts, m."""
     x = np.array([1.0, 0.0, 0.0])
     R, p = _place(path, 0.0)
     front = max(float(farthest(n, x)[0]) for root in stays for n in leaves_of(root))
@@ -233,7 +234,7 @@ def _outlines(
     view: tuple[int, int],
     place: tuple[Array, Array] | None = None,
 ) -> list[Array]:
-    """Return (d, 2) outlines of the pieces of an element, as a view shows them.
+    """Return (d, 2) outlines of the pieces of an part, as a view shows them.
 
     What moves and has many pieces is outlined as a whole.
     """

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import pandas as pd
 
 from drakesep.analysis.metrics.requirements import Requirement
-from drakesep.systems.model.run import Array, Motion
+from drakesep.systems.arrays import Array
+from drakesep.systems.model.run import Motion
 from drakesep.tables.labelled_run import Flight
 
 

@@ -12,17 +12,18 @@ from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.clearance.of_run import PARTED, ClearanceAnalysis
 from drakesep.case_file.case import Case
 from drakesep.studies.output import writable_folder
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.part_pairs import owners_of
-from drakesep.systems.model.run import Array, Run
+from drakesep.systems.model.run import Run
 from drakesep.tables import run_tables as tables
 from drakesep.units import unit_of, with_unit
 
 
 @dataclass(frozen=True, kw_only=True)
 class Clearances:
-    """How near the elements of a case come in one run."""
+    """How near the parts of a case come in one run."""
 
     case: Case
     run: Run
@@ -86,7 +87,7 @@ class Clearances:
     def summary(self) -> pd.DataFrame:
         """A row for each pair, the nearest first: how near it comes, when and where."""
         bodies = owners_of(self.run.separation)
-        roles = {e.name: e.role for b in self.run.separation.bodies for e in b.elements}
+        roles = {e.name: e.role for b in self.run.separation.bodies for e in b.parts}
         rows = []
         touching = set(map(frozenset, self.case.clearance.touching))
 

@@ -74,7 +74,7 @@ class Verification(WorstCases):
             (requirement, limit)
             for requirement in self.case.limits
             for objective in self.case.towards(requirement)
-            if objective.name in worst and not objective.costly
+            if objective.name in worst and not objective.expensive
             for limit in _limits(
                 worst[objective.name], _bound(requirement), len(problem.tolerances)
             )

@@ -12,7 +12,7 @@ from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.analysis.search.judge import CONFIDENCE, WorstCase
 from drakesep.analysis.search.problem import Searched
 from drakesep.analysis.search.registry import SEARCHES
-from drakesep.analysis.tolerances.box import Box
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.tables.labelled_run import Flight
 from drakesep.tables.run_tables import MARK, in_units, shown, unit_of_objective
 from drakesep.units import split_axis, unit_of, with_unit
@@ -92,7 +92,7 @@ def searches(searched: Sequence[Searched], share_unphysical: float) -> pd.DataFr
 
 
 def candidates(
-    searched: Sequence[Searched], objectives: Sequence[Objective], box: Box
+    searched: Sequence[Searched], objectives: Sequence[Objective], box: ToleranceBox
 ) -> pd.DataFrame:
     """Return a row for the best point of each search, for each objective."""
     rows = []
@@ -112,7 +112,7 @@ def candidates(
     return pd.DataFrame(rows)
 
 
-def worst_points(worst: Sequence[WorstCase], box: Box) -> pd.DataFrame:
+def worst_points(worst: Sequence[WorstCase], box: ToleranceBox) -> pd.DataFrame:
     """Return a row for each parameter: M, m, or its value, at each worst case."""
     columns: dict[str, list[str]] = {"parameter": [with_unit(n) for n in box.names]}
     for case in worst:
@@ -129,7 +129,7 @@ def sensitivities(
     worst: Sequence[WorstCase],
     objectives: Sequence[Objective],
     nominal_slopes: np.ndarray | None,
-    box: Box,
+    box: ToleranceBox,
 ) -> pd.DataFrame:
     """Return what a whole tolerance does to each objective's figure, to first order.
 
@@ -160,7 +160,9 @@ def sensitivities(
     return pd.DataFrame(rows)
 
 
-def tolerances(growths: Sequence[tuple[Requirement, Growth]], box: Box) -> pd.DataFrame:
+def tolerances(
+    growths: Sequence[tuple[Requirement, Growth]], box: ToleranceBox
+) -> pd.DataFrame:
     """Return for each requirement and parameter the tolerance that would violate it.
 
     The others keep theirs. Infinite where no tolerance that was looked at does.

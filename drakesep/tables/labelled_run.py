@@ -36,7 +36,7 @@ class Flight:
     objective_in_drake: float | None = None
     """Of the objective whose worst case it is, in SI; None if the run failed."""
     nearest: Clearance | None = field(default=None, repr=False)
-    """How near its elements come; None if that was not asked for."""
+    """How near its parts come; None if that was not asked for."""
 
 
 def as_flight(

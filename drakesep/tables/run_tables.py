@@ -14,7 +14,7 @@ from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.metrics.of_run import ANGLES, AXES
 from drakesep.analysis.metrics.requirements import Finding, Requirement
-from drakesep.analysis.tolerances.box import Box
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.run import Motion, Run
@@ -69,7 +69,7 @@ _CONTACT = ("contact_time", "contact_end", "force_max", "impulse")
 
 
 def contacts_table(run: Run) -> pd.DataFrame:
-    """Return a row for each contact of elements that push each other, in its order."""
+    """Return a row for each contact of parts that push each other, in its order."""
     rows = []
     for contact in run.contacts:
         force = np.linalg.norm(contact.force, axis=1)
@@ -100,7 +100,7 @@ def contacts_table(run: Run) -> pd.DataFrame:
 
 
 def contact_forces_table(run: Run) -> pd.DataFrame:
-    """Return the forces between elements that touch again: a row for each step."""
+    """Return the forces between parts that touch again: a row for each step."""
     frames = [
         pd.DataFrame(
             {
@@ -151,7 +151,7 @@ def flights_table(flights: Iterable[Flight], names: Sequence[str]) -> pd.DataFra
 
 
 def _nearest_pair(nearest: Clearance | None) -> dict[str, object]:
-    """Return which elements come nearest in a run, and when, if that was asked for."""
+    """Return which parts come nearest in a run, and when, if that was asked for."""
     if nearest is None:
         return {}
     pair = f"{nearest.first} to {nearest.second}"
@@ -205,7 +205,7 @@ def figures_table(flight: Flight) -> pd.DataFrame:
 
 
 def history_table(
-    iterations: "Mapping[Objective, Sequence[Iteration]]", box: Box
+    iterations: "Mapping[Objective, Sequence[Iteration]]", box: ToleranceBox
 ) -> pd.DataFrame:
     """Return a row for each iterate of each search, by objective."""
     rows = []
@@ -278,7 +278,7 @@ def requirements_table(
     findings: Sequence[Finding],
     growths: "Sequence[tuple[Requirement, Growth]]" = (),
     single_growths: "Sequence[tuple[Requirement, Growth]]" = (),
-    box: Box | None = None,
+    box: ToleranceBox | None = None,
 ) -> pd.DataFrame:
     """Return a row for each requirement and axis, with its margins and verdict.
 
@@ -320,7 +320,7 @@ def requirements_table(
 def _first_tolerance(
     finding: Finding,
     growths: "Sequence[tuple[Requirement, Growth]]",
-    box: Box | None,
+    box: ToleranceBox | None,
 ) -> dict[str, str | float]:
     """Return the tolerance that violates a requirement with the least growth.
 
@@ -345,7 +345,7 @@ MARK = 5e-3
 of its tolerance."""
 
 
-def table_4(flights: Sequence[Flight], box: Box) -> pd.DataFrame:
+def table_4(flights: Sequence[Flight], box: ToleranceBox) -> pd.DataFrame:
     """Return the worst cases in the form of the paper's Table 4.
 
     Conditions after separation, then M (maximum), m (minimum), Nom (nominal) or the
@@ -398,22 +398,22 @@ def _conditions(flight: Flight) -> list[str]:
     ]
 
 
-def _groups(box: Box) -> dict[str, list[str]]:
+def _groups(box: ToleranceBox) -> dict[str, list[str]]:
     def key(name: str) -> tuple[str, str]:
-        element, _, quantity = name.rpartition(".")
+        owner, _, quantity = name.rpartition(".")
         stem, axis = split_axis(quantity)
         if stem == "inertia":
             stem += " moments" if axis[0] == axis[1] else " products"
-        # Axes of one element stand together, and so do elements without axes.
-        return stem, element if axis else ""
+        # Axes of one owner stand together, and so do owners without axes.
+        return stem, owner if axis else ""
 
     def label(stem: str, names: list[str]) -> str:
-        elements = list(dict.fromkeys(name.rpartition(".")[0] for name in names))
+        owners = list(dict.fromkeys(name.rpartition(".")[0] for name in names))
         axes = [split_axis(name)[1] for name in names]
-        first, last = elements[0], elements[-1]
-        element = first if first == last else f"{first} ... {last}"
+        first, last = owners[0], owners[-1]
+        owner = first if first == last else f"{first} ... {last}"
         return " ".join(
-            filter(None, [element, stem, *axes, f"({unit_of(names[0]).symbol})"])
+            filter(None, [owner, stem, *axes, f"({unit_of(names[0]).symbol})"])
         ).replace("_", " ")
 
     groups = {}
@@ -423,7 +423,7 @@ def _groups(box: Box) -> dict[str, list[str]]:
     return groups
 
 
-def _marks(values: Mapping[str, float], box: Box) -> str:
+def _marks(values: Mapping[str, float], box: ToleranceBox) -> str:
     index = [box.names.index(name) for name in values]
     u = box.scaled(values)[index]
     marks = []

@@ -186,12 +186,12 @@ class BatchEquations:
         separation = self.separation
         bodies, springs = separation.bodies, separation.springs
 
-        def of(elements: Iterable[Any], quantity: str, missing: float = 0.0) -> Lanes:
-            keys = [f"{element.name}.{quantity}" for element in elements]
+        def of(owners: Iterable[Any], quantity: str, missing: float = 0.0) -> Lanes:
+            keys = [f"{owner.name}.{quantity}" for owner in owners]
             return rows([p.get(key, missing) for key in keys], n)
 
-        def vector(elements: Iterable[Any], stem: str) -> Vector:
-            x, y, z = (of(elements, f"{stem}_{axis}") for axis in _XYZ)
+        def vector(owners: Iterable[Any], stem: str) -> Vector:
+            x, y, z = (of(owners, f"{stem}_{axis}") for axis in _XYZ)
             return x, y, z
 
         inertia = [of(bodies, f"inertia_{entry}") for entry in ENTRIES]

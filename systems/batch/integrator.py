@@ -375,7 +375,7 @@ class BatchFlight:
     def _held_frequency(self, numbers: Numbers, mode: Mode) -> Lanes:
         """Return (n,) the fastest motion of bodies in the joints that hold, rad/s."""
         lightness = 1.0 / numbers.mass
-        slenderness = 1.0 / jnp.stack(tuple(numbers.I_BBcm_B)[:3]).min(axis=0)
+        inverse_inertia = 1.0 / jnp.stack(tuple(numbers.I_BBcm_B)[:3]).min(axis=0)
         K, D = jnp.zeros_like(lightness[0]), jnp.zeros_like(lightness[0])
         for i, attachment in enumerate(self._separation.attachments):
             gains = np.reshape(attachment.joint.held_gains(), (4, 3)).max(axis=1)
@@ -384,12 +384,12 @@ class BatchFlight:
                 sum(x * x for x in _arm(numbers, body, pads, i))
                 for body, pads in ((a, numbers.p_AoPad_A), (b, numbers.p_BoPad_B))
             ]
-            turning = slenderness[a] + slenderness[b]
+            turning = inverse_inertia[a] + inverse_inertia[b]
             moving = (
                 lightness[a]
                 + lightness[b]
-                + arms[0] * slenderness[a]
-                + arms[1] * slenderness[b]
+                + arms[0] * inverse_inertia[a]
+                + arms[1] * inverse_inertia[b]
             )
             held = jnp.isinf(mode.released[i])
             K = K + jnp.where(held, gains[0] * moving + gains[2] * turning, 0.0)

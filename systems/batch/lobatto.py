@@ -6,10 +6,9 @@ them is exact up to degree 13.
 
 import numpy as np
 from numpy.polynomial import Legendre, polynomial
-from numpy.typing import NDArray
 
+from drakesep.systems.arrays import Array
 
-Array = NDArray[np.float64]
 
 COUNT = 8
 

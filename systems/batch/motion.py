@@ -8,6 +8,7 @@ import numpy as np
 from jax import lax
 from numpy.typing import NDArray
 
+from drakesep.systems.arrays import Array
 from drakesep.systems.batch import lobatto
 from drakesep.systems.batch.equations import (
     STATES,
@@ -20,7 +21,7 @@ from drakesep.systems.batch.integrator import Step
 from drakesep.systems.batch.polynomials import polynomial
 from drakesep.systems.equations import relative_motion as motion_laws
 from drakesep.systems.equations.relative_motion import RelativeMotion
-from drakesep.systems.model.run import Array, Trajectory
+from drakesep.systems.model.run import Trajectory
 from drakesep.systems.model.separation import Separation
 
 

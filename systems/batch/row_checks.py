@@ -6,13 +6,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from drakesep.systems.arrays import Array
 from drakesep.systems.model.inertia import ENTRIES, physical_margin
 from drakesep.systems.model.parameters import parameters, with_values
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.model.springs import Spring
 
-
-Array = NDArray[np.float64]
 
 _POSITIVE = ("mass", "force_max", "stroke", "design_mass", "release_angle")
 _NOT_NEGATIVE = ("damping", "release_time", "start")

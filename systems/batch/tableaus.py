@@ -11,10 +11,9 @@ from typing import NamedTuple
 import numpy as np
 import scipy.integrate
 from numpy.polynomial import Polynomial
-from numpy.typing import NDArray
 
+from drakesep.systems.arrays import Array
 
-Array = NDArray[np.float64]
 
 MOST_STAGES = 16
 

@@ -119,8 +119,8 @@ def _effective(
     masses, inertias = [], []
     for e in axes:
         arm_A, arm_B = np.cross(r_A, e), np.cross(r_B, e)
-        yielding = 1.0 / A.mass + 1.0 / B.mass
-        yielding += arm_A @ inverse_A @ arm_A + arm_B @ inverse_B @ arm_B
-        masses.append(float(1.0 / yielding))
+        compliance = 1.0 / A.mass + 1.0 / B.mass
+        compliance += arm_A @ inverse_A @ arm_A + arm_B @ inverse_B @ arm_B
+        masses.append(float(1.0 / compliance))
         inertias.append(float(1.0 / (e @ (inverse_A + inverse_B) @ e)))
     return masses, inertias

@@ -22,8 +22,8 @@ from drakesep.systems.geometry.meshes import read_mesh, readable
 from drakesep.systems.model.inertia import Inertia
 
 
-Shape: TypeAlias = Literal["box", "cylinder", "sphere", "ellipsoid", "capsule"]
-SHAPES: dict[Shape, int] = {
+SolidKind: TypeAlias = Literal["box", "cylinder", "sphere", "ellipsoid", "capsule"]
+SOLIDS: dict[SolidKind, int] = {
     "box": 3,
     "cylinder": 2,
     "sphere": 1,
@@ -48,7 +48,7 @@ class MassProperties(NamedTuple):
 
 
 def mass_properties_of_shape(
-    shape: Shape,
+    shape: SolidKind,
     dimensions: Sequence[float],
     *,
     mass: float | None = None,
@@ -73,11 +73,11 @@ def mass_properties_of_shape(
         ValueError: the shape is unknown, a dimension, mass or density is not positive,
             or not one of mass and density is given.
     """
-    if shape not in SHAPES:
-        raise InputError(unknown("shape", shape, SHAPES))
-    if len(dimensions) != SHAPES[shape]:
+    if shape not in SOLIDS:
+        raise InputError(unknown("shape", shape, SOLIDS))
+    if len(dimensions) != SOLIDS[shape]:
         raise InputError(
-            f"{shape} must have {SHAPES[shape]} dimensions, got {len(dimensions)}"
+            f"{shape} must have {SOLIDS[shape]} dimensions, got {len(dimensions)}"
         )
     for dimension in dimensions:
         check_positive(f"{shape}: dimension", dimension)
@@ -92,7 +92,7 @@ def mass_properties_of_shape(
     )
 
 
-def _unit_solid(shape: Shape, dimensions: Sequence[float]) -> SpatialInertia:
+def _unit_solid(shape: SolidKind, dimensions: Sequence[float]) -> SpatialInertia:
     match shape:
         case "box":
             return SpatialInertia.SolidBoxWithDensity(1.0, *dimensions)

@@ -46,7 +46,7 @@ class Gravity(LeafSystem):
     def set_gravity(self, context: Context, separation: Separation) -> None:
         """Write the orbit and the mass properties into this system's Context."""
         orbit = separation.orbit
-        assert orbit is not None  # the structure of SeparationElements
+        assert orbit is not None  # the structure of SeparationForces
         context.get_mutable_numeric_parameter(self._orbit).SetFromVector(
             [orbit.mu, orbit.radius]
         )

@@ -1,8 +1,9 @@
 """A separation on somebody else's plant.
 
 The plant may hold more than the bodies of the separation, in any order, with joints,
-gravity and forces of its own. Two adapters stand between it and the elements: one reads
-the bodies' motion from the plant's ports, one turns wrenches into its spatial forces.
+gravity and forces of its own. Two adapters stand between it and the separation's
+forces: one reads the bodies' motion from the plant's ports, one turns wrenches into its
+spatial forces.
 """
 
 from collections.abc import Sequence
@@ -24,7 +25,7 @@ from pydrake.systems.framework import (
 
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.design.mass_properties import mass_properties_of
-from drakesep.systems.diagram.separation_forces import SeparationElements
+from drakesep.systems.diagram.separation_forces import SeparationForces
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.model.separation import Body, Separation
 
@@ -41,7 +42,7 @@ def add_separation(
     bodies: Sequence[RigidBody] | None = None,
     other_forces: OutputPort | None = None,
     name: str = "separation",
-) -> SeparationElements:
+) -> SeparationForces:
     """Add release, springs, joints, loads and motion analysis to a plant of one's own.
 
     The plant stays in charge of its bodies: their mass properties, their initial motion
@@ -61,7 +62,7 @@ def add_separation(
 
     Returns:
         The system that was added. Write the separation's numbers into its Context with
-        `SeparationElements.set_separation`; where they vary the bodies, write these
+        `SeparationForces.set_separation`; where they vary the bodies, write these
         into the plant's with `set_mass_properties`.
 
     Raises:
@@ -83,8 +84,8 @@ def add_separation(
         count * (_Q + _V),
         tuple((_Q * i, _Q * count + _V * i) for i in range(count)),
     )
-    elements: SeparationElements = builder.AddNamedSystem(
-        name, SeparationElements(separation, layout)
+    separation_forces: SeparationForces = builder.AddNamedSystem(
+        name, SeparationForces(separation, layout)
     )
     motion = builder.AddNamedSystem(f"{name}_motion", _BodyMotion(found))
     forces = builder.AddNamedSystem(f"{name}_forces", _SpatialForces(found))
@@ -98,18 +99,18 @@ def add_separation(
             plant.get_body_spatial_accelerations_output_port(),
             motion.GetInputPort("accelerations"),
         ),
-        (motion.GetOutputPort("state"), elements.GetInputPort("plant_state")),
+        (motion.GetOutputPort("state"), separation_forces.GetInputPort("plant_state")),
         (
             motion.GetOutputPort("acceleration"),
-            elements.GetInputPort("plant_acceleration"),
+            separation_forces.GetInputPort("plant_acceleration"),
         ),
-        (elements.GetOutputPort("wrenches"), forces.GetInputPort("wrenches")),
+        (separation_forces.GetOutputPort("wrenches"), forces.GetInputPort("wrenches")),
         (forces.get_output_port(), plant.get_applied_spatial_force_input_port()),
     ):
         builder.Connect(source, target)
     if other_forces is not None:
         builder.Connect(other_forces, forces.GetInputPort("other_forces"))
-    return elements
+    return separation_forces
 
 
 def body_of_plant(plant: MultibodyPlant, body: RigidBody) -> Body:

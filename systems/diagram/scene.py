@@ -1,4 +1,4 @@
-"""The bodies' elements in a plant's scene: to be seen, and to push where they touch."""
+"""The bodies' parts in a plant's scene: to be seen, and to push where they touch."""
 
 from typing import Any
 
@@ -8,36 +8,36 @@ from pydrake.multibody.plant import ContactModel, CoulombFriction, MultibodyPlan
 from drakesep.systems.checks import InputError
 from drakesep.systems.geometry.convex_pieces import pieces_of
 from drakesep.systems.geometry.illustration import colour_of, illustration_of
-from drakesep.systems.model.part_pairs import element_pairs
+from drakesep.systems.model.part_pairs import part_pairs
 from drakesep.systems.model.parts import Mesh
 from drakesep.systems.model.separation import Separation
 
 
 def register_illustration(plant: MultibodyPlant, separation: Separation) -> None:
-    """Give the bodies of a plant the looks of their elements.
+    """Give the bodies of a plant the looks of their parts.
 
     Args:
         plant: source of a SceneGraph, not finalized, with bodies of their names.
-        separation: whose bodies have elements.
+        separation: whose bodies have parts.
 
     Raises:
         ValueError: a mesh is missing, empty or not closed.
     """
     for i, body in enumerate(separation.bodies):
         link = plant.GetBodyByName(body.name)
-        for element in body.elements:
-            shape, X_BG = illustration_of(element)
+        for part in body.parts:
+            shape, X_BG = illustration_of(part)
             plant.RegisterVisualGeometry(
-                link, X_BG, shape, element.name, colour_of(element, i)
+                link, X_BG, shape, part.name, colour_of(part, i)
             )
 
 
 def register_contact(
     plant: MultibodyPlant, scene: drake.SceneGraph, separation: Separation
 ) -> dict[Any, str]:
-    """Let elements of different bodies push each other where they touch.
+    """Let parts of different bodies push each other where they touch.
 
-    Elements are cut into the convex pieces of
+    Parts are cut into the convex pieces of
     `drakesep.systems.geometry.convex_pieces`: Drake would take the hull of what is
     hollow. The plant's contact model becomes that of points. On a plant of one's own,
     `add_separation` then takes the separation without:
@@ -50,16 +50,16 @@ def register_contact(
         separation: with `Separation.recontact`.
 
     Returns:
-        The element of each of Drake's geometries, by its id.
+        The part of each of Drake's geometries, by its id.
 
     Raises:
-        ValueError: there is no recontact, a pair names no elements of two bodies, or a
+        ValueError: there is no recontact, a pair names no parts of two bodies, or a
             mesh cannot be read or is not convex.
     """
     contact = separation.recontact
     if contact is None:
         raise InputError("recontact: must be given, got none")
-    without = element_pairs(separation, contact.without)
+    without = part_pairs(separation, contact.without)
     properties = drake.ProximityProperties()
     drake.AddContactMaterial(
         # Of two alike in series, each is twice as stiff as both together.
@@ -72,17 +72,17 @@ def register_contact(
     mine: dict[str, list[Any]] = {}
     for body in separation.bodies:
         link = plant.GetBodyByName(body.name)
-        for element in body.elements:
-            pieces = pieces_of(element)
-            if isinstance(element.shape, Mesh) and len(pieces) > 1:
+        for part in body.parts:
+            pieces = pieces_of(part)
+            if isinstance(part.shape, Mesh) and len(pieces) > 1:
                 # Drake's depth in a triangle is that of its plane's edges: no depth.
                 raise InputError(
-                    f"recontact: {element.name}: a mesh that pushes must be convex, "
+                    f"recontact: {part.name}: a mesh that pushes must be convex, "
                     "got one that is not; make it of boxes, cones and convex meshes"
                 )
-            mine[element.name] = [
+            mine[part.name] = [
                 plant.RegisterCollisionGeometry(
-                    link, piece.X_BS, piece.shape, f"{element.name}_{k}", properties
+                    link, piece.X_BS, piece.shape, f"{part.name}_{k}", properties
                 )
                 for k, piece in enumerate(pieces)
             ]

@@ -16,7 +16,7 @@ from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.model.separation import Separation
 
 
-class SeparationElements(Diagram):
+class SeparationForces(Diagram):
     """Release, springs, joints, loads, gravity and motion analysis of a separation.
 
     Built once for the structure of a separation: every number in it is written into a
@@ -194,6 +194,6 @@ def _structure(separation: Separation) -> dict[str, object]:
         ),
         "pair": (separation.A, separation.B),
         "recontact": separation.recontact
-        and (separation.recontact, tuple(body.elements for body in separation.bodies)),
+        and (separation.recontact, tuple(body.parts for body in separation.bodies)),
         "gravity": "of an orbit" if separation.orbit else "none",
     }

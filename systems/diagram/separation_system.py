@@ -12,7 +12,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 
 from drakesep.systems.checks import InputError
 from drakesep.systems.diagram.scene import register_contact, register_illustration
-from drakesep.systems.diagram.separation_forces import SeparationElements
+from drakesep.systems.diagram.separation_forces import SeparationForces
 from drakesep.systems.diagram.state_layout import state_layout
 from drakesep.systems.equations.mated_stack import mated_motion
 from drakesep.systems.model.part_pairs import owners_of
@@ -27,7 +27,7 @@ class SeparationSystem(Diagram):
     into a Context with `set_separation`, so that a run is varied without a rebuild.
 
     The plant is continuous and its world is the freely falling W. Subsystems: ``plant``
-    and ``elements``, a `SeparationElements`; and, if the separation has recontact or is
+    and ``forces``, a `SeparationForces`; and, if the separation has recontact or is
     to be seen, ``scene_graph`` with the bodies' geometry.
 
     Input ports:
@@ -45,7 +45,7 @@ class SeparationSystem(Diagram):
         geometry_query: Drake's QueryObject, for a MeshcatVisualizer say; if there is a
             scene graph.
         contact_results: Drake's ContactResults; if the separation has recontact.
-        All of those of `SeparationElements` but ``wrenches``.
+        All of those of `SeparationForces` but ``wrenches``.
     """
 
     def __init__(
@@ -64,12 +64,12 @@ class SeparationSystem(Diagram):
             illustrated: whether the bodies' geometry is to be seen.
 
         Raises:
-            ValueError: elements that push each other overlap while mated, or a mesh
+            ValueError: parts that push each other overlap while mated, or a mesh
                 cannot be read.
         """
         super().__init__()
         builder = DiagramBuilder()
-        plant = builder.AddNamedSystem("plant", _plant_of_bodies(separation))
+        plant = builder.AddNamedSystem("plant", plant_of_bodies(separation))
         pushing = separation.recontact is not None
         scene = None
         if illustrated or pushing:
@@ -77,32 +77,32 @@ class SeparationSystem(Diagram):
             plant.RegisterAsSourceForSceneGraph(scene)
         if illustrated:
             register_illustration(plant, separation)
-        self._element_of = register_contact(plant, scene, separation) if pushing else {}
+        self._part_of = register_contact(plant, scene, separation) if pushing else {}
         plant.Finalize()
         layout = state_layout(plant, [body.name for body in separation.bodies])
-        elements = builder.AddNamedSystem(
-            "elements",
-            SeparationElements(separation, layout, external_wrenches=external_wrenches),
+        forces = builder.AddNamedSystem(
+            "forces",
+            SeparationForces(separation, layout, external_wrenches=external_wrenches),
         )
         state = plant.get_state_output_port()
-        builder.Connect(state, elements.GetInputPort("plant_state"))
+        builder.Connect(state, forces.GetInputPort("plant_state"))
         # The bodies float, in order: their wrenches are the generalized forces, and
         # their accelerations the generalized ones.
         builder.Connect(
             plant.get_generalized_acceleration_output_port(),
-            elements.GetInputPort("plant_acceleration"),
+            forces.GetInputPort("plant_acceleration"),
         )
         builder.Connect(
-            elements.GetOutputPort("wrenches"),
+            forces.GetOutputPort("wrenches"),
             plant.get_applied_generalized_force_input_port(),
         )
         inputs = ["trigger", "triggers"]
         inputs += ["external_wrenches"] if external_wrenches else []
         for name in inputs:
-            builder.ExportInput(elements.GetInputPort(name), name)
+            builder.ExportInput(forces.GetInputPort(name), name)
         builder.ExportOutput(state, "plant_state")
-        for i in range(elements.num_output_ports()):
-            port = elements.get_output_port(i)
+        for i in range(forces.num_output_ports()):
+            port = forces.get_output_port(i)
             if port.get_name() != "wrenches":
                 builder.ExportOutput(port, port.get_name())
         if scene is not None:
@@ -117,7 +117,7 @@ class SeparationSystem(Diagram):
         builder.BuildInto(self)
 
         self.plant: MultibodyPlant = plant
-        self.elements: SeparationElements = elements
+        self.forces: SeparationForces = forces
         self.layout = layout
         self._order = {name: i for i, name in enumerate(owners_of(separation))}
         self._check_mated(separation)
@@ -130,31 +130,31 @@ class SeparationSystem(Diagram):
             separation: with the structure that this system was built for.
 
         Raises:
-            ValueError: the separation has another structure; see `SeparationElements`.
+            ValueError: the separation has another structure; see `SeparationForces`.
         """
-        self.elements.set_separation(
-            self.GetMutableSubsystemContext(self.elements, context), separation
+        self.forces.set_separation(
+            self.GetMutableSubsystemContext(self.forces, context), separation
         )
         plant_context = self.GetMutableSubsystemContext(self.plant, context)
         set_mass_properties(self.plant, plant_context, separation)
         set_mated_motion(self.plant, plant_context, separation)
 
     def contact_forces(self, context: Context) -> dict[tuple[str, str], Vector]:
-        """Return the force between each two elements that touch, N, by their names.
+        """Return the force between each two parts that touch, N, by their names.
 
         On the second, in W; nothing if the separation has no recontact.
 
         Args:
             context: of this diagram.
         """
-        if not self._element_of:
+        if not self._part_of:
             return {}
         results = self.GetOutputPort("contact_results").Eval(context)
         forces: dict[tuple[str, str], Vector] = {}
         for k in range(results.num_point_pair_contacts()):
             contact = results.point_pair_contact_info(k)
             pair = contact.point_pair()
-            first, second = (self._element_of[x] for x in (pair.id_A, pair.id_B))
+            first, second = (self._part_of[x] for x in (pair.id_A, pair.id_B))
             force = contact.contact_force()
             if self._order[first] > self._order[second]:
                 first, second, force = second, first, -force
@@ -174,8 +174,8 @@ class SeparationSystem(Diagram):
 
     def is_release_due(self, context: Context) -> bool:
         """Return whether an attachment holds that has turned by its release angle."""
-        return self.elements.is_release_due(
-            self.GetSubsystemContext(self.elements, context)
+        return self.forces.is_release_due(
+            self.GetSubsystemContext(self.forces, context)
         )
 
 
@@ -187,14 +187,8 @@ def spatial_inertia(body: Body) -> SpatialInertia:
     )
 
 
-def make_plant(separation: Separation) -> MultibodyPlant:
-    """Return the continuous plant of a separation's bodies, free in W."""
-    plant = _plant_of_bodies(separation)
-    plant.Finalize()
-    return plant
-
-
-def _plant_of_bodies(separation: Separation) -> MultibodyPlant:
+def plant_of_bodies(separation: Separation) -> MultibodyPlant:
+    """Return the continuous plant of a separation's bodies, free in W; to finalize."""
     plant = MultibodyPlant(time_step=0.0)
     for body in separation.bodies:
         plant.AddRigidBody(body.name, spatial_inertia(body))

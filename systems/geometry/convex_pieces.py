@@ -1,4 +1,4 @@
-"""The convex pieces that elements are made of, and trees of boxes around them.
+"""The convex pieces that parts are made of, and trees of boxes around them.
 
 Drake measures between convex shapes, and takes the hull of any other: a plug inside a
 tube overlaps it by its whole width. What is hollow or dented is therefore cut into
@@ -17,10 +17,10 @@ import numpy as np
 import pydrake.geometry as drake
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.geometry.meshes import read_mesh
-from drakesep.systems.model.parts import Box, Capsule, Cone, Element, Mesh, Sphere
-from drakesep.systems.model.run import Array
+from drakesep.systems.model.parts import Box, Capsule, Cone, Mesh, Part, Sphere
 
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class _Piece(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class Node:
-    """A convex piece of an element, or a box around some of its pieces."""
+    """A convex piece of an part, or a box around some of its pieces."""
 
     shape: Any
     """Drake's."""
@@ -97,9 +97,9 @@ def leaves_of(node: Node) -> list[Node]:
 # Trees of pieces.
 
 
-def tree_of(element: Element) -> Node:
-    """Return the pieces of an element, with boxes around more and more of them."""
-    pieces = pieces_of(element)
+def tree_of(part: Part) -> Node:
+    """Return the pieces of an part, with boxes around more and more of them."""
+    pieces = pieces_of(part)
 
     def grow(mine: Sequence[_Piece], centres: Array) -> Node:
         points = np.concatenate([piece.points for piece in mine])
@@ -115,8 +115,8 @@ def tree_of(element: Element) -> Node:
         box = _hull(_CUBE * half)
         order = np.argsort((centres - centre) @ axes[:, 0], kind="stable")
         children = tuple(
-            grow([mine[i] for i in part], centres[part])
-            for part in np.array_split(order, 2)
+            grow([mine[i] for i in indices], centres[indices])
+            for indices in np.array_split(order, 2)
         )
         return Node(box, X_BS, ball, radius, children, centre + _CUBE * half @ axes.T)
 
@@ -137,35 +137,35 @@ def _box_around(points: Array) -> tuple[Array, Array, Array]:
 # Pieces.
 
 
-def place_of(element: Element) -> RigidTransform:
-    """Return the pose X_BG of an element's shape in its body."""
-    return RigidTransform(RollPitchYaw(*element.rpy_BG), element.p_BoGo_B)
+def place_of(part: Part) -> RigidTransform:
+    """Return the pose X_BG of an part's shape in its body."""
+    return RigidTransform(RollPitchYaw(*part.rpy_BG), part.p_BoGo_B)
 
 
-def mesh_of(element: Element) -> "trimesh.Trimesh":
-    """Return the mesh of an element that is one, in the units of its file.
+def mesh_of(part: Part) -> "trimesh.Trimesh":
+    """Return the mesh of an part that is one, in the units of its file.
 
     Raises:
         ValueError: the file is missing, is no mesh, or one that is not closed.
     """
-    assert isinstance(element.shape, Mesh)
+    assert isinstance(part.shape, Mesh)
     try:
-        return read_mesh(element.shape.file)
+        return read_mesh(part.shape.file)
     except InputError as error:
-        raise InputError(f"{element.name}: {error}") from error
+        raise InputError(f"{part.name}: {error}") from error
 
 
-def pieces_of(element: Element) -> tuple[_Piece, ...]:
-    """Return the convex pieces that an element is made of."""
-    X_BG = place_of(element)
+def pieces_of(part: Part) -> tuple[_Piece, ...]:
+    """Return the convex pieces that an part is made of."""
+    X_BG = place_of(part)
     return tuple(
         _Piece(shape, X_BG @ X_GS, (X_BG @ points.T).T)
-        for shape, X_GS, points in _pieces(element)
+        for shape, X_GS, points in _pieces(part)
     )
 
 
-def _pieces(element: Element) -> list[_Piece]:
-    shape = element.shape
+def _pieces(part: Part) -> list[_Piece]:
+    shape = part.shape
     match shape:
         case Box():
             return [_convex(_CUBE * np.array(shape.size) / 2.0)]
@@ -179,7 +179,7 @@ def _pieces(element: Element) -> list[_Piece]:
         case Cone():
             return _staves(shape)
         case Mesh():
-            return _mesh_pieces(mesh_of(element), shape.scale)
+            return _mesh_pieces(mesh_of(part), shape.scale)
 
 
 def _centred(shape: Any, half: Array, X_GS: RigidTransform | None = None) -> _Piece:

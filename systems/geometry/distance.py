@@ -1,4 +1,4 @@
-"""Signed distance between elements of two bodies, by Drake's proximity queries.
+"""Signed distance between parts of two bodies, by Drake's proximity queries.
 
 Between the convex pieces of `drakesep.systems.geometry.convex_pieces`, whose trees of
 boxes tell which come near.
@@ -12,6 +12,7 @@ import numpy as np
 import pydrake.geometry as drake
 from pydrake.math import RigidTransform, RotationMatrix
 
+from drakesep.systems.arrays import Array
 from drakesep.systems.geometry.convex_pieces import (
     Node,
     farthest,
@@ -22,8 +23,7 @@ from drakesep.systems.geometry.convex_pieces import (
 )
 from drakesep.systems.geometry.gjk import least_distance
 from drakesep.systems.geometry.meshes import encloses
-from drakesep.systems.model.parts import Element, Mesh
-from drakesep.systems.model.run import Array
+from drakesep.systems.model.parts import Mesh, Part
 
 
 _LOOSE = 5e-6
@@ -59,7 +59,7 @@ class Told(NamedTuple):
 
 
 class Nearest(NamedTuple):
-    """How near two elements are at some moment."""
+    """How near two parts are at some moment."""
 
     distance: float
     """m; negative where pieces of them overlap, by how far these do."""
@@ -75,21 +75,21 @@ Pair = tuple[Node, Node]
 
 
 class Proximity:
-    """Measures elements of a body A to elements of a body B.
+    """Measures parts of a body A to parts of a body B.
 
     Attributes:
-        elements: by their names.
+        parts: by their names.
         roots: of their trees of pieces, by the same.
     """
 
-    def __init__(self, on_A: Sequence[Element], on_B: Sequence[Element]):
+    def __init__(self, on_A: Sequence[Part], on_B: Sequence[Part]):
         """Prepare.
 
         Raises:
             ValueError: a mesh is missing, empty or not closed.
         """
-        self.elements = {element.name: element for element in (*on_A, *on_B)}
-        self.roots = {name: tree_of(element) for name, element in self.elements.items()}
+        self.parts = {part.name: part for part in (*on_A, *on_B)}
+        self.roots = {name: tree_of(part) for name, part in self.parts.items()}
         # Of what has been measured: the many pieces that never come near cost nothing.
         self._scenes: list[_Scene] = []
         self._scene_of: dict[Pair, _Scene] = {}
@@ -154,7 +154,7 @@ class _Scene:
 
     def __init__(self) -> None:
         self._scene = drake.SceneGraph()
-        self._source = self._scene.RegisterSource("elements")
+        self._source = self._scene.RegisterSource("parts")
         self._B = self._scene.RegisterFrame(self._source, drake.GeometryFrame("B"))
         self._context = self._scene.CreateDefaultContext()
         self._pose_port = self._scene.get_source_pose_port(self._source)
@@ -215,12 +215,12 @@ def split(pair: Pair) -> list[Pair]:
     return [(a, child) for child in b.children]
 
 
-def is_inside(element: Element, p_BoQ_B: Array) -> bool:
-    """Return whether a point of its body is inside an element measured by its surface.
+def is_inside(part: Part, p_BoQ_B: Array) -> bool:
+    """Return whether a point of its body is inside an part measured by its surface.
 
     To that, what is wholly inside keeps a distance; to what is solid it has none.
     """
-    if not isinstance(element.shape, Mesh):
+    if not isinstance(part.shape, Mesh):
         return False
-    p_GoQ_G = place_of(element).inverse() @ p_BoQ_B
-    return encloses(mesh_of(element), p_GoQ_G / element.shape.scale)
+    p_GoQ_G = place_of(part).inverse() @ p_BoQ_B
+    return encloses(mesh_of(part), p_GoQ_G / part.shape.scale)

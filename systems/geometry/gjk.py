@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from scipy.optimize import nnls
 
-from drakesep.systems.model.run import Array
+from drakesep.systems.arrays import Array
 
 
 Farthest: TypeAlias = Callable[[Array], tuple[Array, Array]]

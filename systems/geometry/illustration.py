@@ -1,4 +1,4 @@
-"""How elements are drawn: Drake shapes for illustration, and their colours."""
+"""How parts are drawn: Drake shapes for illustration, and their colours."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -8,7 +8,7 @@ from pydrake.common import MemoryFile
 from pydrake.math import RigidTransform
 
 from drakesep.systems.geometry.convex_pieces import Z_TO_X, mesh_of, place_of
-from drakesep.systems.model.parts import Box, Capsule, Cone, Element, Mesh, Sphere
+from drakesep.systems.model.parts import Box, Capsule, Cone, Mesh, Part, Sphere
 
 
 if TYPE_CHECKING:
@@ -20,19 +20,19 @@ _SECTIONS = 96
 _COLOURS = ((0.45, 0.45, 0.5), (0.0, 0.45, 0.7), (0.9, 0.62, 0.0), (0.0, 0.62, 0.45))
 
 
-def colour_of(element: Element, body: int) -> tuple[float, float, float, float]:
-    """Return red, green, blue and opacity of an element of the i-th body."""
-    hollow = isinstance(element.shape, Cone) and element.shape.thickness is not None
+def colour_of(part: Part, body: int) -> tuple[float, float, float, float]:
+    """Return red, green, blue and opacity of an part of the i-th body."""
+    hollow = isinstance(part.shape, Cone) and part.shape.thickness is not None
     return (*_COLOURS[body % len(_COLOURS)], 0.45 if hollow else 1.0)
 
 
-def illustration_of(element: Element) -> tuple[Any, RigidTransform]:
-    """Return Drake's shape of an element as it is drawn, and its pose X_BG.
+def illustration_of(part: Part) -> tuple[Any, RigidTransform]:
+    """Return Drake's shape of an part as it is drawn, and its pose X_BG.
 
     Raises:
         ValueError: a mesh is missing, empty or not closed.
     """
-    shape, X_BG = element.shape, place_of(element)
+    shape, X_BG = part.shape, place_of(part)
     match shape:
         case Box():
             return drake.Box(*shape.size), X_BG
@@ -41,9 +41,9 @@ def illustration_of(element: Element) -> tuple[Any, RigidTransform]:
         case Capsule():
             return drake.Capsule(shape.radius, shape.length), X_BG @ Z_TO_X
         case Cone():
-            return _drawn(_revolved(shape), 1.0, element.name), X_BG @ Z_TO_X
+            return _drawn(_revolved(shape), 1.0, part.name), X_BG @ Z_TO_X
         case Mesh():
-            return _drawn(mesh_of(element), shape.scale, element.name), X_BG
+            return _drawn(mesh_of(part), shape.scale, part.name), X_BG
 
 
 def _drawn(mesh: "trimesh.Trimesh", scale: float, name: str) -> Any:

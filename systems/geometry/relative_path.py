@@ -10,8 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, PPoly
 
+from drakesep.systems.arrays import Array
 from drakesep.systems.equations.relative_motion import body_state
-from drakesep.systems.model.run import Array, Trajectory
+from drakesep.systems.model.run import Trajectory
 from drakesep.systems.vectors import (
     conjugate,
     cross,

@@ -1,6 +1,6 @@
 """Every number of a separation that can be varied, by name.
 
-A name is ``element.quantity``: a body's ``payload.mass``, a spring's
+A name is ``owner.quantity``: a body's ``payload.mass``, a spring's
 ``spring_1.stroke``, an attachment's ``attachment_1.release_time``, a load's
 ``thruster_1.factor``, the mated stack's ``before_separation.rate_x``. Values are in SI
 and radians.
@@ -52,7 +52,7 @@ _INITIAL: dict[str, _Field] = {
 }
 
 
-def _elements(
+def _owners(
     separation: Separation,
 ) -> Iterator[tuple[str, Any, dict[str, _Field]]]:
     for body in separation.bodies:
@@ -73,9 +73,9 @@ def parameters(separation: Separation) -> dict[str, float]:
     A release by time has no angle, and one by angle no time.
     """
     values = {}
-    for name, element, fields in _elements(separation):
+    for name, owner, fields in _owners(separation):
         for quantity, (field, index) in fields.items():
-            value = getattr(element, field)
+            value = getattr(owner, field)
             value = value if index is None else value[index]
             if math.isfinite(value):
                 values[f"{name}.{quantity}"] = value
@@ -98,12 +98,12 @@ def with_values(separation: Separation, values: Mapping[str, float]) -> Separati
         if name not in known:
             raise InputError(unknown("parameter", name, known))
         check_finite(name, value)
-        element, _, quantity = name.rpartition(".")
-        changes.setdefault(element, {})[quantity] = float(value)
+        owner, _, quantity = name.rpartition(".")
+        changes.setdefault(owner, {})[quantity] = float(value)
 
     new = {
-        name: _replace(element, fields, changes.get(name, {}))
-        for name, element, fields in _elements(separation)
+        name: _replace(owner, fields, changes.get(name, {}))
+        for name, owner, fields in _owners(separation)
     }
     return dataclasses.replace(
         separation,
@@ -121,7 +121,7 @@ def with_values(separation: Separation, values: Mapping[str, float]) -> Separati
 
 
 def _replace(
-    element: Any, fields: dict[str, _Field], changes: Mapping[str, float]
+    owner: Any, fields: dict[str, _Field], changes: Mapping[str, float]
 ) -> Any:
     new: dict[str, Any] = {}
     for quantity, value in changes.items():
@@ -129,7 +129,7 @@ def _replace(
         if index is None:
             new[field] = value
         else:
-            entries = list(new.get(field, getattr(element, field)))
+            entries = list(new.get(field, getattr(owner, field)))
             entries[index] = value
             new[field] = tuple(entries)
-    return dataclasses.replace(element, **new) if new else element
+    return dataclasses.replace(owner, **new) if new else owner

@@ -1,4 +1,4 @@
-"""Pairs of elements that are measured to each other. No Drake here."""
+"""Pairs of parts that are measured to each other. No Drake here."""
 
 import itertools
 from collections.abc import Mapping, Sequence
@@ -11,21 +11,21 @@ Names = tuple[str, str]
 
 
 def owners_of(separation: Separation) -> dict[str, str]:
-    """Return the body of each element, by their names."""
-    return {e.name: body.name for body in separation.bodies for e in body.elements}
+    """Return the body of each part, by their names."""
+    return {e.name: body.name for body in separation.bodies for e in body.parts}
 
 
-def element_pairs(
+def part_pairs(
     separation: Separation, wanted: Sequence[Sequence[str]] | None = None
 ) -> list[Names]:
-    """Return pairs of elements of different bodies.
+    """Return pairs of parts of different bodies.
 
     Args:
-        separation: whose bodies have elements.
-        wanted: names of two elements each; all there are if None.
+        separation: whose bodies have parts.
+        wanted: names of two parts each; all there are if None.
 
     Raises:
-        ValueError: one does not name two elements of different bodies.
+        ValueError: one does not name two parts of different bodies.
     """
     owners = owners_of(separation)
     if wanted is None:
@@ -47,29 +47,29 @@ def pairs_apart(
     """Return the pairs that are wanted; if None, all that do not touch while mated.
 
     Args:
-        separation: whose bodies have elements.
-        wanted: names of two elements each.
-        touching: names of two elements each.
+        separation: whose bodies have parts.
+        wanted: names of two parts each.
+        touching: names of two parts each.
 
     Raises:
-        ValueError: one does not name two elements of different bodies.
+        ValueError: one does not name two parts of different bodies.
     """
     if wanted is not None:
-        return element_pairs(separation, wanted)
-    together = set(map(frozenset, element_pairs(separation, touching)))
-    return [p for p in element_pairs(separation) if frozenset(p) not in together]
+        return part_pairs(separation, wanted)
+    together = set(map(frozenset, part_pairs(separation, touching)))
+    return [p for p in part_pairs(separation) if frozenset(p) not in together]
 
 
 def _checked(names: Sequence[str], owners: Mapping[str, str]) -> Names:
     if isinstance(names, str) or len(names) != 2:
-        raise InputError(f"pair: must name two elements, got {names!r}")
+        raise InputError(f"pair: must name two parts, got {names!r}")
     for name in names:
         if name not in owners:
             known = owners or ["none, since no body has geometry"]
-            raise InputError(f"pair: {unknown('element', name, known)}")
+            raise InputError(f"pair: {unknown('part', name, known)}")
     a, b = names
     if owners[a] == owners[b]:
         raise InputError(
-            f"pair: must name elements of two bodies, got {a} and {b} of {owners[a]}"
+            f"pair: must name parts of two bodies, got {a} and {b} of {owners[a]}"
         )
     return a, b

@@ -132,7 +132,7 @@ Shape: TypeAlias = Box | Sphere | Capsule | Cone | Mesh
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Element:
+class Part:
     """A part of a body that may come near others.
 
     Raises:

@@ -7,7 +7,7 @@ from drakesep.systems.checks import check_not_negative, check_positive
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Recontact:
-    """Contact between elements of different bodies.
+    """Contact between parts of different bodies.
 
     Each two convex pieces that overlap by x push each other apart with the force of
     Hunt and Crossley, k x (1 + d x'), never below 0, and slide with Coulomb friction.
@@ -23,7 +23,7 @@ class Recontact:
     friction: float = 0.0
     """Coefficient, sticking and sliding."""
     without: tuple[tuple[str, str], ...] = ()
-    """Pairs of elements that do not push, such as those that touch while mated."""
+    """Pairs of parts that do not push, such as those that touch while mated."""
 
     def __post_init__(self) -> None:
         """Check the values."""

@@ -4,13 +4,8 @@ import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
+from drakesep.systems.arrays import Array
 from drakesep.systems.model.separation import Attachment, Separation
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +51,7 @@ class Trajectory:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ContactForces:
-    """How two elements push each other, at the integration steps at which they do.
+    """How two parts push each other, at the integration steps at which they do.
 
     And at the step after, with no force: it parts one contact from the next.
     """
@@ -97,7 +92,7 @@ class Run:
     stroke_ends: Mapping[str, float] = field(default_factory=dict)
     """When each spring reached its stroke, s, by its name."""
     contacts: tuple[ContactForces, ...] = ()
-    """Of elements that touch again, if the separation has recontact."""
+    """Of parts that touch again, if the separation has recontact."""
     steps: int = 0
     """Integration steps taken."""
     evaluations: int = 0

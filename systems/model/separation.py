@@ -22,7 +22,7 @@ from drakesep.systems.checks import (
 from drakesep.systems.model.inertia import Inertia, check_inertia
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.loads import Load
-from drakesep.systems.model.parts import Element
+from drakesep.systems.model.parts import Part
 from drakesep.systems.model.recontact import Recontact
 from drakesep.systems.model.springs import DisplacementSpring, Spring
 
@@ -30,7 +30,7 @@ from drakesep.systems.model.springs import DisplacementSpring, Spring
 STACK = "before_separation"
 """Stands before the parameters of the mated stack's motion."""
 RESERVED_NAMES = (STACK, "world")
-"""Names that no element can have; the second is Drake's."""
+"""Names that no part can have; the second is Drake's."""
 EARTH_MU = 3.986004418e14
 """Gravitational parameter of the Earth, m^3/s^2 (WGS 84)."""
 EARTH_RADIUS = 6378137.0
@@ -57,7 +57,7 @@ class Body:
     """Place of the body's origin in the frame of A while mated, m."""
     rpy_AB: Vector3 = (0.0, 0.0, 0.0)
     """Roll, pitch and yaw of the body in the frame of A while mated, rad."""
-    elements: tuple[Element, ...] = ()
+    parts: tuple[Part, ...] = ()
     """Parts of it that may come near others."""
 
     def __post_init__(self) -> None:
@@ -189,7 +189,7 @@ class Separation:
     orbit: Orbit | None = None
     """None: free of gravity."""
     recontact: Recontact | None = None
-    """None: elements are measured and feel no force."""
+    """None: parts are measured and feel no force."""
     duration: float
     """Length of the run from t = 0, s."""
 
@@ -232,7 +232,7 @@ class Separation:
         names += [attachment.name for attachment in self.attachments]
         names += [spring.name for spring in self.springs]
         names += [load.name for load in self.loads]
-        names += [element.name for body in self.bodies for element in body.elements]
+        names += [part.name for body in self.bodies for part in body.parts]
         counts = Counter([*names, *RESERVED_NAMES])
         for name, count in counts.items():
             if count > 1:
@@ -270,7 +270,7 @@ class Separation:
                 raise InputError(f"{body.name}: must be attached, got no attachment")
 
     def _check_recontact(self) -> None:
-        shaped = [body.name for body in self.bodies if body.elements]
+        shaped = [body.name for body in self.bodies if body.parts]
         if self.recontact is not None and len(shaped) < 2:
             raise InputError(
                 "recontact: needs geometry on two bodies, got "

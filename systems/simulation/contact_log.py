@@ -1,4 +1,4 @@
-"""The forces between elements that touch again, as a run goes on."""
+"""The forces between parts that touch again, as a run goes on."""
 
 import numpy as np
 from pydrake.systems.framework import Context

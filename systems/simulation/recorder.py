@@ -11,7 +11,7 @@ import numpy as np
 from pydrake.systems.framework import Context, System
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
-from drakesep.systems.model.run import Array
+from drakesep.systems.arrays import Array
 
 
 @dataclass

@@ -8,6 +8,7 @@ from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorC
 from pydrake.systems.framework import Context, EventStatus
 from scipy.optimize import brentq
 
+from drakesep.systems.arrays import Array
 from drakesep.systems.diagram.motion_analysis import Measured
 from drakesep.systems.diagram.separation_system import SeparationSystem
 from drakesep.systems.equations import relative_motion as motion_laws
@@ -16,7 +17,6 @@ from drakesep.systems.equations.mated_stack import pad_on_B
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.run import (
-    Array,
     ContactForces,
     Motion,
     Run,
@@ -33,7 +33,7 @@ from drakesep.systems.simulation.recorder import Recorder
 _FIRST_STEP = 1e-3
 """Tried at the start, s."""
 _RECONTACT_STEP = 5e-3
-"""The largest where elements may push each other, s: in free flight error control would
+"""The largest where parts may push each other, s: in free flight error control would
 step over a contact."""
 
 

@@ -76,14 +76,14 @@ def test_fairing_against_drakes_own_hinges(flown):
     )
     builder = DiagramBuilder()
     plant = builder.AddSystem(hinged_plant(separation))
-    elements = add_separation(builder, plant, separation)
+    forces = add_separation(builder, plant, separation)
     diagram = builder.Build()
     context = diagram.CreateDefaultContext()
-    inner = elements.GetMyMutableContextFromRoot(context)
-    elements.set_separation(inner, separation)
+    inner = forces.GetMyMutableContextFromRoot(context)
+    forces.set_separation(inner, separation)
     times = list(run.releases.values())
     simulator_of(diagram, context, 1e-7).AdvanceTo(max(times) + 0.1)
-    released = elements.GetOutputPort("released").Eval(inner)
+    released = forces.GetOutputPort("released").Eval(inner)
     # Joints of 1e7 N/m under 2 kN give by 0.2 mm, of the 5 m that the nose travels.
     assert released == pytest.approx(times, rel=1e-3)
 

@@ -8,7 +8,7 @@ import drakesep
 from drakesep.analysis.clearance.of_pair import ACCURACY
 from drakesep.analysis.engines.evaluator import BatchEvaluator
 from drakesep.analysis.metrics.requirements import deviation_limits
-from drakesep.analysis.search.linearised_corners import suspects
+from drakesep.analysis.search.linearised_corners import linearised_corners
 from drakesep.analysis.search.problem import Problem
 from drakesep.analysis.search.sqp import Start, slopes_at
 from drakesep.systems.geometry.convex_pieces import FACET
@@ -111,7 +111,7 @@ def test_what_is_near_at_the_nominal_points_to_the_worst_corner(
     objective = vega.lowest_clearance()
     evaluator = BatchEvaluator(vega_batch, [objective], deviation_limits(vega.limits))
     problem = Problem(tolerances=vega.tolerance_set, evaluator=evaluator)
-    corner, *_ = suspects(problem, 0)
+    corner, *_ = linearised_corners(problem, 0)
     assert (np.abs(corner) == 1.0).sum() >= 12  # inertias are drawn back together
     [run] = evaluator.runs(vega.tolerance_set.rows(corner[None]))
     flights = {flight.label: flight for flight in vega_verification.flights}

@@ -27,6 +27,7 @@ from drakesep.analysis.engines.jax.compiled import (
 )
 from drakesep.analysis.engines.jax.step_signals import MetricsFold
 from drakesep.analysis.metrics.of_run import METRICS
+from drakesep.systems.arrays import Array
 from drakesep.systems.batch import integrator as batch_flight
 from drakesep.systems.batch.equations import BatchEquations, Lanes
 from drakesep.systems.batch.integrator import BatchFlight, Landing
@@ -39,7 +40,6 @@ from drakesep.systems.model.separation import Separation
 from drakesep.systems.sampling import find_breaks, sample_times
 
 
-Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 """Told how many rows are done, and of how many."""
 

@@ -11,12 +11,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
-from numpy.typing import NDArray
 
+from drakesep.systems.arrays import Array
 from drakesep.systems.batch.equations import Lanes
 
-
-Array = NDArray[np.float64]
 
 _CHUNKS, _LANES = 8, 1024
 """In a call of a program, at most, but for one chunk: between calls threads wait for

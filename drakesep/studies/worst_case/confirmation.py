@@ -7,7 +7,7 @@ import numpy as np
 
 from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
 from drakesep.analysis.clearance.of_pair import Clearance
-from drakesep.analysis.engines.drake_pool import Fleet
+from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.engines.jax.batch import TOLERANCE
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.metrics.of_run import METRICS
@@ -26,7 +26,7 @@ _CONFIRMED = 1e-4
 by as much as errors of the runs make, which counts where the objective is zero."""
 
 
-def confirm(study: WorstCases, fleet: Fleet, on_progress: OnProgress) -> None:
+def confirm(study: WorstCases, pool: DrakePool, on_progress: OnProgress) -> None:
     """Fly what was found in Drake, and hold it against what the search says."""
     case = study.case
     ends = [
@@ -36,7 +36,7 @@ def confirm(study: WorstCases, fleet: Fleet, on_progress: OnProgress) -> None:
     ]
     variations: list[Mapping[str, float]] = [case.box.values(c.u) for c in ends]
     variations += [found.values for found in study.worst]
-    runs = fleet.fly(
+    runs = pool.fly(
         variations,
         lambda done, total: on_progress(
             SearchProgress(search="confirmation", done=done, total=total)

@@ -11,12 +11,12 @@ from typing import TypeAlias
 
 import numpy as np
 
-from drakesep.analysis.engines.drake_pool import Fleet
+from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.engines.evaluator import BatchEvaluator, RunEvaluator
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.objectives import Objective
 from drakesep.analysis.metrics.requirements import deviation_limits
-from drakesep.analysis.search.expensive_objectives import check_climbed
+from drakesep.analysis.search.expensive_objectives import check_expensive
 from drakesep.analysis.search.judge import WorstCase, find_worst_cases
 from drakesep.analysis.search.problem import (
     Effort,
@@ -51,8 +51,8 @@ OnProgress: TypeAlias = Callable[["Progress"], None]
 _WHOLE_RUN = 800
 """Steps of a run in Drake that costs what an objective of a whole run does on the
 batch engine, which samples its motion."""
-_COSTLY: Effort = {"samples": 32, "vertices": 32}
-"""Where there are none but costly objectives, a fraction of a second each."""
+_EXPENSIVE: Effort = {"samples": 32, "vertices": 32}
+"""Where there are none but expensive objectives, a fraction of a second each."""
 _LIGHT = 300
 """Steps of a Drake run up to which it is a light one: derivatives cost less than they
 save, and workers take longer to start than to fly."""
@@ -101,7 +101,7 @@ def search(
     # What is wrong is refused before anything is flown.
     SearchSettings(**effort)
     if searches and not alone:
-        check_climbed(objectives, searches)
+        check_expensive(objectives, searches)
     case = study.case
     if objectives and not alone:
         Batch(case.separation, case.box.names)  # refuses what it does not know, at once
@@ -124,12 +124,12 @@ def search(
         if on_batch and afterwards is not None:
             aside = stack.enter_context(beside(workers))
         flown_here = on_batch and light and workers is None
-        fleet = stack.enter_context(
-            Fleet(
+        pool = stack.enter_context(
+            DrakePool(
                 case.separation, case.integration, workers=1 if flown_here else workers
             )
         )
-        published = fleet.fly([case.published_values(p) for p in case.published])
+        published = pool.fly([case.published_values(p) for p in case.published])
         # Its programs are compiled beside what comes next.
         batch = _batch(case, objectives, derivatives=light) if on_batch else None
         study.flights += _told(study, [nominal, *published], aside)
@@ -139,16 +139,16 @@ def search(
         if objectives:
             problem = Problem(
                 tolerances=case.tolerance_set,
-                evaluator=batch or _drake(case, objectives, fleet),
+                evaluator=batch or _drake(case, objectives, pool),
             )
             settings = _affordable(objectives, nominal.steps, effort)
-            several = light and not all(o.costly for o in objectives)
+            several = light and not all(o.expensive for o in objectives)
             names = searches or default_searches(len(case.box), settings, light=several)
             names = ["sqp"] if alone else names
             study.worst = _find(study, problem, names, settings, output, tell)
             study.nominal_slopes = _slopes_at_nominal(problem)
             drawing.begin(Tornado(study.nearest_sensitivities).save)
-            confirm(study, fleet, tell)
+            confirm(study, pool, tell)
             _write_down(study, output)
             if afterwards is not None:
                 more = functools.partial(afterwards, problem, settings, tell)
@@ -225,10 +225,10 @@ def _affordable(
     objectives: Sequence[Objective], steps: int, effort: Effort
 ) -> SearchSettings:
     """Return how hard to search, by what takes longest of what searches fly."""
-    if all(o.costly for o in objectives):
-        chosen: Effort = _COSTLY | effort
+    if all(o.expensive for o in objectives):
+        chosen: Effort = _EXPENSIVE | effort
         return SearchSettings.affordable(steps, **chosen)
-    whole_runs = any(not (o.of_figures_alone or o.costly) for o in objectives)
+    whole_runs = any(not (o.of_figures_alone or o.expensive) for o in objectives)
     return SearchSettings.affordable(
         max(steps, _WHOLE_RUN if whole_runs else 0), **effort
     )
@@ -274,11 +274,13 @@ def _find(
     )
 
 
-def _drake(case: Case, objectives: Sequence[Objective], fleet: Fleet) -> RunEvaluator:
+def _drake(
+    case: Case, objectives: Sequence[Objective], pool: DrakePool
+) -> RunEvaluator:
     names = case.box.names
 
     def fly(rows: np.ndarray) -> list[Run]:
-        return fleet.fly([dict(zip(names, row.tolist(), strict=True)) for row in rows])
+        return pool.fly([dict(zip(names, row.tolist(), strict=True)) for row in rows])
 
     return RunEvaluator(fly, names, objectives, deviation_limits(case.limits))
 

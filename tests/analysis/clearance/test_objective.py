@@ -11,13 +11,13 @@ from drakesep.analysis.clearance.of_pair import ACCURACY
 from drakesep.analysis.clearance.of_run import ClearanceAnalysis
 from drakesep.analysis.metrics.objectives import highest, largest, of_run
 from drakesep.systems.geometry.relative_path import RelativePath
-from drakesep.systems.model.parts import Element, Sphere
+from drakesep.systems.model.parts import Part, Sphere
 
 
 TIME = np.linspace(0.0, 1.0, 9)
 NO_LIMITS = (math.inf,) * 3
-ROCK = Element(name="rock", shape=Sphere(radius=0.2))
-BALL = Element(name="payload_ball", shape=Sphere(radius=0.1))
+ROCK = Part(name="rock", shape=Sphere(radius=0.2))
+BALL = Part(name="payload_ball", shape=Sphere(radius=0.1))
 EXACT = 1e-6
 """Spheres are measured to round-off; their smallest distance is found to 1e-6 s, at
 which it differs from the true one to second order."""
@@ -48,7 +48,7 @@ def closing(speed, drop=0.8, more=()):
     return run_of(motion, [ROCK], [*more, BALL])
 
 
-FAR = Element(name="far_ball", shape=Sphere(radius=0.1), p_BoGo_B=(0.0, 5.0, 0.0))
+FAR = Part(name="far_ball", shape=Sphere(radius=0.1), p_BoGo_B=(0.0, 5.0, 0.0))
 
 
 @pytest.mark.parametrize("more", [(), (FAR,)])
@@ -106,8 +106,8 @@ def test_contact_is_the_worst_there_is_and_has_no_slope():
     assert about.near(fly_by(0.26)) == 0.0
 
 
-def test_elements_that_touch_while_mated_are_left_out_unless_named():
-    ring = Element(name="ring", shape=Sphere(radius=0.1), p_BoGo_B=(0.0, 3.0, 0.0))
+def test_parts_that_touch_while_mated_are_left_out_unless_named():
+    ring = Part(name="ring", shape=Sphere(radius=0.1), p_BoGo_B=(0.0, 3.0, 0.0))
     motion = straight(TIME, (0.0, 0.3, 0.0), (1.0, 0.0, 0.0))
     run = run_of(motion, [ROCK, ring], [BALL])
     touching = [("rock", "payload_ball")]
@@ -123,8 +123,8 @@ def test_elements_that_touch_while_mated_are_left_out_unless_named():
 # The second is nearer than the nearest half-way, where the search for it begins.
 @pytest.mark.parametrize("place", [(0.0, 0.4, 0.0), (-0.2, 0.03, 0.0)])
 def test_the_nearest_of_several_pairs_whichever_is_nearest_half_way(place):
-    near = Element(name="near_ball", shape=Sphere(radius=0.1))
-    far = Element(name="far_ball", shape=Sphere(radius=0.1), p_BoGo_B=place)
+    near = Part(name="near_ball", shape=Sphere(radius=0.1))
+    far = Part(name="far_ball", shape=Sphere(radius=0.1), p_BoGo_B=place)
     motion = straight(TIME, (-0.8, 0.5, 0.0), (2.0, 0.0, 0.0))
     run = run_of(motion, [ROCK], [far, near])
     analysis = ClearanceAnalysis(run.separation)
@@ -145,7 +145,7 @@ def test_sums_and_maxima_have_slopes_of_their_terms():
     mine = of_run(along)
     both = clearance + 2.0 * mine
     about = both.about(run, NO_LIMITS)
-    assert both.costly
+    assert both.expensive
     assert about.value == pytest.approx(-0.2 + 1.0, abs=EXACT)
     change = about.near(fly_by(0.51)) - about.value
     assert change == pytest.approx(-0.01 + 0.02, abs=1e-6)
@@ -158,7 +158,7 @@ def test_bad_input():
     separation = fly_by(0.5).separation
     with pytest.raises(ValueError, match=r"until_separation must be .*> 0.*got -1"):
         LowestClearance(separation, until_separation=-1.0)
-    with pytest.raises(ValueError, match="element"):
+    with pytest.raises(ValueError, match="part"):
         LowestClearance(separation, [("rock", "payload_bal")])
     with pytest.raises(ValueError, match=r"unknown figure"):
         highest("clearance")

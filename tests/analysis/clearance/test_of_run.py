@@ -1,4 +1,4 @@
-"""How near elements come, against motions whose clearance is known in closed form."""
+"""How near parts come, against motions whose clearance is known in closed form."""
 
 import math
 from concurrent.futures import ThreadPoolExecutor
@@ -14,7 +14,7 @@ from drakesep.analysis.clearance.of_pair import ACCURACY
 from drakesep.analysis.clearance.of_run import ClearanceAnalysis
 from drakesep.systems.checks import InputError
 from drakesep.systems.geometry.convex_pieces import FACET
-from drakesep.systems.model.parts import Box, Capsule, Cone, Element, Mesh, Sphere
+from drakesep.systems.model.parts import Box, Capsule, Cone, Mesh, Part, Sphere
 
 
 COARSE = np.linspace(0.0, 1.0, 9)
@@ -30,7 +30,7 @@ def clearance(motion, first, second, **options):
 
 
 def ball(name, radius, place=(0.0, 0.0, 0.0)):
-    return Element(name=name, shape=Sphere(radius=radius), p_BoGo_B=place)
+    return Part(name=name, shape=Sphere(radius=radius), p_BoGo_B=place)
 
 
 @settings(max_examples=100, deadline=None)
@@ -86,14 +86,14 @@ def test_cylinder_that_leaves_a_tube_at_a_tilt():
     side comes nowhere nearer to the rim.
     """
     tilt, r, length, R = 0.02, 0.4, 1.0, 0.45
-    tube = Element(
+    tube = Part(
         name="tube",
         shape=Cone(
             radius_aft=R + 0.01, radius_fore=R + 0.01, length=2.0, thickness=0.01
         ),
         p_BoGo_B=(-1.0, 0.0, 0.0),
     )
-    plug = Element(name="plug", shape=Cone(radius_aft=r, radius_fore=r, length=length))
+    plug = Part(name="plug", shape=Cone(radius_aft=r, radius_fore=r, length=length))
     time = np.linspace(0.0, 2.0, 41)
     motion = straight(
         time, (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0),
@@ -108,11 +108,11 @@ def test_cylinder_that_leaves_a_tube_at_a_tilt():
 
 def test_box_past_an_edge():
     """A turning box passes the edge of another."""
-    edge = Element(
+    edge = Part(
         name="edge", shape=Box(size=(1.0, 1.0, 1.0)), p_BoGo_B=(-0.5, -0.5, 0.0)
     )
     half, spin = 0.2, 3.0
-    box = Element(name="box", shape=Box(size=(2 * half, 2 * half, 0.5)))
+    box = Part(name="box", shape=Box(size=(2 * half, 2 * half, 0.5)))
     time = np.linspace(0.0, 1.0, 101)
     centre = np.array([0.2, 0.3, 0.0])
     motion = trajectory(
@@ -146,12 +146,12 @@ def _corner_gap(centre, half, angle):
 def test_panel_whose_tip_grazes_a_wall():
     """A panel that unfolds touches where its tip reaches the wall, at a known time."""
     reach, spin, gap = 1.2, 0.8, 1.0
-    panel = Element(
+    panel = Part(
         name="panel",
         shape=Box(size=(reach, 0.02, 0.4)),
         p_BoGo_B=(reach / 2.0, 0.0, 0.0),
     )
-    wall = Element(
+    wall = Part(
         name="wall", shape=Box(size=(4.0, 0.2, 4.0)), p_BoGo_B=(0.0, gap + 0.1, 0.0)
     )
     time = np.linspace(0.0, 2.0, 101)
@@ -178,12 +178,12 @@ def tube_mesh(tmp_path):
 
 def test_plug_in_a_tube_of_triangles(tube_mesh):
     """Measured to the surface of the mesh, in mm along z, not to its hull."""
-    tube = Element(
+    tube = Part(
         name="tube",
         shape=Mesh(file=tube_mesh, scale=1e-3),
         rpy_BG=(0.0, math.pi / 2.0, 0.0),
     )
-    plug = Element(name="plug", shape=Capsule(radius=0.2, length=0.5))
+    plug = Part(name="plug", shape=Capsule(radius=0.2, length=0.5))
     motion = straight(np.linspace(0.0, 1.0, 21), (0.0, 0.05, 0.0), (1.5, 0.0, 0.0))
     found = clearance(motion, tube, plug)
     # The polygon of 48 sides, whose side or corner is toward y.
@@ -195,7 +195,7 @@ def test_ball_inside_the_wall_of_a_mesh(tmp_path):
     """Far from the surface, but in what is solid."""
     thick = trimesh.creation.annulus(r_min=0.5, r_max=2.5, height=2.0, sections=48)
     thick.export(tmp_path / "thick.stl")
-    ring = Element(name="ring", shape=Mesh(file=tmp_path / "thick.stl"))
+    ring = Part(name="ring", shape=Mesh(file=tmp_path / "thick.stl"))
     for place, solid in (((1.5, 0.0, 0.0), True), ((0.0, 0.0, 0.0), False)):
         motion = straight(COARSE, place, (0.0, 0.0, 1.0))
         if solid:
@@ -206,7 +206,7 @@ def test_ball_inside_the_wall_of_a_mesh(tmp_path):
 
 
 def test_mesh_in_millimetres_that_is_read_in_metres(tube_mesh):
-    tube = Element(name="tube", shape=Mesh(file=tube_mesh))
+    tube = Part(name="tube", shape=Mesh(file=tube_mesh))
     motion = straight(COARSE, (5e3, 0.0, 0.0), (1.0, 0.0, 0.0))
     with pytest.warns(UserWarning, match="tube: mesh is .* check scale"):
         clearance(motion, tube, ball("payload_ball", 0.1))
@@ -221,14 +221,14 @@ def test_mesh_that_is_not_closed(tmp_path):
         ("open.stl", "must be closed, got 3 open edges"),
         ("missing.stl", "mesh file must exist"),
     ):
-        hull = Element(name="hull", shape=Mesh(file=tmp_path / file))
+        hull = Part(name="hull", shape=Mesh(file=tmp_path / file))
         with pytest.raises(InputError, match=message):
             clearance(motion, hull, ball("payload_ball", 0.1))
 
 
 def test_convex_mesh_is_taken_whole(tmp_path):
     trimesh.creation.icosphere(subdivisions=3, radius=0.2).export(tmp_path / "ball.obj")
-    stone = Element(name="stone", shape=Mesh(file=tmp_path / "ball.obj"))
+    stone = Part(name="stone", shape=Mesh(file=tmp_path / "ball.obj"))
     motion = straight(COARSE, (-0.5, 0.6, 0.0), (1.0, 0.0, 0.0))
     found = clearance(motion, stone, ball("payload_ball", 0.1))
     assert found.minimum == pytest.approx(0.3, abs=2e-3)  # of its facets
@@ -275,7 +275,7 @@ def test_ball_that_leaves_the_wall_of_a_mesh(tmp_path):
     """Touching pairs are not taken for parted while one is inside the other."""
     thick = trimesh.creation.annulus(r_min=0.5, r_max=2.5, height=1.0, sections=48)
     thick.export(tmp_path / "thick.stl")
-    ring = Element(name="ring", shape=Mesh(file=tmp_path / "thick.stl"))
+    ring = Part(name="ring", shape=Mesh(file=tmp_path / "thick.stl"))
     motion = straight(np.linspace(0.0, 1.0, 41), (1.5, 0.0, 0.0), (0.0, 0.0, 2.0))
     found = clearance(
         motion, ring, ball("payload_ball", 0.1), touching=[("ring", "payload_ball")]
@@ -312,7 +312,7 @@ def test_mesh_with_textures_and_normals(tmp_path):
     for k, (a, b, c) in enumerate(box.faces + 1):
         lines.append(f"f {a}/1/{k + 1} {b}/2/{k + 1} {c}/3/{k + 1}")
     (tmp_path / "box.obj").write_text("\n".join(lines))
-    part = Element(name="part", shape=Mesh(file=tmp_path / "box.obj"))
+    part = Part(name="part", shape=Mesh(file=tmp_path / "box.obj"))
     motion = straight(COARSE, (2.0, 0.0, 0.0), (1.0, 0.0, 0.0))
     found = clearance(motion, part, ball("payload_ball", 0.1))
     assert found.minimum == pytest.approx(1.4, abs=1e-6)
@@ -321,10 +321,10 @@ def test_mesh_with_textures_and_normals(tmp_path):
 @pytest.mark.parametrize(
     ("pairs", "message"),
     [
-        ([("rock", "payload_bal")], "unknown element 'payload_bal'; did you mean"),
-        ([("rock", "rock")], "elements of two bodies, got rock and rock of lower"),
-        ([("rock",)], "must name two elements"),
-        ([], "needs elements on two bodies"),
+        ([("rock", "payload_bal")], "unknown part 'payload_bal'; did you mean"),
+        ([("rock", "rock")], "parts of two bodies, got rock and rock of lower"),
+        ([("rock",)], "must name two parts"),
+        ([], "needs parts on two bodies"),
     ],
 )
 def test_pairs_that_make_no_sense(pairs, message):
@@ -335,7 +335,7 @@ def test_pairs_that_make_no_sense(pairs, message):
 
 def test_threads_that_measure_at_once_do_not_disturb_each_other():
     """Bodies are placed in scenes that all measurements share."""
-    cone = Element(
+    cone = Part(
         name="ring",
         shape=Cone(radius_aft=0.5, radius_fore=0.5, length=0.2, thickness=0.02),
     )
@@ -354,7 +354,7 @@ def test_threads_that_measure_at_once_do_not_disturb_each_other():
             assert list(pool.map(shared.of, runs)) == alone
 
 
-def test_elements_that_all_but_touch_are_measured():
+def test_parts_that_all_but_touch_are_measured():
     """At less than Drake's 5 um no plane proves that they are apart, nor need it."""
     for gap in (1.5e-6, 3e-6, 6e-6):
         motion = straight(COARSE, (0.0, 0.3 + gap, 0.0), (0.2, 0.0, 0.0))
@@ -366,13 +366,13 @@ def test_elements_that_all_but_touch_are_measured():
 def test_coaxial_tubes_of_triangles(length, sideways, tmp_path):
     """Boxes around their halves overlap, turned: there Drake's own end the process."""
     radii = {"outer": (0.48, 0.5, 0.5), "payload_tube": (0.36, 0.4, length)}
-    elements = []
+    parts = []
     for name, (low, high, long) in radii.items():
         tube = trimesh.creation.annulus(low, high, long, sections=12)
         tube.export(tmp_path / f"{name}.stl")
-        elements.append(Element(name=name, shape=Mesh(file=tmp_path / f"{name}.stl")))
+        parts.append(Part(name=name, shape=Mesh(file=tmp_path / f"{name}.stl")))
     motion = straight(COARSE, (0.0, sideways, 0.0), (0.0, 0.0, 1.0))
-    found = clearance(motion, elements[0], elements[1])
+    found = clearance(motion, parts[0], parts[1])
     # Between flat sides: 15 degrees from the middle of one to its corner.
     side = (0.48 - 0.4) * math.cos(math.radians(15.0))
     assert side - sideways - ACCURACY <= found.minimum <= side + ACCURACY

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 from separations import generic_pair, on_axis
 
-from drakesep.analysis.engines.drake_pool import Fleet
+from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.of_run import METRICS, metrics
 from drakesep.analysis.metrics.requirements import deviation_limits
@@ -51,8 +51,8 @@ def drake_figures(
     separation, names, rows, limits, accuracy=1e-10, workers=None
 ) -> np.ndarray:
     integration = Integration(accuracy=accuracy)
-    with Fleet(separation, integration, workers=workers) as fleet:
-        runs = fleet.fly([dict(zip(names, row, strict=True)) for row in rows.tolist()])
+    with DrakePool(separation, integration, workers=workers) as pool:
+        runs = pool.fly([dict(zip(names, row, strict=True)) for row in rows.tolist()])
     return np.array([list(metrics(run, limits).values()) for run in runs])
 
 

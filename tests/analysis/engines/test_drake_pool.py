@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from separations import generic_pair
 
-from drakesep.analysis.engines.drake_pool import Fleet
+from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.systems.model.run import RunStatus
 
 
@@ -14,8 +14,8 @@ VARIATIONS = [{"upper.mass": 1200.0 + 10.0 * i} for i in range(5)]
 def test_same_runs_whatever_the_number_of_workers():
     results = []
     for workers in (1, 2):
-        with Fleet(generic_pair(), workers=workers) as fleet:
-            results.append(fleet.fly(VARIATIONS))
+        with DrakePool(generic_pair(), workers=workers) as pool:
+            results.append(pool.fly(VARIATIONS))
     for alone, together in zip(*results, strict=True):
         assert alone.separation == together.separation
         assert together.status is RunStatus.COMPLETED
@@ -26,24 +26,24 @@ def test_same_runs_whatever_the_number_of_workers():
 @pytest.mark.parametrize("wrong", [[1200.0], True, "heavy", None])
 def test_what_is_no_number_is_refused(wrong):
     with (
-        Fleet(generic_pair(), workers=1) as fleet,
+        DrakePool(generic_pair(), workers=1) as pool,
         pytest.raises(ValueError, match=r"upper.mass must be a number, got "),
     ):
-        fleet.fly([{"upper.mass": 1.0}, {"upper.mass": wrong}])
+        pool.fly([{"upper.mass": 1.0}, {"upper.mass": wrong}])
 
 
 def test_order_does_not_matter():
-    with Fleet(generic_pair(), workers=1) as fleet:
-        forwards = fleet.fly(VARIATIONS)
-        backwards = fleet.fly(VARIATIONS[::-1])
+    with DrakePool(generic_pair(), workers=1) as pool:
+        forwards = pool.fly(VARIATIONS)
+        backwards = pool.fly(VARIATIONS[::-1])
     for a, b in zip(forwards, backwards[::-1], strict=True):
         assert np.array_equal(a.motion.rate, b.motion.rate)
 
 
 def test_equal_variations_are_flown_once():
     told = []
-    with Fleet(generic_pair(), workers=1) as fleet:
-        first, other, again = fleet.fly(
+    with DrakePool(generic_pair(), workers=1) as pool:
+        first, other, again = pool.fly(
             [VARIATIONS[0], VARIATIONS[1], dict(VARIATIONS[0])],
             lambda *done: told.append(done),
         )
@@ -54,12 +54,12 @@ def test_equal_variations_are_flown_once():
 
 def test_bad_values_reach_the_caller():
     with (
-        Fleet(generic_pair(), workers=2) as fleet,
+        DrakePool(generic_pair(), workers=2) as pool,
         pytest.raises(ValueError, match="upper: mass must be > 0, got -1"),
     ):
-        fleet.fly([{}, {"upper.mass": -1.0}])
+        pool.fly([{}, {"upper.mass": -1.0}])
 
 
 def test_at_least_one_worker():
     with pytest.raises(ValueError, match="workers must be >= 1, got 0"):
-        Fleet(generic_pair(), workers=0)
+        DrakePool(generic_pair(), workers=0)

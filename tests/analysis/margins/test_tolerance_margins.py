@@ -11,7 +11,7 @@ from drakesep.analysis.engines.evaluator import RunEvaluator
 from drakesep.analysis.margins.tolerance_margins import MOST, Limit, grow
 from drakesep.analysis.metrics.objectives import of_run
 from drakesep.analysis.search.problem import Problem
-from drakesep.analysis.tolerances.box import Box
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.run import Run, RunStatus
@@ -19,7 +19,7 @@ from drakesep.systems.model.run import Run, RunStatus
 
 PAIR = generic_pair()
 NAMES = ("upper.cg_x", "upper.cg_y", "upper.mass")
-BOX = Box.around(PAIR, dict(zip(NAMES, (0.02, 0.01, 400.0), strict=True)))
+BOX = ToleranceBox.around(PAIR, dict(zip(NAMES, (0.02, 0.01, 400.0), strict=True)))
 SET = ToleranceSet(PAIR, BOX)
 
 

@@ -1,4 +1,4 @@
-"""Costly objectives, searched beside others."""
+"""Expensive objectives, searched beside others."""
 
 import math
 import threading
@@ -10,7 +10,7 @@ from separations import generic_pair
 
 from drakesep.analysis.search.judge import find_worst_cases
 from drakesep.analysis.search.problem import Problem, SearchSettings
-from drakesep.analysis.tolerances.box import Box
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.systems.checks import InputError
 
@@ -18,7 +18,7 @@ from drakesep.systems.checks import InputError
 PAIR = generic_pair()
 NAMES = ("upper.cg_x", "upper.cg_y", "upper.mass")
 SET = ToleranceSet(
-    PAIR, Box.around(PAIR, dict(zip(NAMES, (0.02, 0.01, 1.0), strict=True)))
+    PAIR, ToleranceBox.around(PAIR, dict(zip(NAMES, (0.02, 0.01, 1.0), strict=True)))
 )
 ALL = ("samples", "vertices", "sqp", "multistart")
 SETTINGS = SearchSettings(starts=8, samples=50)
@@ -30,9 +30,9 @@ def slope(u):
     return u[0] - 0.5 * u[1]
 
 
-def problem(cheap, costly, *, concurrent=False):
-    evaluator = evaluator_of(cheap, costly, tolerances=SET)
-    evaluator.objectives[1].costly = True
+def problem(cheap, expensive, *, concurrent=False):
+    evaluator = evaluator_of(cheap, expensive, tolerances=SET)
+    evaluator.objectives[1].expensive = True
     evaluator.concurrent = concurrent
     return Problem(tolerances=SET, evaluator=evaluator)
 
@@ -42,7 +42,7 @@ def wavy(u):
     return math.sin(4.0 * u[0]) + math.cos(3.0 * u[1]) - u[2] ** 2
 
 
-def test_they_are_climbed_and_left_out_of_sweeps():
+def test_they_are_searched_by_sqp_and_left_out_of_sweeps():
     told = []
     cheap, dear = find_worst_cases(
         problem(slope, slope), ALL, SETTINGS, on_search=told.append
@@ -66,7 +66,7 @@ def test_they_are_climbed_and_left_out_of_sweeps():
 
 def test_alone_there_is_nothing_to_leave_them_out_beside():
     evaluator = evaluator_of(slope, tolerances=SET)
-    evaluator.objectives[0].costly = True
+    evaluator.objectives[0].expensive = True
     alone = Problem(tolerances=SET, evaluator=evaluator)
     [only] = find_worst_cases(alone, ("samples",), SETTINGS)
     assert only.evidence.samples == 50

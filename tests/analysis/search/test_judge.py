@@ -12,14 +12,14 @@ from drakesep.analysis.metrics.objectives import OBJECTIVES, highest, largest, o
 from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.analysis.search.judge import find_worst_cases
 from drakesep.analysis.search.problem import Problem, SearchSettings
-from drakesep.analysis.tolerances.box import Box
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.systems.model.run import Run, RunStatus
 
 
 PAIR = generic_pair()
 NAMES = ("upper.cg_x", "upper.cg_y", "upper.mass")
-BOX = Box.around(PAIR, dict(zip(NAMES, (0.02, 0.01, 1.0), strict=True)))
+BOX = ToleranceBox.around(PAIR, dict(zip(NAMES, (0.02, 0.01, 1.0), strict=True)))
 SET = ToleranceSet(PAIR, BOX)
 QUICK = SearchSettings(starts=6, samples=200)
 NO_LIMITS = (math.inf,) * 3
@@ -134,7 +134,9 @@ def test_a_users_objective_is_searched_like_any_other(vega, vega_batch):
         return float(run.completed_motion.rate[-1, 1])
 
     names = ("payload.cg_z", "spring_1.force_max")
-    box = Box.around(vega.separation, dict(zip(names, (0.013, 15.0), strict=True)))
+    box = ToleranceBox.around(
+        vega.separation, dict(zip(names, (0.013, 15.0), strict=True))
+    )
     tolerances = ToleranceSet(vega.separation, box)
     columns = [vega.box.names.index(name) for name in names]
 

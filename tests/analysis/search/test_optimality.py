@@ -12,13 +12,13 @@ from drakesep.analysis.search.optimality import (
     local_maxima,
     optimality,
 )
-from drakesep.analysis.tolerances.box import Box
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 
 
 NAMES = ("upper.cg_x", "upper.cg_y", "upper.cg_z")
-BOX = Box.around(generic_pair(), {name: 0.01 for name in NAMES})
+BOX = ToleranceBox.around(generic_pair(), {name: 0.01 for name in NAMES})
 SET = ToleranceSet(generic_pair(), BOX)
 
 

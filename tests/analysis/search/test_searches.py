@@ -13,7 +13,7 @@ from drakesep.analysis.search.judge import find_worst_cases
 from drakesep.analysis.search.problem import Problem, SearchSettings
 from drakesep.analysis.search.registry import SEARCHES
 from drakesep.analysis.search.sweeps import sweep_vertices
-from drakesep.analysis.tolerances.box import Box
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.systems.model.inertia import ENTRIES
@@ -22,7 +22,7 @@ from drakesep.systems.model.parameters import with_values
 
 PAIR = generic_pair()
 NAMES = ("upper.cg_x", "upper.cg_y", "upper.cg_z", "upper.mass")
-BOX = Box.around(PAIR, dict(zip(NAMES, (0.02, 0.01, 0.005, 1.0), strict=True)))
+BOX = ToleranceBox.around(PAIR, dict(zip(NAMES, (0.02, 0.01, 0.005, 1.0), strict=True)))
 SET = ToleranceSet(PAIR, BOX)
 QUICK = SearchSettings(starts=6, samples=300, generations=30)
 ALL = ("samples", "vertices", "sqp", "multistart", "evolution")
@@ -117,7 +117,9 @@ def test_vertices_beyond_what_is_affordable_are_refused():
             return Evaluated(np.zeros(len(rows)), {}), rows @ A
 
     tolerances = ToleranceSet(PAIR, BOX)
-    tolerances.box = Box([dataclasses.replace(BOX.dispersions[0], nominal=0.0)] * 40)
+    tolerances.box = ToleranceBox(
+        [dataclasses.replace(BOX.dispersions[0], nominal=0.0)] * 40
+    )
     with pytest.raises(ValueError, match=r"2\^40, and 1.1e\+12 .*'multistart'"):
         sweep_vertices(
             Problem(tolerances=tolerances, evaluator=FortyOfThem()),
@@ -176,7 +178,7 @@ def test_half_of_the_box_is_not_physical():
     names = [f"upper.inertia_{entry}" for entry in ENTRIES]
     slender = with_values(PAIR, dict(zip(names, inertia, strict=True)))
     # Sigma is [[45, 0, 0], [0, 5, -yz], [0, -yz, 5]]: physical while |yz| <= 5
-    box = Box.around(slender, {"upper.inertia_yz": 4.9, "upper.mass": 1.0})
+    box = ToleranceBox.around(slender, {"upper.inertia_yz": 4.9, "upper.mass": 1.0})
     tolerances = ToleranceSet(slender, box).grown(np.array([10.0 / 4.9, 1.0]))
     assert tolerances.share_unphysical() == pytest.approx(0.5, abs=0.01)
     found = find_worst_cases(

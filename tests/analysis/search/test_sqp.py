@@ -15,7 +15,7 @@ from drakesep.analysis.search.sqp import (
     ascend,
     slopes_at,
 )
-from drakesep.analysis.tolerances.box import Box
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.systems.model.run import Run, RunStatus
@@ -23,11 +23,13 @@ from drakesep.systems.model.run import Run, RunStatus
 
 PAIR = generic_pair()
 NAMES = ("upper.cg_x", "upper.cg_y", "upper.cg_z", "spring_1.stroke")
-BOX = Box.around(PAIR, dict(zip(NAMES, (0.02, 0.01, 0.005, 0.001), strict=True)))
+BOX = ToleranceBox.around(
+    PAIR, dict(zip(NAMES, (0.02, 0.01, 0.005, 0.001), strict=True))
+)
 SET = ToleranceSet(PAIR, BOX)
 
 
-def climb(function, tolerances=SET, start=None, on_iteration=None, **settings):
+def maximise(function, tolerances=SET, start=None, on_iteration=None, **settings):
     u = np.zeros(len(tolerances)) if start is None else start
     [ascent] = ascend(
         [Start(objective=0, tolerances=tolerances, u=u)],
@@ -41,7 +43,7 @@ def climb(function, tolerances=SET, start=None, on_iteration=None, **settings):
 def test_linear_function_ends_in_its_corner():
     """At once, whatever the slopes: each parameter goes to its bound in one step."""
     slopes = np.array([3.0, -1.0, 1e-4, -0.5])
-    ascent = climb(lambda u: 7.0 + slopes @ u)
+    ascent = maximise(lambda u: 7.0 + slopes @ u)
     assert ascent.u == pytest.approx(np.sign(slopes), abs=1e-12)
     assert ascent.value == pytest.approx(7.0 + np.abs(slopes).sum(), rel=1e-12)
     assert ascent.status is SearchStatus.CONVERGED
@@ -50,7 +52,7 @@ def test_linear_function_ends_in_its_corner():
 
 def test_maximum_inside_the_box():
     inside = np.array([0.3, -0.6, 0.0, 0.5])
-    ascent = climb(lambda u: 2.0 - ((u - inside) ** 2).sum())
+    ascent = maximise(lambda u: 2.0 - ((u - inside) ** 2).sum())
     # one-sided differences shift the maximum by half a step, 1e-3 / 2
     assert ascent.u == pytest.approx(inside, abs=1e-3)
 
@@ -60,7 +62,7 @@ def test_maximum_on_an_ellipsoid():
     C = np.array([[1.0, 0.6, 0.0], [0.6, 1.0, -0.3], [0.0, -0.3, 1.0]])
     g = np.array([1.0, -2.0, 0.5, 0.25])
     ellipsoid = Ellipsoid(names=NAMES[:3], correlation=tuple(map(tuple, C.tolist())))
-    ascent = climb(lambda u: g @ u, ToleranceSet(PAIR, BOX, [ellipsoid]))
+    ascent = maximise(lambda u: g @ u, ToleranceSet(PAIR, BOX, [ellipsoid]))
     height = math.sqrt(g[:3] @ C @ g[:3])
     assert ascent.value == pytest.approx(height + 0.25, rel=1e-6)
     # second order in the value, first in the place
@@ -71,13 +73,15 @@ def test_maximum_on_an_ellipsoid():
 def test_maximum_on_the_boundary_of_the_physical_inertias():
     """Drives the largest moment up: the triangle inequality stops it, not the box."""
     names = ("payload.inertia_xx", "payload.inertia_yy", "payload.inertia_zz")
-    box = Box.around(vega(), dict(zip(names, (70.0, 320.0, 330.0), strict=True)))
+    box = ToleranceBox.around(
+        vega(), dict(zip(names, (70.0, 320.0, 330.0), strict=True))
+    )
 
     def difference(u):
         values = box.values(u)
         return values[names[2]] - values[names[1]]
 
-    ascent = climb(difference, ToleranceSet(vega(), box))
+    ascent = maximise(difference, ToleranceSet(vega(), box))
     # zz - yy <= xx <= 739, by the triangle inequality
     assert ascent.value == pytest.approx(739.0, rel=1e-4)
     assert box.values(ascent.u)[names[0]] == pytest.approx(739.0, rel=1e-4)
@@ -90,7 +94,7 @@ def test_every_point_is_counted_and_every_iterate_logged():
         calls.append(u)
         return u.sum() - (u**2).sum()
 
-    ascent = climb(function, on_iteration=lambda i, iterate: seen.append(iterate))
+    ascent = maximise(function, on_iteration=lambda i, iterate: seen.append(iterate))
     assert ascent.evaluations == len(calls)
     assert list(ascent.history) == seen
     assert [i.number for i in seen] == list(range(len(seen)))
@@ -105,7 +109,7 @@ def test_points_stay_in_the_box():
         assert (np.abs(u) <= 1.0 + 1e-11).all()
         return (u**2).sum() + u[0]
 
-    assert climb(function, start=np.full(4, 0.9)).value == pytest.approx(5.0)
+    assert maximise(function, start=np.full(4, 0.9)).value == pytest.approx(5.0)
 
 
 def test_many_starts_go_up_together_and_find_each_its_own():
@@ -133,7 +137,9 @@ def test_more_starts_than_go_side_by_side():
 
 
 def test_iteration_limit_is_told():
-    ascent = climb(lambda u: -((u - 0.31) ** 4).sum() + u[0] * u[1], max_iterations=2)
+    ascent = maximise(
+        lambda u: -((u - 0.31) ** 4).sum() + u[0] * u[1], max_iterations=2
+    )
     assert ascent.status is SearchStatus.ITERATION_LIMIT
 
 
@@ -193,7 +199,7 @@ def test_slopes_along_a_curved_edge():
         evaluator_of(function, tolerances=disc),
     )
     assert slopes == pytest.approx([1.0, 0.3, 0.0, 0.0], abs=1e-9)
-    ascent = climb(function, disc, start)
+    ascent = maximise(function, disc, start)
     assert ascent.value == pytest.approx(math.hypot(1.0, 0.3), rel=1e-6)
 
 
@@ -201,7 +207,7 @@ def test_objective_without_a_number_is_told():
     with pytest.raises(
         ValueError, match=r"objective_0 must be finite for every run, got nan at upper"
     ):
-        climb(lambda u: math.nan if u[0] > 0.5 else u[0])
+        maximise(lambda u: math.nan if u[0] > 0.5 else u[0])
 
 
 def test_interrupt_comes_through():
@@ -209,13 +215,13 @@ def test_interrupt_comes_through():
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        climb(lambda u: u[0], on_iteration=interrupt)
+        maximise(lambda u: u[0], on_iteration=interrupt)
 
 
 @pytest.mark.parametrize("start", [np.full(4, 1.5), np.full(4, math.nan), np.ones(3)])
 def test_start_outside_the_set(start):
     with pytest.raises(ValueError, match="start must be in the box"):
-        climb(lambda u: 1.0, start=start)
+        maximise(lambda u: 1.0, start=start)
 
 
 def test_what_is_asked_together_is_answered_together():

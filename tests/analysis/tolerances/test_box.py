@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from separations import generic_pair
 
-from drakesep.analysis.tolerances.box import Box, Dispersion
+from drakesep.analysis.tolerances.box import Dispersion, ToleranceBox
 
 
 TOLERANCES = {"upper.mass": 20.0, "spring_2.stroke": 1e-3, "upper.cg_y": 0.013}
-BOX = Box.around(generic_pair(), TOLERANCES)
+BOX = ToleranceBox.around(generic_pair(), TOLERANCES)
 
 
 def test_corners():
@@ -51,7 +51,7 @@ def test_what_is_not_given_is_nominal():
 )
 def test_bad_tolerances(tolerances, message):
     with pytest.raises(ValueError, match=message):
-        Box.around(generic_pair(), tolerances)
+        ToleranceBox.around(generic_pair(), tolerances)
 
 
 def test_unknown_name_of_a_point():

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from separations import generic_pair, vega
 
-from drakesep.analysis.tolerances.box import Box
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.systems.model.inertia import physical_margin
@@ -17,13 +17,13 @@ from drakesep.systems.model.parameters import with_values
 
 ENTRIES = {"xx": 70.0, "yy": 320.0, "zz": 330.0, "xy": 130.0, "xz": 130.0, "yz": 130.0}
 INERTIA = {f"payload.inertia_{entry}": value for entry, value in ENTRIES.items()}
-BOX = Box.around(vega(), {"payload.mass": 20.0, **INERTIA})
+BOX = ToleranceBox.around(vega(), {"payload.mass": 20.0, **INERTIA})
 PHYSICAL = ToleranceSet(vega(), BOX)
 points = st.lists(st.floats(-1.0, 1.0), min_size=7, max_size=7).map(np.array)
 
 CG = ("upper.cg_x", "upper.cg_y", "upper.cg_z")
 CORRELATION = ((1.0, 0.8), (0.8, 1.0))
-PAIR_BOX = Box.around(generic_pair(), {name: 0.01 for name in CG})
+PAIR_BOX = ToleranceBox.around(generic_pair(), {name: 0.01 for name in CG})
 PAIR = ToleranceSet(
     generic_pair(), PAIR_BOX, [Ellipsoid(names=CG[:2], correlation=CORRELATION)]
 )
@@ -80,7 +80,7 @@ def test_derivatives_of_the_margins(tolerances):
 
 
 def test_a_box_without_inertias_has_no_margins():
-    box = Box.around(vega(), {"payload.mass": 20.0})
+    box = ToleranceBox.around(vega(), {"payload.mass": 20.0})
     tolerances = ToleranceSet(vega(), box)
     assert tolerances.margins(np.ones(1)).size == 0
     assert tolerances.contains(np.ones(1))
@@ -107,7 +107,9 @@ def test_share_that_is_unphysical():
             )
         ),
     )
-    box = Box.around(nominal, {f"payload.inertia_{e}": a for e in ("xx", "yy", "zz")})
+    box = ToleranceBox.around(
+        nominal, {f"payload.inertia_{e}": a for e in ("xx", "yy", "zz")}
+    )
     side = 3.0 - c / a  # of the corner's edges, of length 2 in u
     corner = (side**3 - 0.0) / 6.0 if side <= 2.0 else math.nan
     share = ToleranceSet(nominal, box).share_unphysical(200_000)
@@ -202,7 +204,7 @@ def test_a_flat_body_has_no_inertias_around_it():
             "payload.inertia_zz": 1000.0,
         },
     )
-    box = Box.around(flat, {"payload.inertia_xy": 1.0})
+    box = ToleranceBox.around(flat, {"payload.inertia_xy": 1.0})
     with pytest.raises(ValueError, match=r"payload.inertia: the nominal must be"):
         ToleranceSet(flat, box)
 
@@ -217,7 +219,7 @@ def test_a_set_with_hardly_a_physical_point_gives_no_samples():
             "payload.inertia_zz": 1000.0,
         },
     )
-    box = Box.around(thin, {"payload.inertia_yz": 1e-4})
+    box = ToleranceBox.around(thin, {"payload.inertia_yz": 1e-4})
     wide = ToleranceSet(thin, box).grown(1e5)
     with pytest.raises(ValueError, match="a thousandth is physical"):
         wide.draw(10, np.random.default_rng(0))

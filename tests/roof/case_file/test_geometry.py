@@ -5,8 +5,8 @@ import copy
 import pandas as pd
 import pytest
 import trimesh
+from command_line import run
 from ruamel.yaml import YAML
-from test_cli import run
 
 import drakesep
 from drakesep import Case, CaseError, load_case
@@ -62,7 +62,7 @@ def test_shapes(write, tmp_path):
         "f": {"mesh": {"file": "part.stl", "scale": 0.001}},
     }
     body = load_case(write(shapes, LUG)).separation.body("launch_vehicle")
-    assert [element.shape for element in body.elements] == [
+    assert [part.shape for part in body.parts] == [
         Box(size=(0.01, 0.02, 0.03)),
         Sphere(radius=0.005),
         Capsule(radius=0.005, length=0.009),
@@ -70,8 +70,8 @@ def test_shapes(write, tmp_path):
         Cone(radius_aft=0.005, radius_fore=0.0, length=0.009),
         Mesh(file=tmp_path / "part.stl", scale=0.001),
     ]
-    assert body.elements[0].role == "antenna"
-    assert body.elements[2].rpy_BG == pytest.approx((0.0, 1.5707963267948966, 0.0))
+    assert body.parts[0].role == "antenna"
+    assert body.parts[2].rpy_BG == pytest.approx((0.0, 1.5707963267948966, 0.0))
 
 
 def test_clearance_that_ends_in_contact(write, clearance, tmp_path):
@@ -117,10 +117,10 @@ def test_flange_on_its_ring(write, clearance):
     [
         (
             {"pairs": [["post", "lugs"]]},
-            "clearance: pair: unknown element 'lugs'; did you",
+            "clearance: pair: unknown part 'lugs'; did you",
         ),
-        ({"pairs": [["post", "post"]]}, "elements of two bodies, got post and post"),
-        ({"pairs": [["post"]]}, "must be two names of elements"),
+        ({"pairs": [["post", "post"]]}, "parts of two bodies, got post and post"),
+        ({"pairs": [["post"]]}, "must be two names of parts"),
         ({"pair": []}, "unknown key 'pair'; did you mean 'pairs'"),
     ],
 )
@@ -358,7 +358,7 @@ def test_worst_case_with_recontact(write):
 UNTIL = {"until_separation_mm": 500}
 
 
-def test_show_tells_where_elements_are(write, capsys, monkeypatch, tmp_path):
+def test_show_tells_where_parts_are(write, capsys, monkeypatch, tmp_path):
     """A mesh that is taken for one in metres is seen to be."""
     trimesh.creation.box((10.0, 20.0, 30.0)).export(tmp_path / "part.stl")
     path = write(POST, {"part": {"mesh": {"file": "part.stl"}, "role": "antenna"}})

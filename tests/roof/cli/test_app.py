@@ -8,19 +8,9 @@ import time
 
 import pandas as pd
 import pytest
+from bad_cases import BAD
+from command_line import run
 from ruamel.yaml import YAML
-from test_case import BAD
-
-from drakesep.cli import app as cli
-
-
-def run(capsys, monkeypatch, *arguments):
-    """Exit code, standard output and standard error of a command."""
-    monkeypatch.setattr(sys, "argv", ["drakesep", *map(str, arguments)])
-    with pytest.raises(SystemExit) as exit_:
-        cli.main()
-    captured = capsys.readouterr()
-    return exit_.value.code, captured.out, captured.err
 
 
 @pytest.fixture
@@ -214,7 +204,7 @@ def test_help_imports_neither_drake_nor_scipy():
     """So that it comes within a second."""
     script = (
         "import sys; sys.argv = ['drakesep', '--help']\n"
-        "from drakesep import cli\n"
+        "from drakesep.cli import app as cli\n"
         "try: cli.main()\n"
         "except SystemExit: pass\n"
         "heavy = {'pydrake', 'scipy', 'pandas', 'matplotlib', 'numpy', 'pydantic'}\n"

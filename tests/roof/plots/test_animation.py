@@ -8,7 +8,7 @@ import subprocess
 import matplotlib.image
 import numpy as np
 import pytest
-from test_cli import run
+from command_line import run
 
 import drakesep
 from drakesep import load_case

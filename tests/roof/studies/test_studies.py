@@ -23,9 +23,9 @@ def test_progress_tells_every_iterate(tmp_path):
         "vega", ["PM"], output=tmp_path, on_progress=seen.append, **IN_DRAKE
     )
     [history] = study.iterations.values()
-    *climbed, confirmed = [p.search for p in seen]
-    assert [search.iteration for search in climbed] == [(0, i) for i in history]
-    assert {search.search for search in climbed} == {"sqp"}
+    *searched, confirmed = [p.search for p in seen]
+    assert [search.iteration for search in searched] == [(0, i) for i in history]
+    assert {search.search for search in searched} == {"sqp"}
     assert [o.name for o in seen[0].objectives] == ["PM"]
     assert confirmed.search == "confirmation"
     # Where the search ended is the worst that was found.

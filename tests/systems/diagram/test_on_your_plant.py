@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from flying import simulator_of, start
+from flying import plant_of, simulator_of, start
 from pydrake.common.value import AbstractValue
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialForce
@@ -20,7 +20,6 @@ from separations import generic_pair
 
 from drakesep.systems.diagram.on_your_plant import add_separation, body_of_plant
 from drakesep.systems.diagram.separation_system import (
-    make_plant,
     set_mass_properties,
     set_mated_motion,
     spatial_inertia,
@@ -55,7 +54,7 @@ def users_plant(builder):
 
 
 def own_plant(builder):
-    return builder.AddSystem(make_plant(SEPARATION))
+    return builder.AddSystem(plant_of(SEPARATION))
 
 
 def in_a_diagram(add_plant, separation=SEPARATION, **options):
@@ -65,25 +64,25 @@ def in_a_diagram(add_plant, separation=SEPARATION, **options):
         options["other_forces"] = builder.AddSystem(
             options["other_forces"]
         ).get_output_port()
-    elements = add_separation(builder, plant, separation, **options)
+    forces = add_separation(builder, plant, separation, **options)
     diagram = builder.Build()
     context = diagram.CreateDefaultContext()
-    inner = elements.GetMyMutableContextFromRoot(context)
-    elements.set_separation(inner, separation)
+    inner = forces.GetMyMutableContextFromRoot(context)
+    forces.set_separation(inner, separation)
     plant_context = plant.GetMyMutableContextFromRoot(context)
     set_mated_motion(plant, plant_context, separation)
-    return diagram, context, elements, inner, plant, plant_context
+    return diagram, context, forces, inner, plant, plant_context
 
 
 def test_same_motion_as_stand_alone():
-    diagram, context, elements, inner, *_ = in_a_diagram(own_plant)
+    diagram, context, forces, inner, *_ = in_a_diagram(own_plant)
     simulator_of(diagram, context, 1e-8).AdvanceTo(SEPARATION.duration)
     system, alone, simulator = start(SEPARATION, 1e-8)
     simulator.AdvanceTo(SEPARATION.duration)
-    for i in range(elements.num_output_ports()):
-        name = elements.get_output_port(i).get_name()
+    for i in range(forces.num_output_ports()):
+        name = forces.get_output_port(i).get_name()
         if name != "wrenches":
-            ours = elements.GetOutputPort(name).Eval(inner)
+            ours = forces.GetOutputPort(name).Eval(inner)
             expected = system.GetOutputPort(name).Eval(alone)
             # The round-off of other ways through Drake changes steps of joints that
             # ring, and they are accurate to 1e-8; momenta are in hundreds of N s.
@@ -105,13 +104,13 @@ def momenta(plant, context):
 
 def test_plant_with_gravity_other_bodies_and_a_panel():
     """Momentum grows by weight alone; the panel feels the push and swings."""
-    diagram, context, elements, inner, plant, at = in_a_diagram(users_plant)
+    diagram, context, forces, inner, plant, at = in_a_diagram(users_plant)
     before, mass = momenta(plant, at)
     simulator_of(diagram, context, 1e-8).AdvanceTo(0.5)
     after, _ = momenta(plant, at)
     # kg m/s of thousands: round-off of a few hundred steps
     assert after - before == pytest.approx(0.5 * mass * GRAVITY, abs=1e-7)
-    assert elements.GetOutputPort("relative_velocity").Eval(inner)[0] > 0.3
+    assert forces.GetOutputPort("relative_velocity").Eval(inner)[0] > 0.3
     assert abs(plant.GetJointByName("panel").get_angular_rate(at)) > 0.005
 
 
@@ -133,7 +132,7 @@ def test_other_forces_on_the_plant_pass_through():
 
 def test_a_run_is_varied_by_the_context():
     """Other times and masses, nothing rebuilt, and back again: the same bits."""
-    diagram, _, elements, _, plant, _ = in_a_diagram(own_plant)
+    diagram, _, forces, _, plant, _ = in_a_diagram(own_plant)
     attachments = tuple(
         dataclasses.replace(a, release_time=0.2) for a in SEPARATION.attachments
     )
@@ -142,13 +141,13 @@ def test_a_run_is_varied_by_the_context():
     speeds = []
     for separation in (SEPARATION, later, lighter, SEPARATION):
         context = diagram.CreateDefaultContext()
-        inner = elements.GetMyMutableContextFromRoot(context)
-        elements.set_separation(inner, separation)
+        inner = forces.GetMyMutableContextFromRoot(context)
+        forces.set_separation(inner, separation)
         plant_context = plant.GetMyMutableContextFromRoot(context)
         set_mass_properties(plant, plant_context, separation)
         set_mated_motion(plant, plant_context, separation)
         simulator_of(diagram, context, 1e-6).AdvanceTo(0.5)
-        speeds.append(elements.GetOutputPort("relative_velocity").Eval(inner).tolist())
+        speeds.append(forces.GetOutputPort("relative_velocity").Eval(inner).tolist())
     assert speeds[0] == speeds[3]
     assert speeds[1] != speeds[0] != speeds[2]
     run = Simulation(lighter).run()
@@ -170,11 +169,11 @@ def test_bodies_by_hand():
     bodies = [plant.GetBodyByName(b.name, second) for b in SEPARATION.bodies]
     builder = DiagramBuilder()
     builder.AddSystem(plant)
-    elements = add_separation(builder, plant, SEPARATION, bodies=bodies)
+    forces = add_separation(builder, plant, SEPARATION, bodies=bodies)
     diagram = builder.Build()
     context = diagram.CreateDefaultContext()
-    inner = elements.GetMyMutableContextFromRoot(context)
-    elements.set_separation(inner, SEPARATION)
+    inner = forces.GetMyMutableContextFromRoot(context)
+    forces.set_separation(inner, SEPARATION)
     simulator_of(diagram, context, 1e-6).AdvanceTo(0.3)
     plant_context = plant.GetMyContextFromRoot(context)
     for body in SEPARATION.bodies:
@@ -182,7 +181,7 @@ def test_bodies_by_hand():
             body.name, plant.GetModelInstanceByName("first")
         ).EvalPoseInWorld(plant_context)
         assert other.IsExactlyEqualTo(RigidTransform())
-    assert elements.GetOutputPort("relative_velocity").Eval(inner)[0] > 0.1
+    assert forces.GetOutputPort("relative_velocity").Eval(inner)[0] > 0.1
 
 
 def test_description_with_negative_entries_only():
@@ -191,7 +190,7 @@ def test_description_with_negative_entries_only():
         SEPARATION, {f"lower.cg_{axis}": -0.1 / 3 for axis in ("x", "y", "z")}
     )
     *_, plant, _ = in_a_diagram(
-        lambda builder: builder.AddSystem(make_plant(behind)),
+        lambda builder: builder.AddSystem(plant_of(behind)),
         dataclasses.replace(
             behind,
             bodies=tuple(
@@ -206,7 +205,7 @@ def test_description_with_negative_entries_only():
 
 
 def test_description_of_a_plants_body():
-    plant = make_plant(SEPARATION)
+    plant = plant_of(SEPARATION)
     for body in SEPARATION.bodies:
         described = body_of_plant(plant, plant.GetBodyByName(body.name))
         assert described.name == body.name
@@ -229,16 +228,16 @@ def test_bad_plants():
     empty = MultibodyPlant(time_step=0.0)
     empty.Finalize()
     refuse(empty, "plant: unknown body 'lower'")
-    plant = make_plant(SEPARATION)
+    plant = plant_of(SEPARATION)
     lower, upper = (plant.GetBodyByName(name) for name in ("lower", "upper"))
     refuse(plant, "of the separation, got 1", bodies=[lower])
-    plant = make_plant(SEPARATION)
+    plant = plant_of(SEPARATION)
     lower = plant.GetBodyByName("lower")
     refuse(plant, "bodies must differ, got one twice", bodies=[lower, lower])
-    refuse(make_plant(SEPARATION), "must be a body of the plant", bodies=[lower, upper])
+    refuse(plant_of(SEPARATION), "must be a body of the plant", bodies=[lower, upper])
     lighter = with_values(SEPARATION, {"upper.mass": 1000.0})
-    refuse(make_plant(lighter), r"upper: mass must be that of .* got \(1200.0,\)")
-    plant = make_plant(SEPARATION)
+    refuse(plant_of(lighter), r"upper: mass must be that of .* got \(1200.0,\)")
+    plant = plant_of(SEPARATION)
     builder = DiagramBuilder()
     builder.AddSystem(plant)
     add_separation(builder, plant, SEPARATION)

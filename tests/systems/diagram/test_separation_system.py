@@ -14,7 +14,7 @@ from separations import FREE, generic_pair
 from drakesep.systems.diagram.separation_system import SeparationSystem, spatial_inertia
 from drakesep.systems.model.inertia import inertia_matrix
 from drakesep.systems.model.integration import Integration
-from drakesep.systems.model.parts import Capsule, Cone, Element, Sphere
+from drakesep.systems.model.parts import Capsule, Cone, Part, Sphere
 from drakesep.systems.model.separation import Body, InitialMotion
 from drakesep.systems.simulation.simulation import Simulation
 
@@ -229,18 +229,18 @@ def test_fixed_steps_find_the_release():
 
 
 def test_illustrated():
-    """The scene shows elements where the plant has their bodies, and pushes nobody."""
+    """The scene shows parts where the plant has their bodies, and pushes nobody."""
     lower, upper = SEPARATION.bodies
     wall = Cone(radius_aft=0.6, radius_fore=0.5, length=0.4, thickness=0.02)
     shown = dataclasses.replace(
         SEPARATION,
         bodies=(
-            dataclasses.replace(lower, elements=(Element(name="wall", shape=wall),)),
+            dataclasses.replace(lower, parts=(Part(name="wall", shape=wall),)),
             dataclasses.replace(
                 upper,
-                elements=(
-                    Element(name="tank", shape=Sphere(radius=0.3)),
-                    Element(name="mast", shape=Capsule(radius=0.1, length=1.0)),
+                parts=(
+                    Part(name="tank", shape=Sphere(radius=0.3)),
+                    Part(name="mast", shape=Capsule(radius=0.1, length=1.0)),
                 ),
             ),
         ),

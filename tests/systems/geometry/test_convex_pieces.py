@@ -1,4 +1,4 @@
-"""Elements of geometry refuse what cannot be."""
+"""Parts of geometry refuse what cannot be."""
 
 import math
 
@@ -12,7 +12,7 @@ from pydrake.math import RollPitchYaw
 from drakesep.systems.checks import InputError
 from drakesep.systems.geometry.convex_pieces import FACET, pieces_of
 from drakesep.systems.geometry.distance import TOUCHING, Proximity, nearest_of
-from drakesep.systems.model.parts import Box, Capsule, Cone, Element, Mesh, Sphere
+from drakesep.systems.model.parts import Box, Capsule, Cone, Mesh, Part, Sphere
 
 
 BAD = st.one_of(
@@ -45,7 +45,7 @@ def test_polygons_hold_the_wall_that_they_stand_for(aft, fore, length):
     """Corners inside are on the circle; those outside at most `FACET` beyond it."""
     thickness = 0.04
     shape = Cone(radius_aft=aft, radius_fore=fore, length=length, thickness=thickness)
-    for piece in pieces_of(Element(name="wall", shape=shape))[:3]:
+    for piece in pieces_of(Part(name="wall", shape=shape))[:3]:
         for x, y, z in piece.points:
             r, outer = math.hypot(y, z), aft if x < 0.0 else fore
             inside = abs(r - (outer - thickness)) < 1e-9
@@ -63,8 +63,8 @@ SHAPES = {
 
 
 def measured(first, second, rpy, place):
-    elements = [Element(name=n, shape=s) for n, s in (("a", first), ("b", second))]
-    proximity = Proximity(elements[:1], elements[1:])
+    parts = [Part(name=n, shape=s) for n, s in (("a", first), ("b", second))]
+    proximity = Proximity(parts[:1], parts[1:])
     R_AB = RollPitchYaw(*rpy).ToRotationMatrix().matrix()
     proximity.place(R_AB, np.array(place))
     pair = proximity.roots["a"], proximity.roots["b"]
@@ -119,8 +119,8 @@ def test_shallow_dish_is_not_taken_for_its_hull(tmp_path):
     dish = trimesh.creation.revolve(np.array(profile), sections=24)
     dish.export(tmp_path / "dish.stl")
     shape = Mesh(file=tmp_path / "dish.stl")
-    pieces = pieces_of(Element(name="dish", shape=shape))
+    pieces = pieces_of(Part(name="dish", shape=shape))
     assert len(pieces) > 1000
     trimesh.creation.icosphere(subdivisions=2).export(tmp_path / "ball.stl")
-    ball = Element(name="ball", shape=Mesh(file=tmp_path / "ball.stl"))
+    ball = Part(name="ball", shape=Mesh(file=tmp_path / "ball.stl"))
     assert len(pieces_of(ball)) == 1

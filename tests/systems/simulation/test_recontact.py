@@ -26,7 +26,7 @@ from drakesep.systems.diagram.separation_system import (
 from drakesep.systems.geometry.convex_pieces import FACET
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.loads import Load
-from drakesep.systems.model.parts import Box, Cone, Element, Mesh, Sphere
+from drakesep.systems.model.parts import Box, Cone, Mesh, Part, Sphere
 from drakesep.systems.model.recontact import Recontact
 from drakesep.systems.model.run import RunStatus
 from drakesep.systems.model.separation import InitialMotion
@@ -38,8 +38,8 @@ STIFFNESS = 4e5
 GAP = 0.05
 FINE = Integration(accuracy=1e-9, max_step=2e-3)
 """A contact lasts 0.1 s."""
-LOWER = Element(name="lower_ball", shape=Sphere(radius=0.1))
-UPPER = Element(name="upper_ball", shape=Sphere(radius=0.1), p_BoGo_B=(0.25, 0.0, 0.0))
+LOWER = Part(name="lower_ball", shape=Sphere(radius=0.1))
+UPPER = Part(name="upper_ball", shape=Sphere(radius=0.1), p_BoGo_B=(0.25, 0.0, 0.0))
 
 
 def pair(on_lower, on_upper, load=(-400.0, 0.0, 0.0), **contact):
@@ -49,8 +49,8 @@ def pair(on_lower, on_upper, load=(-400.0, 0.0, 0.0), **contact):
     return dataclasses.replace(
         apart,
         bodies=(
-            dataclasses.replace(lower, elements=tuple(on_lower)),
-            dataclasses.replace(upper, elements=tuple(on_upper)),
+            dataclasses.replace(lower, parts=tuple(on_lower)),
+            dataclasses.replace(upper, parts=tuple(on_upper)),
         ),
         loads=(
             Load(
@@ -123,7 +123,7 @@ def test_bounce(dissipation):
 
 
 def test_forces_are_told_and_slide_with_friction():
-    plate = Element(name="plate", shape=Box(size=(0.2, 4.0, 4.0)))
+    plate = Part(name="plate", shape=Box(size=(0.2, 4.0, 4.0)))
     separation = pair([plate], [UPPER], friction=0.3)
     system = SeparationSystem(separation)
     context = system.CreateDefaultContext()
@@ -149,8 +149,8 @@ def test_forces_are_told_and_slide_with_friction():
 def test_inside_a_tube_there_is_room():
     """A ball in a tube whose hull it would overlap by its whole width."""
     wall = Cone(radius_aft=0.3, radius_fore=0.3, length=2.0, thickness=0.05)
-    tube = Element(name="tube", shape=wall)
-    ball = Element(name="ball", shape=Sphere(radius=0.1))
+    tube = Part(name="tube", shape=wall)
+    ball = Part(name="ball", shape=Sphere(radius=0.1))
     sideways = (0.0, 900.0, 0.0)
     separation = pair([tube], [ball], load=sideways, friction=0.0)
     # Each of many staves has its kink: more accurate takes minutes.
@@ -178,11 +178,11 @@ def test_a_mesh_pushes_if_it_is_convex(tmp_path):
     solid, hollow = tmp_path / "solid.stl", tmp_path / "hollow.stl"
     trimesh.creation.box(extents=[0.2, 0.2, 0.2]).export(solid)
     trimesh.creation.annulus(0.05, 0.1, 0.2, sections=12).export(hollow)
-    block = Element(name="block", shape=Mesh(file=solid))
+    block = Part(name="block", shape=Mesh(file=solid))
     motion = fly(pair([block], [UPPER], friction=0.0), Integration()).motion
     assert motion.relative_position[:, 0].min() > -GAP - 0.01
     assert motion.relative_velocity[-1, 0] > 0.0
-    pipe = Element(name="pipe", shape=Mesh(file=hollow))
+    pipe = Part(name="pipe", shape=Mesh(file=hollow))
     with pytest.raises(ValueError, match="pipe: a mesh that pushes must be convex"):
         SeparationSystem(pair([pipe], [UPPER], friction=0.0))
 
@@ -215,17 +215,17 @@ def test_contact_on_a_plant_of_ones_own():
     with pytest.raises(ValueError, match="recontact: must be None here"):
         add_separation(builder, plant, separation)
     free = dataclasses.replace(separation, recontact=None)
-    elements = add_separation(builder, plant, free)
+    parts = add_separation(builder, plant, free)
     diagram = builder.Build()
     context = diagram.CreateDefaultContext()
-    elements.set_separation(elements.GetMyMutableContextFromRoot(context), free)
+    parts.set_separation(parts.GetMyMutableContextFromRoot(context), free)
     set_mated_motion(plant, plant.GetMyMutableContextFromRoot(context), free)
     context.SetAccuracy(1e-6)
     simulator = Simulator(diagram, context)
     ApplySimulatorConfig(SimulatorConfig(max_step_size=5e-3, accuracy=1e-6), simulator)
     simulator.AdvanceTo(2.0)
-    velocity = elements.GetOutputPort("relative_velocity").Eval(
-        elements.GetMyContextFromRoot(context)
+    velocity = parts.GetOutputPort("relative_velocity").Eval(
+        parts.GetMyContextFromRoot(context)
     )
     assert velocity[0] == pytest.approx(400.0 / 1200.0 * 0.2, rel=1e-3)
 
@@ -242,7 +242,7 @@ def test_pairs_that_are_left_out_do_not_push():
         SeparationSystem(pair([LOWER], [overlapping], dissipation=0.0))
     left_out = pair([LOWER], [overlapping], without=(names,))
     assert fly(left_out).motion.relative_position[-1, 0] < -0.1
-    with pytest.raises(ValueError, match="unknown element 'bal'"):
+    with pytest.raises(ValueError, match="unknown part 'bal'"):
         SeparationSystem(pair([LOWER], [UPPER], without=(("bal", "upper_ball"),)))
 
 
