@@ -1,3 +1,4 @@
+from .clearance.objective import LowestClearance as LowestClearance
 from .clearance.of_pair import Clearance as Clearance
 from .clearance.of_pair import Contact as Contact
 from .clearance.of_run import ClearanceAnalysis as ClearanceAnalysis
@@ -17,6 +18,7 @@ from .metrics.objectives import largest as largest
 from .metrics.objectives import lowest as lowest
 from .metrics.objectives import of_run as of_run
 from .metrics.of_run import METRICS as METRICS
+from .metrics.of_run import metrics_of_run as metrics_of_run
 from .metrics.requirements import Finding as Finding
 from .metrics.requirements import Requirement as Requirement
 from .metrics.requirements import assess as assess

@@ -14,7 +14,7 @@ class Unit(NamedTuple):
     suffix: str
     """In names of keys and columns."""
     symbol: str
-    """In text and figures."""
+    """In text and plots."""
     per_si: float = 1.0
     """Units in one SI unit."""
 
@@ -81,7 +81,7 @@ _OF_QUANTITY = {
     "acceleration": "m_s2",
     "linear_momentum_change": "N_s",
     "angular_momentum_change": "N_m_s",
-    # figures of a run
+    # metrics of a run
     "G_L1": "deg",
     "G_L2": "deg_per_sqrt_s",
     "G_Linf": "deg_s",
@@ -116,7 +116,7 @@ def split_axis(name: str) -> tuple[str, str]:
 
 
 def unit_of(name: str) -> Unit:
-    """Return the unit of a parameter, a figure or a component of the motion.
+    """Return the unit of a parameter, a metric or a component of the motion.
 
     Args:
         name: such as ``payload.cg_x``, ``final_rate_y`` or ``relative_velocity_x``.

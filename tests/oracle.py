@@ -18,7 +18,7 @@ from drakesep.systems.model.separation import Body, Separation
 _PARTS = [3, 6, 10, 13, 16, 19, 23, 26, 29]
 
 
-class Flight(NamedTuple):
+class LabelledRun(NamedTuple):
     time: np.ndarray
     rate: np.ndarray
     relative_rate: np.ndarray
@@ -28,14 +28,14 @@ class Flight(NamedTuple):
     angular_momentum_change: np.ndarray
 
 
-def fly(separation: Separation, times: np.ndarray) -> Flight:
+def fly(separation: Separation, times: np.ndarray) -> LabelledRun:
     A, B = (separation.body(name) for name in (separation.A, separation.B))
     y = _integrate(separation, A, B, times)
     x_A, v_A, q_A, w_A, x_B, v_B, q_B, w_B, p, L = np.split(y, _PARTS, 1)
     R_A, R_B = Rotation.from_quat(q_A), Rotation.from_quat(q_B)
     w_A_W = R_A.apply(w_A)
     seen_from_A = v_B - v_A - np.cross(w_A_W, x_B - x_A)
-    return Flight(
+    return LabelledRun(
         times,
         w_B,
         w_B - R_B.apply(w_A_W, inverse=True),

@@ -25,7 +25,7 @@ from drakesep.systems.model.separation import Separation
 
 
 CLEARANCE = "clearance"
-"""The figure: how near the nearest parts come, m; of some runs only."""
+"""The metric: how near the nearest parts come, m; of some runs only."""
 LOWEST = f"lowest_{CLEARANCE}"
 """The objective."""
 _MOMENTS = 25
@@ -35,9 +35,9 @@ _MOMENTS = 25
 class LowestClearance(Objective):
     """Less the smallest distance between parts: 0, the highest, at contact."""
 
-    figure = CLEARANCE
+    metric = CLEARANCE
     sign = -1.0
-    of_figures_alone = False
+    of_metrics_alone = False
     expensive = True
     has_parts = True
 

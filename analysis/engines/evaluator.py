@@ -92,7 +92,7 @@ class RunEvaluator:
             fly: returns the runs of rows (n, n_p).
             names: (n_p,) of the parameters.
             objectives: to be told.
-            limits: (3,) of the deviations, as `metrics` takes them.
+            limits: (3,) of the deviations, as `metrics_of_run` takes them.
         """
         self._fly = fly
         self._limits = limits
@@ -210,7 +210,7 @@ _COMPILERS = 2
 
 
 class BatchEvaluator:
-    """Flies on the batch engine; knows derivatives of what figures tell."""
+    """Flies on the batch engine; knows derivatives of what metrics tell."""
 
     concurrent = True
 
@@ -227,7 +227,7 @@ class BatchEvaluator:
         Args:
             batch: that flies; it must have the same limits.
             objectives: to be told.
-            limits: (3,) of the deviations, as `metrics` takes them.
+            limits: (3,) of the deviations, as `metrics_of_run` takes them.
             derivatives: whether to use those of the batch engine: differences cost less
                 where runs take many steps.
         """
@@ -239,8 +239,8 @@ class BatchEvaluator:
         self._of_runs = RunEvaluator(batch.runs, batch.names, objectives, limits)
 
     def exact(self, k: int) -> bool:
-        """Return whether derivatives are to be had: of what figures alone tell."""
-        return self._derivatives and self.objectives[k].of_figures_alone
+        """Return whether derivatives are to be had: of what metrics alone tell."""
+        return self._derivatives and self.objectives[k].of_metrics_alone
 
     def all(
         self,
@@ -256,15 +256,15 @@ class BatchEvaluator:
             of: which objectives; all if None.
         """
         asked = range(len(self.objectives)) if of is None else of
-        of_figures = [k for k in asked if self.objectives[k].of_figures_alone]
-        others = [k for k in asked if not self.objectives[k].of_figures_alone]
+        of_metrics = [k for k in asked if self.objectives[k].of_metrics_alone]
+        others = [k for k in asked if not self.objectives[k].of_metrics_alone]
         values = np.full((len(rows), len(self.objectives)), np.nan)
         failures: dict[int, str] = {}
-        if of_figures:
+        if of_metrics:
             result = self._batch.run(rows, on_progress=on_progress)
-            figures = result.metrics.to_numpy()
-            for k in of_figures:
-                values[:, k] = self.objectives[k].of_figures(figures)
+            metrics = result.metrics.to_numpy()
+            for k in of_metrics:
+                values[:, k] = self.objectives[k].of_metrics(metrics)
             failures |= result.failures
         if others:
             told = self._of_runs.all(rows, on_progress, others)
@@ -274,21 +274,21 @@ class BatchEvaluator:
 
     def one(self, rows: Array, which: Sequence[int]) -> Evaluated:
         """Return one objective at each row: the which[i]-th at row i."""
-        of_figures = np.array(
-            [self.objectives[k].of_figures_alone for k in which], dtype=bool
+        of_metrics = np.array(
+            [self.objectives[k].of_metrics_alone for k in which], dtype=bool
         )
         values = np.full(len(rows), np.nan)
         failures: dict[int, str] = {}
         parts: list[tuple[NDArray[np.intp], Evaluated]] = []
-        if of_figures.any():
-            index = np.flatnonzero(of_figures)
+        if of_metrics.any():
+            index = np.flatnonzero(of_metrics)
             result = self._batch.run(rows[index])
             told = self._tell(
                 result.metrics.to_numpy(), [which[i] for i in index.tolist()]
             )
             parts.append((index, Evaluated(told, dict(result.failures))))
-        if not of_figures.all():
-            index = np.flatnonzero(~of_figures)
+        if not of_metrics.all():
+            index = np.flatnonzero(~of_metrics)
             parts.append(
                 (
                     index,
@@ -302,7 +302,7 @@ class BatchEvaluator:
 
     def near(self, rows: Array, k: int) -> Evaluated:
         """Return an objective at the first row, and about it at the others."""
-        if self.objectives[k].of_figures_alone:
+        if self.objectives[k].of_metrics_alone:
             return self.one(rows, [k] * len(rows))
         return self._of_runs.near(rows, k)
 
@@ -316,11 +316,11 @@ class BatchEvaluator:
         # What goes wrong here goes wrong again where it is told of. No daemons: a
         # process that ends within the compiler does so with a crash.
         pool = futures.ThreadPoolExecutor(_COMPILERS)
-        if any(objective.of_figures_alone for objective in self.objectives):
+        if any(objective.of_metrics_alone for objective in self.objectives):
             pool.submit(self._batch.run, nominal)
         if any(map(self.exact, range(len(self.objectives)))):
             self._preparing = pool.submit(self._batch.jacobian, nominal)
-        if not all(objective.of_figures_alone for objective in self.objectives):
+        if not all(objective.of_metrics_alone for objective in self.objectives):
             pool.submit(self._batch.runs, nominal)
         pool.shutdown(wait=False)
 
@@ -330,20 +330,20 @@ class BatchEvaluator:
             futures.wait([self._preparing])
         result = self._batch.jacobian(rows)
         assert result.jacobian is not None
-        figures = result.metrics.to_numpy()
+        metrics = result.metrics.to_numpy()
         weights = np.stack(
-            [self.objectives[k].weights(figures[i]) for i, k in enumerate(which)]
+            [self.objectives[k].weights(metrics[i]) for i, k in enumerate(which)]
         )
-        # A figure of weight 0 counts for nothing, even where its slope is undefined.
+        # A metric of weight 0 counts for nothing, even where its slope is undefined.
         terms = np.where(weights[..., None] == 0.0, 0.0, result.jacobian)
         slopes = np.einsum("nm,nmp->np", weights, terms)
-        values = self._tell(figures, which)
+        values = self._tell(metrics, which)
         return Evaluated(values, dict(result.failures)), slopes
 
-    def _tell(self, figures: Array, which: Sequence[int]) -> Array:
+    def _tell(self, metrics: Array, which: Sequence[int]) -> Array:
         return np.array(
             [
-                float(self.objectives[k].of_figures(row))
-                for k, row in zip(which, figures, strict=True)
+                float(self.objectives[k].of_metrics(row))
+                for k, row in zip(which, metrics, strict=True)
             ]
         )

@@ -1,6 +1,6 @@
 """What makes a separation bad: objectives, to be maximised.
 
-An objective is a figure of a run, in either direction, or any function of a `Run`; or a
+An objective is a metric of a run, in either direction, or any function of a `Run`; or a
 sum, a multiple or the largest of such. The four of the paper look at the motion of B
 relative to A from release to the end of the run.
 """
@@ -19,8 +19,8 @@ from drakesep.analysis.metrics.of_run import (
     AXES,
     METRICS,
     WINDOWED,
-    figure_within,
-    metrics,
+    metric_within,
+    metrics_of_run,
 )
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.arrays import Array
@@ -31,7 +31,7 @@ from drakesep.systems.model.run import Run
 ObjectiveName: TypeAlias = Literal["L1", "L2", "Linf", "PM"]
 """Of the paper."""
 Limits: TypeAlias = Sequence[float]
-"""(3,) of roll, pitch and yaw, rad; see `metrics`."""
+"""(3,) of roll, pitch and yaw, rad; see `metrics_of_run`."""
 Window: TypeAlias = tuple[float, float]
 """From when to when, s."""
 
@@ -52,18 +52,18 @@ class Objective(ABC):
 
     Attributes:
         name: in tables.
-        of_figures_alone: whether the figures of a run tell the objective, so that no
+        of_metrics_alone: whether the metrics of a run tell the objective, so that no
             motion is needed, and its derivatives are exact.
-        figure: that it is, or less it; None if it is something else.
-        sign: 1, or -1 if it is less its figure.
+        metric: that it is, or less it; None if it is something else.
+        sign: 1, or -1 if it is less its metric.
         expensive: whether it takes longer to tell than its run to fly: searches that
             fly very many runs leave it out, beside others.
         has_parts: whether it is the largest of parts that `parts` tells.
     """
 
     name: str
-    of_figures_alone: bool
-    figure: str | None = None
+    of_metrics_alone: bool
+    metric: str | None = None
     sign: float = 1.0
     expensive: bool = False
     has_parts: bool = False
@@ -78,7 +78,7 @@ class Objective(ABC):
 
         Args:
             run: a completed run.
-            limits: (3,) of the deviations, as `metrics` takes them.
+            limits: (3,) of the deviations, as `metrics_of_run` takes them.
         """
 
     def about(self, run: Run, limits: Limits) -> About:
@@ -88,7 +88,7 @@ class Objective(ABC):
 
         Args:
             run: a completed run.
-            limits: (3,) of the deviations, as `metrics` takes them.
+            limits: (3,) of the deviations, as `metrics_of_run` takes them.
         """
         return About(self.of_run(run, limits), lambda near: self.of_run(near, limits))
 
@@ -113,16 +113,16 @@ class Objective(ABC):
         """
         raise TypeError(f"{self.name} has no parts")
 
-    def of_figures(self, figures: Array) -> Array:
-        """Return the objective (...,) of figures (..., n_m), in the order of METRICS.
+    def of_metrics(self, metrics: Array) -> Array:
+        """Return the objective (...,) of metrics (..., n_m), in the order of METRICS.
 
         Raises:
             TypeError: it needs the whole run.
         """
         raise TypeError(f"{self.name} is a function of a whole run")
 
-    def weights(self, figures: Array) -> Array:
-        """Return the derivatives (..., n_m) of the objective with the figures.
+    def weights(self, metrics: Array) -> Array:
+        """Return the derivatives (..., n_m) of the objective with the metrics.
 
         Raises:
             TypeError: it needs the whole run.
@@ -158,32 +158,32 @@ AnyObjective: TypeAlias = Objective | str | Callable[[Run], float]
 """An objective, its name, or a function of a run; see `as_objective`."""
 
 
-class _Figure(Objective):
-    """A figure of a run, or less it."""
+class _OfMetric(Objective):
+    """A metric of a run, or less it."""
 
-    def __init__(self, figure: str, sign: float, name: str, window: Window | None):
-        if figure not in METRICS:
-            raise InputError(unknown("figure", figure, METRICS))
-        if window is not None and figure not in WINDOWED:
+    def __init__(self, metric: str, sign: float, name: str, window: Window | None):
+        if metric not in METRICS:
+            raise InputError(unknown("metric", metric, METRICS))
+        if window is not None and metric not in WINDOWED:
             raise InputError(
-                f"window: must be of one of {', '.join(WINDOWED)}, got {figure}"
+                f"window: must be of one of {', '.join(WINDOWED)}, got {metric}"
             )
         self.name = name
-        self.of_figures_alone = window is None
-        self.figure, self.sign, self._window = figure, sign, window
-        self._column = METRICS.index(figure)
+        self.of_metrics_alone = window is None
+        self.metric, self.sign, self._window = metric, sign, window
+        self._column = METRICS.index(metric)
 
     def of_run(self, run: Run, limits: Limits) -> float:
-        figure = str(self.figure)
+        metric = str(self.metric)
         if self._window is not None:
-            return self.sign * figure_within(run, figure, self._window)
-        return self.sign * metrics(run, limits)[figure]
+            return self.sign * metric_within(run, metric, self._window)
+        return self.sign * metrics_of_run(run, limits)[metric]
 
-    def of_figures(self, figures: Array) -> Array:
-        return self.sign * figures[..., self._column]
+    def of_metrics(self, metrics: Array) -> Array:
+        return self.sign * metrics[..., self._column]
 
-    def weights(self, figures: Array) -> Array:
-        weights = np.zeros_like(figures)
+    def weights(self, metrics: Array) -> Array:
+        weights = np.zeros_like(metrics)
         weights[..., self._column] = self.sign
         return weights
 
@@ -191,7 +191,7 @@ class _Figure(Objective):
 class _OfRun(Objective):
     """Any function of a run."""
 
-    of_figures_alone = False
+    of_metrics_alone = False
 
     def __init__(self, function: Callable[[Run], float], name: str):
         self.name = name
@@ -207,17 +207,17 @@ class _Together(Objective):
     def __init__(self, terms: Sequence[Objective], name: str):
         self.name = name
         self._terms = tuple(terms)
-        self.of_figures_alone = all(term.of_figures_alone for term in terms)
+        self.of_metrics_alone = all(term.of_metrics_alone for term in terms)
         self.expensive = any(term.expensive for term in terms)
 
-    def _each_of_figures(self, figures: Array) -> Array:
-        return np.stack([term.of_figures(figures) for term in self._terms], axis=-1)
+    def _each_of_metrics(self, metrics: Array) -> Array:
+        return np.stack([term.of_metrics(metrics) for term in self._terms], axis=-1)
 
     def _each_of_run(self, run: Run, limits: Limits) -> list[float]:
         return [term.of_run(run, limits) for term in self._terms]
 
-    def _each_weights(self, figures: Array) -> Array:
-        return np.stack([term.weights(figures) for term in self._terms], axis=-2)
+    def _each_weights(self, metrics: Array) -> Array:
+        return np.stack([term.weights(metrics) for term in self._terms], axis=-2)
 
 
 class _Sum(_Together):
@@ -247,11 +247,11 @@ class _Sum(_Together):
 
         return About(float(self._factors @ [one.value for one in each]), near)
 
-    def of_figures(self, figures: Array) -> Array:
-        return np.asarray(self._each_of_figures(figures) @ self._factors)
+    def of_metrics(self, metrics: Array) -> Array:
+        return np.asarray(self._each_of_metrics(metrics) @ self._factors)
 
-    def weights(self, figures: Array) -> Array:
-        each = self._each_weights(figures)
+    def weights(self, metrics: Array) -> Array:
+        each = self._each_weights(metrics)
         return np.asarray(np.einsum("...tm,t->...m", each, self._factors))
 
 
@@ -271,12 +271,12 @@ class _Largest(_Together):
         each = [term.about(run, limits) for term in self._terms]
         return max(each, key=lambda one: one.value)
 
-    def of_figures(self, figures: Array) -> Array:
-        return np.asarray(self._each_of_figures(figures).max(axis=-1))
+    def of_metrics(self, metrics: Array) -> Array:
+        return np.asarray(self._each_of_metrics(metrics).max(axis=-1))
 
-    def weights(self, figures: Array) -> Array:
-        which = self._each_of_figures(figures).argmax(axis=-1)
-        each = self._each_weights(figures)
+    def weights(self, metrics: Array) -> Array:
+        which = self._each_of_metrics(metrics).argmax(axis=-1)
+        each = self._each_weights(metrics)
         picked = np.take_along_axis(each, which[..., None, None], axis=-2)
         return np.asarray(picked[..., 0, :])
 
@@ -290,30 +290,30 @@ def _written(terms: Iterable[Objective], factors: Iterable[float]) -> str:
     return text
 
 
-def highest(figure: str, *, window: Window | None = None) -> Objective:
-    """Return the objective that makes a figure large.
+def highest(metric: str, *, window: Window | None = None) -> Objective:
+    """Return the objective that makes a metric large.
 
     Args:
-        figure: one of `METRICS`.
-        window: from when to when the figure looks instead, s; see `figure_within`.
+        metric: one of `METRICS`.
+        window: from when to when the metric looks instead, s; see `metric_within`.
 
     Raises:
-        ValueError: the figure is unknown, or takes no window.
+        ValueError: the metric is unknown, or takes no window.
     """
-    return _Figure(figure, 1.0, f"highest_{figure}{_suffix(window)}", window)
+    return _OfMetric(metric, 1.0, f"highest_{metric}{_suffix(window)}", window)
 
 
-def lowest(figure: str, *, window: Window | None = None) -> Objective:
-    """Return the objective that makes a figure small: less its value.
+def lowest(metric: str, *, window: Window | None = None) -> Objective:
+    """Return the objective that makes a metric small: less its value.
 
     Args:
-        figure: one of `METRICS`.
-        window: from when to when the figure looks instead, s; see `figure_within`.
+        metric: one of `METRICS`.
+        window: from when to when the metric looks instead, s; see `metric_within`.
 
     Raises:
-        ValueError: the figure is unknown, or takes no window.
+        ValueError: the metric is unknown, or takes no window.
     """
-    return _Figure(figure, -1.0, f"lowest_{figure}{_suffix(window)}", window)
+    return _OfMetric(metric, -1.0, f"lowest_{metric}{_suffix(window)}", window)
 
 
 def of_run(function: Callable[[Run], float], name: str = "") -> Objective:
@@ -361,7 +361,7 @@ def _suffix(window: Window | None) -> str:
 
 OBJECTIVES: Mapping[str, Objective] = MappingProxyType(
     {
-        name.removeprefix("G_"): _Figure(name, 1.0, name.removeprefix("G_"), None)
+        name.removeprefix("G_"): _OfMetric(name, 1.0, name.removeprefix("G_"), None)
         for name in METRICS
         if name.startswith("G_")
     }
@@ -381,7 +381,7 @@ TWO_SIDED = {
         for angle in ANGLES
     },
 }
-"""Figures that are magnitudes, with the figures of their two directions."""
+"""Metrics that are magnitudes, with the metrics of their two directions."""
 
 
 def towards(requirement: Requirement) -> tuple[Objective, ...]:
@@ -407,7 +407,7 @@ def as_objective(objective: AnyObjective, also: Iterable[str] = ()) -> Objective
 
     Args:
         objective: an objective; a name of the paper's; ``highest_`` or ``lowest_`` and
-            a figure of `METRICS`; or a function of a run.
+            a metric of `METRICS`; or a function of a run.
         also: other names that are known, to be suggested.
 
     Raises:
@@ -422,6 +422,6 @@ def as_objective(objective: AnyObjective, also: Iterable[str] = ()) -> Objective
     for prefix, make in (("highest_", highest), ("lowest_", lowest)):
         if objective.startswith(prefix):
             return make(objective.removeprefix(prefix))
-    figures = [f"{p}_{name}" for name in METRICS for p in ("highest", "lowest")]
-    known = list(dict.fromkeys([*OBJECTIVES, *also, *figures]))
+    metrics = [f"{p}_{name}" for name in METRICS for p in ("highest", "lowest")]
+    known = list(dict.fromkeys([*OBJECTIVES, *also, *metrics]))
     raise InputError(unknown("objective", objective, known))

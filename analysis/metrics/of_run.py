@@ -1,4 +1,4 @@
-"""The figures that a run is judged by, in SI and radians."""
+"""The metrics that a run is judged by, in SI and radians."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -36,17 +36,17 @@ METRICS: tuple[str, ...] = (
     *_SPEEDS,
     "separation_end",
 )
-"""Names of the figures, in order."""
+"""Names of the metrics, in order."""
 WINDOWED = (*_OBJECTIVES, *_AFTER_SEPARATION, *_SPEEDS)
-"""Figures that can look at a part of a run alone."""
+"""Metrics that can look at a part of a run alone."""
 
 
-def metrics(run: Run, deviation_limits: Sequence[float]) -> dict[str, float]:
-    """Return every figure of a completed run, by name.
+def metrics_of_run(run: Run, deviation_limits: Sequence[float]) -> dict[str, float]:
+    """Return every metric of a completed run, by name.
 
     Separation ends when every attachment is released and the last spring has reached
     its stroke. Rates are those of B in W, in B; deviations are its roll, pitch and yaw
-    in W; the longitudinal speed is that of B's CG as seen from A. A figure of a rate's
+    in W; the longitudinal speed is that of B's CG as seen from A. A metric of a rate's
     or an angle's magnitude stands beside those of its two directions.
 
     Args:
@@ -86,16 +86,16 @@ def metrics(run: Run, deviation_limits: Sequence[float]) -> dict[str, float]:
     return {name: values[name] for name in METRICS}
 
 
-def figure_within(run: Run, figure: str, window: tuple[float, float]) -> float:
-    """Return a figure over a part of a run alone.
+def metric_within(run: Run, metric: str, window: tuple[float, float]) -> float:
+    """Return a metric over a part of a run alone.
 
-    The window takes the place of the time that the figure looks at: a rate "after
+    The window takes the place of the time that the metric looks at: a rate "after
     separation" is looked at from the window's start, be separation over or not. The
     paper's objectives still begin at the release at the earliest.
 
     Args:
         run: a completed run.
-        figure: one of `WINDOWED`.
+        metric: one of `WINDOWED`.
         window: from when to when, s.
 
     Raises:
@@ -103,7 +103,7 @@ def figure_within(run: Run, figure: str, window: tuple[float, float]) -> float:
         ValueError: the window leaves nothing of the run to look at.
     """
     motion = run.completed_motion
-    since = run.separation_start if figure in _OBJECTIVES else 0.0
+    since = run.separation_start if metric in _OBJECTIVES else 0.0
     start, stop = max(window[0], since), min(window[1], run.separation.duration)
     if start >= stop:
         raise InputError(
@@ -111,13 +111,13 @@ def figure_within(run: Run, figure: str, window: tuple[float, float]) -> float:
             f"{run.separation.duration:g} s, got {window[0]:g} to {window[1]:g} s"
         )
     [speed] = _signals(run, motion.relative_velocity[:, :1], start, stop)
-    if figure in _OBJECTIVES:
+    if metric in _OBJECTIVES:
         rates = _signals(run, motion.relative_rate, start, stop)
-        return _objectives(rates, speed)[figure]
-    if figure in _SPEEDS:
+        return _objectives(rates, speed)[metric]
+    if metric in _SPEEDS:
         slowest, fastest = signals.extremes(speed)
-        return slowest if figure == "longitudinal_speed_after_separation" else fastest
-    return _peaks(_signals(run, motion.rate, start, stop))[figure]
+        return slowest if metric == "longitudinal_speed_after_separation" else fastest
+    return _peaks(_signals(run, motion.rate, start, stop))[metric]
 
 
 def _signals(

@@ -20,20 +20,20 @@ _OTHER_EXTREME = {
         for axis in AXES
     },
 }
-"""Figures that hold only one of the extremes of what they look at over some time: where
+"""Metrics that hold only one of the extremes of what they look at over some time: where
 the other one breaks a limit, that is looked at."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Requirement:
-    """A limit on one figure of a run.
+    """A limit on one metric of a run.
 
     Raises:
         ValueError: the limit is not finite, or the sense is not "<=" or ">=".
     """
 
     metric: str
-    """Name of the figure; see `drakesep.analysis.metrics.of_run`."""
+    """Name of the metric; see `drakesep.analysis.metrics.of_run`."""
     sense: Literal["<=", ">="]
     limit: float
     """In SI."""
@@ -50,7 +50,7 @@ class Requirement:
 
     @property
     def judged_by(self) -> str:
-        """The figure that tells whether the limit is kept at all times."""
+        """The metric that tells whether the limit is kept at all times."""
         return _OTHER_EXTREME.get((self.metric, self.sense), self.metric)
 
     def margin(self, value: float) -> float:
@@ -90,7 +90,7 @@ def assess(
 
     Args:
         requirements: to be judged.
-        runs: figures of each run, by its label; those that lack a figure say nothing
+        runs: metrics of each run, by its label; those that lack a metric say nothing
             about it.
         nominal: label of the nominal run.
     """
@@ -98,9 +98,9 @@ def assess(
     for requirement in requirements:
         metric = requirement.judged_by
         values = {
-            label: figures[metric]
-            for label, figures in runs.items()
-            if metric in figures
+            label: metrics[metric]
+            for label, metrics in runs.items()
+            if metric in metrics
         }
         label = min(values, key=lambda label: requirement.margin(values[label]))
         findings.append(

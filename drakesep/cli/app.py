@@ -103,7 +103,7 @@ def simulate(
     changes: ChangesOption = None,
     output: OutputOption = None,
 ) -> None:
-    """Fly a case once: motion.csv, summary.csv, figures; contacts.csv if any."""
+    """Fly a case once: motion.csv, summary.csv, plots; contacts.csv if any."""
     values = _parse_changes(changes or [])
     from drakesep.case_file.reader import load_case
     from drakesep.cli.console import print_frame
@@ -117,11 +117,11 @@ def simulate(
         result = studies.simulate(loaded, values)
         result.save(folder)
     if not result.completed:
-        _fail(FAILED, result.flight.status)
-    print_frame(console, "Figures of the run", tables.figures_table(result.flight))
+        _fail(FAILED, result.labelled.status)
+    print_frame(console, "Metrics of the run", tables.metrics_table(result.labelled))
     if len(result.contacts):
         print_frame(console, "Parts that touch again", result.contacts)
-    console.print(f"Tables and figures are in {folder}", markup=False)
+    console.print(f"Tables and plots are in {folder}", markup=False)
 
 
 @app.command()
@@ -130,7 +130,7 @@ def clearance(
     changes: ChangesOption = None,
     output: OutputOption = None,
 ) -> None:
-    """Measure how near bodies come: clearance_summary.csv, clearance.csv, a figure.
+    """Measure how near bodies come: clearance_summary.csv, clearance.csv, a plot.
 
     Exits with 1 if anything touches.
     """
@@ -148,7 +148,7 @@ def clearance(
     summary = study.summary
     shown = [name for name in _CLEARANCE if name in summary]
     print_frame(console, "Smallest clearances of the run", summary[shown])
-    console.print(f"Tables and figures are in {folder}", markup=False)
+    console.print(f"Tables and plots are in {folder}", markup=False)
     if not study.clear:
         _fail(FAILED, "there is contact; see clearance_summary.csv")
 
@@ -230,7 +230,7 @@ def worst_case(
         typer.Option(
             "--objective",
             help="L1, L2, Linf, PM, one of a requirement, or highest_ or lowest_ and a "
-            "figure; can be repeated; all of the case if not given.",
+            "metric; can be repeated; all of the case if not given.",
         ),
     ] = None,
     search: SearchOption = None,
@@ -241,7 +241,7 @@ def worst_case(
     output: OutputOption = None,
     workers: WorkersOption = None,
 ) -> None:
-    """Find the worst cases: worst_cases.csv, evidence.csv, figures and more."""
+    """Find the worst cases: worst_cases.csv, evidence.csv, plots and more."""
     from drakesep.case_file.reader import load_case
     from drakesep.studies import studies
 
@@ -259,7 +259,7 @@ def worst_case(
             **_given(starts=starts, samples=samples, vertices=vertices, seed=seed),
         )
     _print_worst_cases(console, study)
-    console.print(f"Tables and figures are in {folder}", markup=False)
+    console.print(f"Tables and plots are in {folder}", markup=False)
     if not study.completed:
         _fail(FAILED, _WHAT_FAILED)
 
@@ -320,7 +320,7 @@ def verify(
     print_frame(
         console, "Requirements over the tolerances", study.requirements, index=2
     )
-    console.print(f"Tables and figures are in {folder}", markup=False)
+    console.print(f"Tables and plots are in {folder}", markup=False)
     if not study.completed:
         _fail(FAILED, _WHAT_FAILED)
     if loaded.has_clearance and study.clearance is None:
@@ -335,7 +335,7 @@ def verify(
         raise typer.Exit(FAILED)
     console.print(
         "[bold green]Every requirement is met[/] in all "
-        f"{len(study.flights)} runs flown in Drake, the worst cases of each among them."
+        f"{len(study.runs)} runs flown in Drake, the worst cases of each among them."
     )
 
 
@@ -367,9 +367,9 @@ def _print_worst_cases(console: "Console", study: "WorstCases") -> None:
                 f"{study.share_unphysical:.1%} of the tolerances are inertias that no "
                 "body can have; no search goes there."
             )
-    for flight in study.flights:
-        if flight.status not in ("completed", "converged", "confirmed"):
-            console.print(f"{flight.label}: {flight.status}", markup=False)
+    for labelled in study.runs:
+        if labelled.status not in ("completed", "converged", "confirmed"):
+            console.print(f"{labelled.label}: {labelled.status}", markup=False)
 
 
 @contextlib.contextmanager

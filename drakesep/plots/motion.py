@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from drakesep.analysis.metrics.objectives import TWO_SIDED
 from drakesep.analysis.metrics.of_run import ANGLES, AXES
 from drakesep.analysis.metrics.requirements import Requirement
-from drakesep.tables.labelled_run import Flight
+from drakesep.tables.labelled_run import LabelledRun
 from drakesep.units import unit_of
 
 
@@ -49,30 +49,32 @@ _PUBLISHED = ("#757575", "#A6A6A6", "#CCCCCC")
 LIMIT = "#B00020"
 
 
-def save_figures(
-    flights: Sequence[Flight], limits: Sequence[Requirement], folder: Path
+def save_motion(
+    runs: Sequence[LabelledRun], limits: Sequence[Requirement], folder: Path
 ) -> None:
     """Write translation.png and rotation.png of completed runs into a folder."""
-    translation_figure(flights, limits).savefig(folder / "translation.png", dpi=130)
-    rotation_figure(flights, limits).savefig(folder / "rotation.png", dpi=130)
+    translation_figure(runs, limits).savefig(folder / "translation.png", dpi=130)
+    rotation_figure(runs, limits).savefig(folder / "rotation.png", dpi=130)
 
 
 def translation_figure(
-    flights: Sequence[Flight], limits: Sequence[Requirement]
+    runs: Sequence[LabelledRun], limits: Sequence[Requirement]
 ) -> Figure:
     """Return relative velocity, acceleration and linear momentum over time."""
-    return _figure("Translation of {B} from {A}", _TRANSLATION, flights, limits)
+    return _figure("Translation of {B} from {A}", _TRANSLATION, runs, limits)
 
 
-def rotation_figure(flights: Sequence[Flight], limits: Sequence[Requirement]) -> Figure:
+def rotation_figure(
+    runs: Sequence[LabelledRun], limits: Sequence[Requirement]
+) -> Figure:
     """Return angles, rates and angular momentum over time."""
-    return _figure("Rotation of {B}", _ROTATION, flights, limits)
+    return _figure("Rotation of {B}", _ROTATION, runs, limits)
 
 
 def _figure(
     title: str,
     rows: Sequence[_Row],
-    flights: Sequence[Flight],
+    runs: Sequence[LabelledRun],
     limits: Sequence[Requirement],
 ) -> Figure:
     figure = Figure(figsize=(12, 9), layout="constrained")
@@ -80,7 +82,7 @@ def _figure(
     by_metric = {requirement.metric: requirement for requirement in limits}
     for row, line in zip(rows, panels, strict=True):
         for i, axes in enumerate(line):
-            _draw(axes, row, i, flights)
+            _draw(axes, row, i, runs)
             axes.set_title(f"{row.title}, {row.axes[i]}", fontsize=10)
             name = f"{row.figure}_{row.axes[i]}"
             requirement = by_metric.get(name) or (
@@ -96,20 +98,20 @@ def _figure(
         handles.append(limited[0].get_lines()[-1])
         labels.append("limit")
     figure.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False)
-    separation = flights[0].run.separation
+    separation = runs[0].run.separation
     figure.suptitle(title.format(A=separation.A, B=separation.B).replace("_", " "))
     return figure
 
 
-def _draw(axes: Axes, row: _Row, i: int, flights: Sequence[Flight]) -> None:
+def _draw(axes: Axes, row: _Row, i: int, runs: Sequence[LabelledRun]) -> None:
     unit = unit_of(f"{row.quantity}_{row.axes[i]}")
     counts = {True: 0, False: 0}
-    for flight in flights:
-        published = flight.published is not None
+    for labelled in runs:
+        published = labelled.published is not None
         colours = _PUBLISHED if published else COLOURS
         k = counts[published]
         counts[published] += 1
-        motion = flight.run.completed_motion
+        motion = labelled.run.completed_motion
         axes.plot(
             motion.time,
             getattr(motion, row.quantity)[:, i] * unit.per_si,
@@ -117,9 +119,9 @@ def _draw(axes: Axes, row: _Row, i: int, flights: Sequence[Flight]) -> None:
             linestyle="-" if published else DASHES[k % len(DASHES)],
             linewidth=2.4 if published else 1.5,
             zorder=1 if published else 2,
-            label=flight.label,
+            label=labelled.label,
         )
-    end = flights[0].run.separation_end
+    end = runs[0].run.separation_end
     axes.axvline(
         end, color="#555555", linestyle=":", linewidth=1.0, label="end of separation"
     )

@@ -10,7 +10,7 @@ import pandas as pd
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.arrays import Array
 from drakesep.systems.model.run import Motion
-from drakesep.tables.labelled_run import Flight
+from drakesep.tables.labelled_run import LabelledRun
 
 
 class Approach(NamedTuple):
@@ -33,16 +33,16 @@ class Tornado:
 
     def save(self, folder: Path) -> None:
         """Draw it into a folder."""
-        from drakesep.plots import motion as figures  # half a second, when drawn
+        from drakesep.plots import motion as motion_plots  # half a second, when drawn
 
-        figures.save_tornado(self.sensitivities, folder)
+        motion_plots.save_tornado(self.sensitivities, folder)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pictures:
-    """Figures of a study's runs, and their motions, as they are written down."""
+    """Plots of a study's runs, and their motions, as they are written down."""
 
-    flights: Sequence[Flight]
+    runs: Sequence[LabelledRun]
     """Whose motion is drawn."""
     limits: Sequence[Requirement]
     approaches: Sequence[Approach] = ()
@@ -53,13 +53,13 @@ class Pictures:
 
     def save(self, folder: Path) -> None:
         """Write them into a folder."""
-        from drakesep.plots import clearance_plots as clearance_figures
-        from drakesep.plots import motion as figures
+        from drakesep.plots import clearance_plots
+        from drakesep.plots import motion as motion_plots
         from drakesep.tables import run_tables as tables
 
-        figures.save_figures(self.flights, self.limits, folder)
+        motion_plots.save_motion(self.runs, self.limits, folder)
         if self.approaches:
-            clearance_figures.save_approaches(
+            clearance_plots.save_approaches(
                 self.approaches, self.clearance_limit, folder
             )
         for label, motion in self.motions.items():

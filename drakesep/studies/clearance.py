@@ -1,4 +1,4 @@
-"""The study of how near bodies come to each other: tables, figure, verdict."""
+"""The study of how near bodies come to each other: tables, plot, verdict."""
 
 import functools
 from collections.abc import Mapping
@@ -131,18 +131,18 @@ class Clearances:
         return all(one.contact is None for one in self.found)
 
     def save(self, directory: str | Path) -> None:
-        """Write the tables and the figures into a folder."""
+        """Write the tables and the plots into a folder."""
         from drakesep.plots import (
-            clearance_plots as clearance_figures,  # half a second, where it is drawn
+            clearance_plots,  # half a second, where it is drawn
         )
 
         folder = writable_folder(directory)
         tables.write_csv(self.summary, folder / "clearance_summary.csv")
         tables.write_csv(self.over_time, folder / "clearance.csv")
-        clearance_figures.save_clearance(
+        clearance_plots.save_clearance(
             self._time, self.separation, self._curves, folder
         )
-        clearance_figures.save_swept(self.run, self._analysis.names, folder)
+        clearance_plots.save_swept(self.run, self._analysis.names, folder)
 
     @property
     def _curves(self) -> dict[str, tuple[Array, Clearance]]:

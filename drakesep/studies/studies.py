@@ -20,9 +20,10 @@ from drakesep.studies.verification import Verification
 from drakesep.studies.worst_case.procedure import DRAKE, OnProgress, search
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.systems.checks import InputError
+from drakesep.systems.model.run import Run
 from drakesep.systems.simulation.simulation import Simulation
 from drakesep.tables import run_tables as tables
-from drakesep.tables.labelled_run import NOMINAL, Flight, as_flight
+from drakesep.tables.labelled_run import NOMINAL, LabelledRun, labelled_run
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,49 +31,54 @@ class Simulated:
     """One run of a case."""
 
     case: Case
-    flight: Flight
+    labelled: LabelledRun
     values: Mapping[str, float]
     """What was changed, by parameter name with unit."""
+
+    @property
+    def run(self) -> Run:
+        """The run itself."""
+        return self.labelled.run
 
     @functools.cached_property
     def summary(self) -> pd.DataFrame:
         """One row, as in `WorstCases.table`, with what was changed."""
         names = (*self.case.box.names, *self.case.values_in_si(self.values))
-        return tables.flights_table([self.flight], list(dict.fromkeys(names)))
+        return tables.runs_table([self.labelled], list(dict.fromkeys(names)))
 
     @functools.cached_property
     def motion(self) -> pd.DataFrame:
         """The motion over time; empty if the run failed."""
-        motion = self.flight.run.motion
+        motion = self.run.motion
         return pd.DataFrame() if motion is None else tables.motion_table(motion)
 
     @property
     def contacts(self) -> pd.DataFrame:
         """A row for each contact after separation, if the case has recontact."""
-        return tables.contacts_table(self.flight.run)
+        return tables.contacts_table(self.run)
 
     @property
     def completed(self) -> bool:
         """Whether the run did not fail."""
-        return self.flight.run.motion is not None
+        return self.run.motion is not None
 
     def save(self, directory: str | Path) -> None:
-        """Write the tables and figures into a folder."""
+        """Write the tables and plots into a folder."""
         folder = writable_folder(directory)
         for name in ("contacts.csv", "contact_forces.csv"):  # of an earlier run
             (folder / name).unlink(missing_ok=True)
         tables.write_csv(self.summary, folder / "summary.csv")
         if self.completed:
             tables.write_csv(self.motion, folder / "motion.csv")
-            if self.flight.run.separation.recontact is not None:
+            if self.run.separation.recontact is not None:
                 tables.write_csv(self.contacts, folder / "contacts.csv")
-                forces = tables.contact_forces_table(self.flight.run)
+                forces = tables.contact_forces_table(self.run)
                 tables.write_csv(forces, folder / "contact_forces.csv")
             from drakesep.plots import (
-                motion as figures,  # half a second, where something is drawn
+                motion as motion_plots,  # half a second, where something is drawn
             )
 
-            figures.save_figures([self.flight], self.case.limits, folder)
+            motion_plots.save_motion([self.labelled], self.case.limits, folder)
 
 
 def simulate(
@@ -92,7 +98,9 @@ def simulate(
         case.values_in_si(values or {})
     )
     label = "run" if values else NOMINAL
-    return Simulated(case=case, flight=as_flight(label, run, case), values=values or {})
+    return Simulated(
+        case=case, labelled=labelled_run(label, run, case), values=values or {}
+    )
 
 
 def clearance(
@@ -230,7 +238,7 @@ def verify(
         searches: as `worst_case` takes them.
         growth: whether to find how far tolerances may grow; None: unless Drake flies
             alone or its nominal run takes more than 2000 steps.
-        output: folder that receives tables and figures, tables as the study goes on.
+        output: folder that receives tables and plots, tables as the study goes on.
         workers: number of processes that fly Drake; one per core if None; with 1, the
             caller's does all.
         on_progress: called as the study goes on.
@@ -250,9 +258,7 @@ def verify(
     study.clearance = the_clearance(objectives)
 
     def grow(problem: Problem, settings: SearchSettings, tell: Tell) -> None:
-        light = (
-            DRAKE not in (searches or ()) and study.flights[0].run.steps <= _GROWABLE
-        )
+        light = DRAKE not in (searches or ()) and study.runs[0].run.steps <= _GROWABLE
         if growth or (growth is None and light):
             study.find_growths(problem, settings, tell)
 

@@ -34,7 +34,7 @@ class Verification(WorstCases):
     @property
     def findings(self) -> list[Finding]:
         """How each requirement fares over all runs."""
-        runs = {f.label: f.figures for f in self.flights if f.figures}
+        runs = {f.label: f.metrics for f in self.runs if f.metrics}
         return assess(self.case.limits, runs, NOMINAL)
 
     @property
@@ -54,7 +54,7 @@ class Verification(WorstCases):
         super().save_tables(directory)
         folder = Path(directory)
         # No verdict before the worst cases are known.
-        if self.worst or (self.flights and not self.case.dispersions):
+        if self.worst or (self.runs and not self.case.dispersions):
             tables.write_csv(self.requirements, folder / "requirements.csv")
             tables.write_csv(self.table_4, folder / "table_4.csv")
         if self.single_growths:
@@ -99,7 +99,7 @@ class Verification(WorstCases):
     @property
     def pictures(self) -> Pictures:
         """What shows the runs, and their motions."""
-        flown = {f.label: f.run.motion for f in self.flights}
+        flown = {f.label: f.run.motion for f in self.runs}
         motions = {k: motion for k, motion in flown.items() if motion is not None}
         return replace(super().pictures, motions=motions)
 

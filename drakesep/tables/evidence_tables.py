@@ -13,7 +13,7 @@ from drakesep.analysis.search.judge import CONFIDENCE, WorstCase
 from drakesep.analysis.search.problem import Searched
 from drakesep.analysis.search.registry import SEARCHES
 from drakesep.analysis.tolerances.box import ToleranceBox
-from drakesep.tables.labelled_run import Flight
+from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.run_tables import MARK, in_units, shown, unit_of_objective
 from drakesep.units import split_axis, unit_of, with_unit
 
@@ -25,18 +25,18 @@ _LISTED = 10
 def evidence(
     worst: Sequence[WorstCase],
     objectives: Sequence[Objective],
-    flights: Sequence[Flight],
+    runs: Sequence[LabelledRun],
 ) -> pd.DataFrame:
     """Return a row for each worst case, with why it may be believed.
 
-    Values are those of the figure that an objective makes large or small.
+    Values are those of the metric that an objective makes large or small.
     """
-    by_name = {f.objective: f for f in flights if f.objective_in_drake is not None}
+    by_name = {f.objective: f for f in runs if f.objective_in_drake is not None}
     rows = []
     for case in worst:
         objective, proof = objectives[case.objective], case.evidence
-        flight = by_name.get(case.name)
-        in_drake = math.nan if flight is None else flight.objective_in_drake
+        labelled = by_name.get(case.name)
+        in_drake = math.nan if labelled is None else labelled.objective_in_drake
         assert in_drake is not None
         maxima = [
             f"{shown(objective, value):.8g} ({count})"
@@ -131,7 +131,7 @@ def sensitivities(
     nominal_slopes: np.ndarray | None,
     box: ToleranceBox,
 ) -> pd.DataFrame:
-    """Return what a whole tolerance does to each objective's figure, to first order.
+    """Return what a whole tolerance does to each objective's metric, to first order.
 
     A row for each objective and parameter, those that matter most at the worst case
     first; the multiplier is what the objective would gain for a whole tolerance more.

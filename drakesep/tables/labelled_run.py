@@ -1,11 +1,11 @@
-"""Runs of a study under their labels, with their figures."""
+"""Runs of a study under their labels, with their metrics."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
 from drakesep.analysis.clearance.of_pair import Clearance
-from drakesep.analysis.metrics.of_run import metrics
+from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.case_file.case import Case
 from drakesep.case_file.others import PublishedSection
@@ -17,13 +17,13 @@ NOMINAL = "nominal"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Flight:
+class LabelledRun:
     """A run of a study, under its label."""
 
     label: str
     run: Run
-    figures: Mapping[str, float]
-    """Its figures in SI, by name; empty if the run failed."""
+    metrics: Mapping[str, float]
+    """Its metrics in SI, by name; empty if the run failed."""
     objective: str | None = None
     """Of the search that found it; None if none did."""
     iterations: int | None = None
@@ -39,35 +39,35 @@ class Flight:
     """How near its parts come; None if that was not asked for."""
 
 
-def as_flight(
+def labelled_run(
     label: str,
     run: Run,
     case: Case,
     clearance: LowestClearance | None = None,
     **found: object,
-) -> Flight:
-    """Return a run with its figures, and how near it comes if that is asked for."""
-    figures_: dict[str, float] = {}
+) -> LabelledRun:
+    """Return a run with its metrics, and how near it comes if that is asked for."""
+    metrics_: dict[str, float] = {}
     if run.motion is None:
         found["status"] = f"failed: {run.message}"
     else:
         limits = deviation_limits(case.limits)
-        figures_ |= metrics(run, limits)
+        metrics_ |= metrics_of_run(run, limits)
         if clearance is not None:
             found["nearest"] = nearest = clearance.nearest(run)
-            figures_[CLEARANCE] = nearest.minimum
-    return Flight(label=label, run=run, figures=figures_, **found)  # type: ignore[arg-type]
+            metrics_[CLEARANCE] = nearest.minimum
+    return LabelledRun(label=label, run=run, metrics=metrics_, **found)  # type: ignore[arg-type]
 
 
 def references(
     case: Case, runs: Sequence[Run], clearance: LowestClearance | None
-) -> list[Flight]:
+) -> list[LabelledRun]:
     """Return the nominal run of a case, and the published ones after it."""
     nominal, *others = runs
     return [
-        as_flight(NOMINAL, nominal, case, clearance),
+        labelled_run(NOMINAL, nominal, case, clearance),
         *(
-            as_flight(published.label, run, case, clearance, published=published)
+            labelled_run(published.label, run, case, clearance, published=published)
             for published, run in zip(case.published, others, strict=True)
         ),
     ]

@@ -18,7 +18,7 @@ from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.run import Motion, Run
-from drakesep.tables.labelled_run import Flight
+from drakesep.tables.labelled_run import LabelledRun
 from drakesep.units import SI, Unit, split_axis, unit_of, with_unit
 
 
@@ -28,12 +28,12 @@ if TYPE_CHECKING:  # JAX comes with them
 
 
 def unit_of_objective(objective: Objective) -> Unit:
-    """Return the unit of an objective: of its figure, or SI."""
-    return SI if objective.figure is None else unit_of(objective.figure)
+    """Return the unit of an objective: of its metric, or SI."""
+    return SI if objective.metric is None else unit_of(objective.metric)
 
 
 def shown(objective: Objective, value: float) -> float:
-    """Return the value of an objective as tables show it: its figure, in its unit."""
+    """Return the value of an objective as tables show it: its metric, in its unit."""
     return objective.sign * unit_of_objective(objective).from_si(value)
 
 
@@ -123,25 +123,25 @@ def contact_forces_table(run: Run) -> pd.DataFrame:
     return pd.concat(frames, ignore_index=True)
 
 
-def flights_table(flights: Iterable[Flight], names: Sequence[str]) -> pd.DataFrame:
-    """Return a row for each run: parameters, figures, and how it was found.
+def runs_table(runs: Iterable[LabelledRun], names: Sequence[str]) -> pd.DataFrame:
+    """Return a row for each run: parameters, metrics, and how it was found.
 
     Args:
-        flights: the runs.
+        runs: the runs.
         names: the parameters to show.
     """
     rows = []
-    for flight in flights:
-        values = parameters(flight.run.separation)
+    for labelled in runs:
+        values = parameters(labelled.run.separation)
         rows.append(
             {
-                "label": flight.label,
+                "label": labelled.label,
                 **in_units({name: values[name] for name in names}),
-                **in_units(flight.figures),
-                **_nearest_pair(flight.nearest),
-                "iterations": flight.iterations,
-                "evaluations": flight.evaluations,
-                "status": flight.status,
+                **in_units(labelled.metrics),
+                **_nearest_pair(labelled.nearest),
+                "iterations": labelled.iterations,
+                "evaluations": labelled.evaluations,
+                "status": labelled.status,
             }
         )
     frame = pd.DataFrame(rows)
@@ -192,15 +192,15 @@ def read_runs(
     }
 
 
-def figures_table(flight: Flight) -> pd.DataFrame:
-    """Return a row for each figure of one run."""
+def metrics_table(labelled: LabelledRun) -> pd.DataFrame:
+    """Return a row for each metric of one run."""
     return pd.DataFrame(
         {
-            "figure": name,
+            "metric": name,
             "value": unit_of(name).from_si(value),
             "unit": unit_of(name).symbol,
         }
-        for name, value in flight.figures.items()
+        for name, value in labelled.metrics.items()
     )
 
 
@@ -224,29 +224,29 @@ def history_table(
     return pd.DataFrame(rows)
 
 
-def comparison_table(flights: Sequence[Flight]) -> pd.DataFrame:
+def comparison_table(runs: Sequence[LabelledRun]) -> pd.DataFrame:
     """Return, for each objective of the paper, its values: nominal, published, worst.
 
     SQP is the paper's method; the worst is that of all runs. Increases are percentages
     of the nominal and of the published magnitude.
     """
-    flown = [flight for flight in flights if flight.figures]
-    searched = {flight.objective for flight in flown}
+    flown = [labelled for labelled in runs if labelled.metrics]
+    searched = {labelled.objective for labelled in flown}
     rows = []
     for objective in [name for name in OBJECTIVES if name in searched]:
         name = f"G_{objective}"
         unit = unit_of(name)
-        values = {flight.label: flight.figures[name] for flight in flown}
+        values = {labelled.label: labelled.metrics[name] for labelled in flown}
         published = [
-            values[flight.label]
-            for flight in flown
-            if flight.published and objective in flight.published.objectives
+            values[labelled.label]
+            for labelled in flown
+            if labelled.published and objective in labelled.published.objectives
         ]
         # Of runs as bad, the one that bears the name.
         label = max(
             values, key=lambda label: (values[label], label.startswith("worst_"))
         )
-        nominal, worst = flown[0].figures[name], values[label]
+        nominal, worst = flown[0].metrics[name], values[label]
         reference = max(published, default=math.nan)
         rows.append(
             {
@@ -345,21 +345,21 @@ MARK = 5e-3
 of its tolerance."""
 
 
-def table_4(flights: Sequence[Flight], box: ToleranceBox) -> pd.DataFrame:
+def table_4(runs: Sequence[LabelledRun], box: ToleranceBox) -> pd.DataFrame:
     """Return the worst cases in the form of the paper's Table 4.
 
     Conditions after separation, then M (maximum), m (minimum), Nom (nominal) or the
     value of each property. A published run has what was printed in parentheses.
 
     Args:
-        flights: the nominal run, then the worst cases.
+        runs: the nominal run, then the worst cases.
         box: the tolerances.
     """
     groups = _groups(box)
     columns = {}
-    for flight in flights:
-        printed = flight.published and flight.published.printed
-        cells = _conditions(flight)
+    for labelled in runs:
+        printed = labelled.published and labelled.published.printed
+        cells = _conditions(labelled)
         if printed:
             numbers = [
                 *printed.rate_deg_s,
@@ -370,14 +370,16 @@ def table_4(flights: Sequence[Flight], box: ToleranceBox) -> pd.DataFrame:
                 f"{cell} ({number:g})"
                 for cell, number in zip(cells, numbers, strict=True)
             ]
-        values = parameters(flight.run.separation)
+        values = parameters(labelled.run.separation)
         for names in groups.values():
             cells.append(_marks({name: values[name] for name in names}, box))
         if printed:
             cells.append(f"({printed.iterations})")
         else:
-            cells.append("-" if flight.iterations is None else str(flight.iterations))
-        columns[flight.label] = cells
+            cells.append(
+                "-" if labelled.iterations is None else str(labelled.iterations)
+            )
+        columns[labelled.label] = cells
     labels = [
         *(f"rate {axis} (deg/s)" for axis in AXES),
         "deviation within limits until (s)",
@@ -388,12 +390,12 @@ def table_4(flights: Sequence[Flight], box: ToleranceBox) -> pd.DataFrame:
     return pd.DataFrame({"condition or property": labels, **columns})
 
 
-def _conditions(flight: Flight) -> list[str]:
+def _conditions(labelled: LabelledRun) -> list[str]:
     names = [f"final_rate_{axis}" for axis in AXES]
     names += ["deviation_within_limits_until", "longitudinal_speed_max"]
-    figures = flight.figures
+    metrics = labelled.metrics
     return [
-        f"{unit_of(name).from_si(figures[name]):.2f}" if figures else "failed"
+        f"{unit_of(name).from_si(metrics[name]):.2f}" if metrics else "failed"
         for name in names
     ]
 

@@ -46,7 +46,7 @@ _VELOCITIES = 7
 _XYZ = ("x", "y", "z")
 
 
-class Numbers(NamedTuple):
+class BatchParameters(NamedTuple):
     """The parameters of a separation on lanes: m bodies, a attachments, k springs."""
 
     mass: Lanes
@@ -174,10 +174,10 @@ class BatchEquations:
             for load in separation.loads
         ]
 
-    # The numbers, and the start.
+    # The params, and the start.
 
-    def numbers(self, p: Mapping[str, Lanes], n: int) -> Numbers:
-        """Return the numbers of a batch.
+    def params(self, p: Mapping[str, Lanes], n: int) -> BatchParameters:
+        """Return the parameters of a batch.
 
         Args:
             p: every parameter of the separation by name, (n,) or a single number.
@@ -205,7 +205,7 @@ class BatchEquations:
         stroke = of(springs, "stroke")
         design_mass = of(springs, "design_mass", missing=1.0)
         timed = np.isin(np.arange(len(springs)), self.timed)[:, None]
-        return Numbers(
+        return BatchParameters(
             mass=of(bodies, "mass"),
             p_BoBcm_B=vector(bodies, "cg"),
             I_BBcm_B=inertia,
@@ -230,16 +230,16 @@ class BatchEquations:
             w_WA_A=tuple(p[f"{STACK}.rate_{axis}"] for axis in _XYZ),
         )
 
-    def start(self, numbers: Numbers) -> tuple[Lanes, Mode]:
+    def start(self, params: BatchParameters) -> tuple[Lanes, Mode]:
         """Return the state (13, m, n) of the mated stack, and that nothing happened."""
         separation = self.separation
-        _, n = numbers.mass.shape
+        _, n = params.mass.shape
         A, _ = self.pair
         motions = mated_motion(
             separation,
-            numbers.rpy_WA,
-            numbers.w_WA_A,
-            pick(numbers.p_BoBcm_B, A),
+            params.rpy_WA,
+            params.w_WA_A,
+            pick(params.p_BoBcm_B, A),
             jnp,
         )
         flat = [[x for part in motion for x in part] for motion in motions]
@@ -250,10 +250,10 @@ class BatchEquations:
             jnp.full((sum(len(load.times) for load in separation.loads), n), False),
         )
 
-    def mated_place(self, numbers: Numbers) -> tuple[Vector, Vector]:
+    def mated_place(self, params: BatchParameters) -> tuple[Vector, Vector]:
         """Return B's CG in B, and its place in A while mated, of (n,), m."""
         B = self.separation.body(self.separation.B)
-        p_BoBcm_B = pick(numbers.p_BoBcm_B, self.pair[1])
+        p_BoBcm_B = pick(params.p_BoBcm_B, self.pair[1])
         return p_BoBcm_B, place_in_stack(B, p_BoBcm_B)
 
     @property
@@ -264,19 +264,19 @@ class BatchEquations:
 
     # What happens at known times.
 
-    def stroke_end(self, numbers: Numbers, mode: Mode) -> Lanes:
+    def stroke_end(self, params: BatchParameters, mode: Mode) -> Lanes:
         """Return (k, n) when springs driven by time reach their stroke, s."""
         released = mode.released[jnp.array(self.spring_attachments, dtype=int)]
-        return released + 0.5 * jnp.pi / numbers.frequency  # Eq. 5
+        return released + 0.5 * jnp.pi / params.frequency  # Eq. 5
 
-    def row_times(self, numbers: Numbers, mode: Mode) -> Lanes:
+    def row_times(self, params: BatchParameters, mode: Mode) -> Lanes:
         """Return (r, n) the times of the rows of the load tables, s."""
         times = [jnp.zeros((0, *mode.released.shape[1:]))]
         for i, (load, after) in enumerate(
             zip(self.separation.loads, self._load_after, strict=True)
         ):
             begin = 0.0 if after is None else mode.released[after]
-            start = begin + numbers.load_start[i]
+            start = begin + params.load_start[i]
             times.append(start + np.array(load.times)[:, None])
         return jnp.concatenate(times)
 
@@ -285,12 +285,12 @@ class BatchEquations:
         released = mode.released[jnp.array(self.spring_attachments, dtype=int)]
         return jnp.isfinite(released) & ~mode.spent
 
-    def at_times(self, t: Lanes, numbers: Numbers, mode: Mode) -> Timed:
+    def at_times(self, t: Lanes, params: BatchParameters, mode: Mode) -> Timed:
         """Return what depends on time alone.
 
         Args:
             t: (..., n) times within a step, s.
-            numbers: of the batch.
+            params: of the batch.
             mode: what has happened by the start of the step.
         """
         orbit = self.separation.orbit
@@ -298,16 +298,16 @@ class BatchEquations:
         if orbit is not None:
             r_W = gravity_laws.orbit_position(t, orbit.radius, orbit.mean_motion, jnp)
         loads, first = [], 0
-        times = self.row_times(numbers, mode)
+        times = self.row_times(params, mode)
         for i, load in enumerate(self.separation.loads):
             table = slice(first, first + len(load.times))
             first = table.stop
             count = mode.passed[table].sum(axis=0)
-            factor = numbers.load_factor[i]
+            factor = params.load_factor[i]
             loads.append(_load_between_rows(load, times[table], t, count, factor))
-        return Timed(self._timed_forces(t, numbers, mode), r_W, loads)
+        return Timed(self._timed_forces(t, params, mode), r_W, loads)
 
-    def _timed_forces(self, t: Lanes, numbers: Numbers, mode: Mode) -> Lanes:
+    def _timed_forces(self, t: Lanes, params: BatchParameters, mode: Mode) -> Lanes:
         index = jnp.array(self.timed, dtype=int)
         pushing = self.pushing(mode)[index]
         shape = (*t.shape[:-1], *pushing.shape)
@@ -317,7 +317,7 @@ class BatchEquations:
             released = mode.released[jnp.array(attachments, dtype=int)]
             elapsed = jnp.where(pushing, t[..., None, :] - released, 0.0)
             force = spring_laws.spring_force(
-                elapsed, numbers.force_max[index], numbers.frequency[index], jnp
+                elapsed, params.force_max[index], params.frequency[index], jnp
             )
             return jnp.where(pushing, force, 0.0)
 
@@ -326,7 +326,7 @@ class BatchEquations:
     # The equations.
 
     def derivative(
-        self, holding: bool, timed: Timed, x: Lanes, numbers: Numbers, mode: Mode
+        self, holding: bool, timed: Timed, x: Lanes, params: BatchParameters, mode: Mode
     ) -> Lanes:
         """Return the derivative (13, m, n) of a state (13, m, n).
 
@@ -334,17 +334,17 @@ class BatchEquations:
             holding: whether joints are computed: needless once all have let go.
             timed: what depends on time alone, at the state's time.
             x: the state.
-            numbers: of the batch.
+            params: of the batch.
             mode: what has happened.
         """
         bodies = motion_laws.body_state(x, 0, _VELOCITIES)
-        wrench = self._sum_wrenches(holding, timed, bodies, numbers, mode)
+        wrench = self._sum_wrenches(holding, timed, bodies, params, mode)
         alpha, a = newton_euler_laws.accelerations(
             bodies,
-            numbers.mass,
-            numbers.p_BoBcm_B,
-            numbers.I_BBcm_B,
-            numbers.inverse_I_BBcm_B,
+            params.mass,
+            params.p_BoBcm_B,
+            params.I_BBcm_B,
+            params.inverse_I_BBcm_B,
             wrench,
         )
         q_dot = newton_euler_laws.quaternion_rate(bodies.q_WB, bodies.w_WB)
@@ -355,7 +355,7 @@ class BatchEquations:
         holding: bool,
         timed: Timed,
         bodies: BodyState,
-        numbers: Numbers,
+        params: BatchParameters,
         mode: Mode,
     ) -> Wrench:
         orbit = self.separation.orbit
@@ -363,24 +363,24 @@ class BatchEquations:
         if orbit is not None and timed.r_W is not None:
             total = gravity_laws.gravity_wrench(
                 bodies,
-                numbers.mass,
-                numbers.p_BoBcm_B,
-                numbers.I_BBcm_B,
+                params.mass,
+                params.p_BoBcm_B,
+                params.I_BBcm_B,
                 timed.r_W,
                 orbit.mu,
                 jnp,
             )
         if self.spring_attachments:
-            springs = self._spring_wrenches(timed, bodies, numbers, mode)
+            springs = self._spring_wrenches(timed, bodies, params, mode)
             total = _add(total, springs)
         if holding:
-            total = _add(total, self._joint_wrenches(bodies, numbers, mode))
+            total = _add(total, self._joint_wrenches(bodies, params, mode))
         if self.separation.loads:
-            total = _add(total, self._load_wrenches(timed, bodies, numbers))
+            total = _add(total, self._load_wrenches(timed, bodies, params))
         return total
 
     def spring_forces(
-        self, timed: Timed, bodies: BodyState, numbers: Numbers, mode: Mode
+        self, timed: Timed, bodies: BodyState, params: BatchParameters, mode: Mode
     ) -> list[Lanes]:
         """Return the force of each spring on B, (n,), N."""
         forces = [jnp.zeros(())] * len(self.spring_attachments)
@@ -388,12 +388,12 @@ class BatchEquations:
             forces[k] = timed.spring_force[..., i, :]
         pushing = self.pushing(mode)
         for k in self.by_stroke:
-            force = spring_laws.positive_part(self.stroke_force(k, bodies, numbers))
+            force = spring_laws.positive_part(self.stroke_force(k, bodies, params))
             forces[k] = jnp.where(pushing[k], force, 0.0)
         return forces
 
     def displacement(
-        self, k: int, bodies: BodyState, numbers: Numbers
+        self, k: int, bodies: BodyState, params: BatchParameters
     ) -> tuple[Lanes, Lanes]:
         """Return how far, m, and how fast, m/s, a spring's pad has moved."""
         i = self.spring_attachments[k]
@@ -401,43 +401,48 @@ class BatchEquations:
         return spring_laws.spring_displacement(
             pick(bodies, a),
             pick(bodies, b),
-            pick(numbers.p_AoPad_A, i),
-            pick(numbers.p_BoPad_B, i),
-            self._push_axis(k, numbers),
+            pick(params.p_AoPad_A, i),
+            pick(params.p_BoPad_B, i),
+            self._push_axis(k, params),
         )
 
-    def _push_axis(self, k: int, numbers: Numbers) -> Vector | None:
-        axis: Vector = pick(numbers.push_axis_A, k)
+    def _push_axis(self, k: int, params: BatchParameters) -> Vector | None:
+        axis: Vector = pick(params.push_axis_A, k)
         return axis if self.tilted[k] else None
 
-    def stroke_force(self, k: int, bodies: BodyState, numbers: Numbers) -> Lanes:
+    def stroke_force(self, k: int, bodies: BodyState, params: BatchParameters) -> Lanes:
         """Return the force of a spring driven by displacement, were it to pull, N."""
         spring = self.separation.springs[k]
         assert isinstance(spring, DisplacementSpring)
         return spring_laws.displacement_spring_force(
-            *self.displacement(k, bodies, numbers),
-            numbers.force_max[k],
-            numbers.stroke[k],
-            numbers.damping[k],
+            *self.displacement(k, bodies, params),
+            params.force_max[k],
+            params.stroke[k],
+            params.damping[k],
             spring.profile[0][1],
             spring_laws.ramps(spring.profile),
         )
 
     def spring_wrench_on(
-        self, body: int, timed: Timed, bodies: BodyState, numbers: Numbers, mode: Mode
+        self,
+        body: int,
+        timed: Timed,
+        bodies: BodyState,
+        params: BatchParameters,
+        mode: Mode,
     ) -> Wrench:
         """Return the wrench of all springs on one body."""
-        return pick(self._spring_wrenches(timed, bodies, numbers, mode), body)
+        return pick(self._spring_wrenches(timed, bodies, params, mode), body)
 
     def _spring_wrenches(
-        self, timed: Timed, bodies: BodyState, numbers: Numbers, mode: Mode
+        self, timed: Timed, bodies: BodyState, params: BatchParameters, mode: Mode
     ) -> Wrench:
-        forces = self.spring_forces(timed, bodies, numbers, mode)
+        forces = self.spring_forces(timed, bodies, params, mode)
         pairs: dict[tuple[int, int], list[spring_laws.Push]] = {}
         for k, (force, i) in enumerate(
             zip(forces, self.spring_attachments, strict=True)
         ):
-            pad, axis = pick(numbers.p_BoPad_B, i), self._push_axis(k, numbers)
+            pad, axis = pick(params.p_BoPad_B, i), self._push_axis(k, params)
             pairs.setdefault(self.ends[i], []).append((force, pad, axis))
         total = _Sum(bodies)
         for (a, b), pushes in pairs.items():
@@ -449,7 +454,7 @@ class BatchEquations:
         return total.wrench
 
     def _joint_wrenches(
-        self, bodies: BodyState, numbers: Numbers, mode: Mode
+        self, bodies: BodyState, params: BatchParameters, mode: Mode
     ) -> Wrench:
         total = _Sum(bodies)
         held = jnp.isinf(mode.released)
@@ -467,8 +472,8 @@ class BatchEquations:
                 index = jnp.array(group.attachments)
                 joint = HeldJoint(
                     *group[1:7],
-                    pick(numbers.p_AoPad_A, index),
-                    pick(numbers.p_BoPad_B, index),
+                    pick(params.p_AoPad_A, index),
+                    pick(params.p_BoPad_B, index),
                     group.axis_B,
                 )
                 pull = joint_laws.pull_at_origin(
@@ -485,7 +490,7 @@ class BatchEquations:
         return total.wrench
 
     def _load_wrenches(
-        self, timed: Timed, bodies: BodyState, numbers: Numbers
+        self, timed: Timed, bodies: BodyState, params: BatchParameters
     ) -> Wrench:
         total = _Sum(bodies)
         for i, (load, b) in enumerate(
@@ -493,7 +498,7 @@ class BatchEquations:
         ):
             wrench = motion_laws.load_wrench(
                 pick(bodies, b),
-                pick(numbers.p_BoQ_B, i),
+                pick(params.p_BoQ_B, i),
                 *timed.loads[i],
                 load.axes == "body",
             )

@@ -5,7 +5,7 @@ estimate and ended at its own kinks: releases, ends of strokes and rows of load 
 at times that are known beforehand, and strokes, corners of profiles and hinge angles
 that are found within a step. Where kinks of all samples are near, as ends of strokes
 are, DOPRI5 goes from one to the next with half the stages. What a sample does depends
-on its own numbers; on those of its neighbours in the batch by less than a hundredth
+on its own params; on those of its neighbours in the batch by less than a hundredth
 of its tolerance, as they choose between the two.
 
 Everything is differentiable in forward mode: steps end where events are, whose times
@@ -23,9 +23,9 @@ from jax import lax
 from drakesep.systems.batch import lobatto, polynomials
 from drakesep.systems.batch.equations import (
     BatchEquations,
+    BatchParameters,
     Lanes,
     Mode,
-    Numbers,
     pick,
 )
 from drakesep.systems.batch.tableaus import DOP853, DOPRI5, Method
@@ -51,7 +51,7 @@ _SHORT = 0.02
 
 
 class _Weights(NamedTuple):
-    """What makes a step of the stages' derivatives: numbers, or their traces."""
+    """What makes a step of the stages' derivatives: params, or their traces."""
 
     method: Method
     at_nodes: Lanes
@@ -93,16 +93,16 @@ class Step(NamedTuple):
 
 
 class Fold(Protocol):
-    """What is made of the steps of a flight, one after the other."""
+    """What is made of the steps of a run, one after the other."""
 
-    def start(self, numbers: Numbers) -> Any:
+    def start(self, params: BatchParameters) -> Any:
         """Return what there is before the first step."""
 
-    def add(self, carry: Any, numbers: Numbers, step: Step) -> Any:
+    def add(self, carry: Any, params: BatchParameters, step: Step) -> Any:
         """Return what there is after a step."""
 
 
-class _Flight(NamedTuple):
+class LaneState(NamedTuple):
     """Where the samples of a batch are."""
 
     t: Lanes
@@ -121,7 +121,7 @@ class _Flight(NamedTuple):
     folded: Any
 
 
-class Landing(NamedTuple):
+class FinalState(NamedTuple):
     """How the samples of a batch ended."""
 
     status: Lanes
@@ -142,7 +142,7 @@ class Landing(NamedTuple):
 class _Event(NamedTuple):
     """Something that happens where a quantity crosses zero."""
 
-    quantity: Callable[[BodyState, Numbers], Lanes]
+    quantity: Callable[[BodyState, BatchParameters], Lanes]
     attachment: int
     spring: int | None
     """That must push; None: the attachment must hold."""
@@ -150,7 +150,7 @@ class _Event(NamedTuple):
     """Whether it happens once, upwards: the stroke's end, or the release."""
 
 
-class BatchFlight:
+class BatchIntegrator:
     """Flies batches of one separation."""
 
     def __init__(
@@ -181,17 +181,17 @@ class BatchFlight:
             i for i, a in enumerate(self._separation.attachments) if B in (a.A, a.B)
         ]
 
-    def fly(self, numbers: Numbers, fold: Fold) -> Landing:
+    def fly(self, params: BatchParameters, fold: Fold) -> FinalState:
         """Fly a batch.
 
         Args:
-            numbers: of the batch.
+            params: of the batch.
             fold: what is made of the steps.
         """
-        x, mode = self._equations.start(numbers)
+        x, mode = self._equations.start(params)
         n = x.shape[-1]
         events = jnp.full((len(self._events), n), False)
-        flight = _Flight(
+        state = LaneState(
             t=jnp.zeros(n),
             x=x,
             mode=mode,
@@ -202,33 +202,35 @@ class BatchFlight:
             status=jnp.full(n, FLYING),
             steps=jnp.zeros(n, dtype=int),
             evaluations=jnp.zeros(n, dtype=int),
-            folded=fold.start(numbers),
+            folded=fold.start(params),
         )
-        flight = lax.while_loop(
-            lambda flight: (flight.status == FLYING).any(),
-            lambda flight: self._advance(flight, numbers, fold),
-            flight,
+        state = lax.while_loop(
+            lambda state: (state.status == FLYING).any(),
+            lambda state: self._advance(state, params, fold),
+            state,
         )
-        return Landing(
-            flight.status,
-            flight.t,
-            flight.steps,
-            flight.evaluations,
-            flight.mode.released,
-            flight.stroke_ends,
-            flight.folded,
+        return FinalState(
+            state.status,
+            state.t,
+            state.steps,
+            state.evaluations,
+            state.mode.released,
+            state.stroke_ends,
+            state.folded,
         )
 
-    def _advance(self, flight: _Flight, numbers: Numbers, fold: Fold) -> _Flight:
+    def _advance(
+        self, state: LaneState, params: BatchParameters, fold: Fold
+    ) -> LaneState:
         """Take one step of every sample."""
-        flight = self._latch(flight, numbers)
-        t, mode = flight.t, flight.mode
-        flying = flight.status == FLYING
+        state = self._latch(state, params)
+        t, mode = state.t, state.mode
+        flying = state.status == FLYING
         wanted = jnp.where(
-            jnp.isnan(flight.step), self._first_guess(flight, numbers), flight.step
+            jnp.isnan(state.step), self._first_guess(state, params), state.step
         )
-        wanted = jnp.minimum(wanted, _TURN / (_fastest(flight.x) + TINY))
-        end = self._next_known_event(numbers, mode)
+        wanted = jnp.minimum(wanted, _TURN / (_fastest(state.x) + TINY))
+        end = self._next_known_event(params, mode)
         left = jnp.where(flying, end - t, 0.0)
         pieces = jnp.maximum(jnp.ceil(_still(left / wanted) - 1e-9), 1.0)
         h = left / pieces
@@ -239,12 +241,12 @@ class BatchFlight:
         )
         method = weights.method
 
-        K = self._stages(flight, h, method, numbers)
+        K = self._stages(state, h, method, params)
         error = self._error(K, method)
         accepted = flying & (error <= 1.0)
         moved = jnp.where(accepted, h, 0.0)
         nodes, fraction, beyond, crossed = self._to_first_event(
-            flight, K, weights, accepted, moved, numbers
+            state, K, weights, accepted, moved, params
         )
         t_new = jnp.where(pieces > 1.0, t + h, end)
         t_new = jnp.where(fraction < 1.0, t + fraction * h, t_new)
@@ -258,94 +260,92 @@ class BatchFlight:
         factor = jnp.where(jnp.isfinite(error), factor, _SHRINK)
         controlled = _still(h * factor)
         controlled = jnp.where(accepted, jnp.maximum(controlled, wanted), controlled)
-        flight = flight._replace(
+        state = state._replace(
             t=jnp.where(accepted, t_new, t),
             x=nodes[:, -1],
             beyond=beyond,
-            step=jnp.where(flying, controlled, flight.step),
-            steps=flight.steps + flying,
-            evaluations=flight.evaluations + jnp.where(flying, method.stages, 0),
-            folded=fold.add(flight.folded, numbers, step),
+            step=jnp.where(flying, controlled, state.step),
+            steps=state.steps + flying,
+            evaluations=state.evaluations + jnp.where(flying, method.stages, 0),
+            folded=fold.add(state.folded, params, step),
         )
-        flight = self._latch_crossed(flight, crossed)
-        return flight._replace(status=self._judge(flight, accepted, h))
+        state = self._latch_crossed(state, crossed)
+        return state._replace(status=self._judge(state, accepted, h))
 
     # What happens at known times.
 
-    def _known_events(self, numbers: Numbers, mode: Mode) -> tuple[Lanes, Lanes]:
+    def _known_events(self, params: BatchParameters, mode: Mode) -> tuple[Lanes, Lanes]:
         """Return (e, n) the times of known events, s, and whether they are to come.
 
         First the releases, then the ends of strokes by time, then the rows of loads.
         """
         timed = np.isin(np.arange(len(mode.spent)), self._equations.timed)[:, None]
         times = [
-            numbers.release_time,
-            self._equations.stroke_end(numbers, mode),
-            self._equations.row_times(numbers, mode),
+            params.release_time,
+            self._equations.stroke_end(params, mode),
+            self._equations.row_times(params, mode),
         ]
         ahead = [jnp.isinf(mode.released), timed & ~mode.spent, ~mode.passed]
         return jnp.concatenate(times), jnp.concatenate(ahead)
 
-    def _latch(self, flight: _Flight, numbers: Numbers) -> _Flight:
+    def _latch(self, state: LaneState, params: BatchParameters) -> LaneState:
         """Let happen what is due by now."""
-        flight = self._latch_due(flight, numbers)
+        state = self._latch_due(state, params)
         if not self._one_by_one:
-            flight = self._latch_due(flight, numbers)  # loads that a release starts
+            state = self._latch_due(state, params)  # loads that a release starts
         if not self._events:
-            return flight
+            return state
         # What begins to be watched may be beyond its threshold already.
-        watched = self._watched(flight.mode)
-        begins = watched & ~flight.watched
-        now = self._quantities(flight.x, numbers) >= 0.0
-        flight = flight._replace(
-            beyond=jnp.where(begins, now, flight.beyond), watched=watched
+        watched = self._watched(state.mode)
+        begins = watched & ~state.watched
+        now = self._quantities(state.x, params) >= 0.0
+        state = state._replace(
+            beyond=jnp.where(begins, now, state.beyond), watched=watched
         )
-        return self._latch_crossed(flight, begins & now)
+        return self._latch_crossed(state, begins & now)
 
-    def _latch_due(self, flight: _Flight, numbers: Numbers) -> _Flight:
-        mode = flight.mode
-        times, ahead = self._known_events(numbers, mode)
-        due = ahead & (times <= flight.t)
+    def _latch_due(self, state: LaneState, params: BatchParameters) -> LaneState:
+        mode = state.mode
+        times, ahead = self._known_events(params, mode)
+        due = ahead & (times <= state.t)
         if self._one_by_one:
             due = due & (jnp.cumsum(due, axis=0) == 1)
         a, k = len(mode.released), len(mode.spent)
         released, ended, passed = due[:a], due[a : a + k], due[a + k :]
-        return flight._replace(
+        return state._replace(
             mode=Mode(
                 jnp.where(released, times[:a], mode.released),
                 mode.spent | ended,
                 mode.passed | passed,
             ),
-            stroke_ends=jnp.where(ended, times[a : a + k], flight.stroke_ends),
-            step=jnp.where(due.any(axis=0), jnp.nan, flight.step),
+            stroke_ends=jnp.where(ended, times[a : a + k], state.stroke_ends),
+            step=jnp.where(due.any(axis=0), jnp.nan, state.step),
         )
 
-    def _latch_crossed(self, flight: _Flight, crossed: Lanes) -> _Flight:
+    def _latch_crossed(self, state: LaneState, crossed: Lanes) -> LaneState:
         """Let happen what was crossed at this time."""
-        released, spent, passed = flight.mode
-        stroke_ends, step = flight.stroke_ends, flight.step
+        released, spent, passed = state.mode
+        stroke_ends, step = state.stroke_ends, state.step
         for event, happened in zip(self._events, crossed, strict=True):
             if not event.latches:
                 continue
             if event.spring is None:
                 i = event.attachment
-                released = released.at[i].set(
-                    jnp.where(happened, flight.t, released[i])
-                )
+                released = released.at[i].set(jnp.where(happened, state.t, released[i]))
             else:
                 k = event.spring
                 spent = spent.at[k].set(spent[k] | happened)
                 stroke_ends = stroke_ends.at[k].set(
-                    jnp.where(happened, flight.t, stroke_ends[k])
+                    jnp.where(happened, state.t, stroke_ends[k])
                 )
             step = jnp.where(happened, jnp.nan, step)
-        return flight._replace(
+        return state._replace(
             mode=Mode(released, spent, passed), stroke_ends=stroke_ends, step=step
         )
 
-    def _next_known_event(self, numbers: Numbers, mode: Mode) -> Lanes:
+    def _next_known_event(self, params: BatchParameters, mode: Mode) -> Lanes:
         """Return (n,) the next time at which something is known to happen, s."""
-        times, ahead = self._known_events(numbers, mode)
+        times, ahead = self._known_events(params, mode)
         times = jnp.where(ahead, times, jnp.inf)
         # Not min: of events at the same time, it would mix the derivatives.
         first = jnp.argmin(times, axis=0)[None]
@@ -353,36 +353,36 @@ class BatchFlight:
         duration = self._separation.duration
         return jnp.where(time < duration, time, duration)
 
-    def _first_guess(self, flight: _Flight, numbers: Numbers) -> Lanes:
+    def _first_guess(self, state: LaneState, params: BatchParameters) -> Lanes:
         """Return (n,) a step that suits what acts now, s."""
-        mode = flight.mode
-        frequency = _fastest(flight.x)
-        lightness = 1.0 / numbers.mass
+        mode = state.mode
+        frequency = _fastest(state.x)
+        lightness = 1.0 / params.mass
         pushing = self._equations.pushing(mode)
         for k, i in enumerate(self._equations.spring_attachments):
-            spring = numbers.frequency[k]
+            spring = params.frequency[k]
             if k in self._equations.by_stroke:
                 a, b = self._equations.ends[i]
                 light = lightness[a] + lightness[b]
-                stiffness = numbers.force_max[k] / numbers.stroke[k]
+                stiffness = params.force_max[k] / params.stroke[k]
                 spring = jnp.sqrt(len(pushing) * stiffness * light)
             frequency = jnp.maximum(frequency, jnp.where(pushing[k], spring, 0.0))
         if self._equations.holds:
-            frequency = jnp.maximum(frequency, self._held_frequency(numbers, mode))
+            frequency = jnp.maximum(frequency, self._held_frequency(params, mode))
         scale = (self._tolerance / 1e-8) ** (1.0 / DOP853.order_of_error)
         return _still(_PHASE * scale / (frequency + 1e-3))
 
-    def _held_frequency(self, numbers: Numbers, mode: Mode) -> Lanes:
+    def _held_frequency(self, params: BatchParameters, mode: Mode) -> Lanes:
         """Return (n,) the fastest motion of bodies in the joints that hold, rad/s."""
-        lightness = 1.0 / numbers.mass
-        inverse_inertia = 1.0 / jnp.stack(tuple(numbers.I_BBcm_B)[:3]).min(axis=0)
+        lightness = 1.0 / params.mass
+        inverse_inertia = 1.0 / jnp.stack(tuple(params.I_BBcm_B)[:3]).min(axis=0)
         K, D = jnp.zeros_like(lightness[0]), jnp.zeros_like(lightness[0])
         for i, attachment in enumerate(self._separation.attachments):
             gains = np.reshape(attachment.joint.held_gains(), (4, 3)).max(axis=1)
             a, b = self._equations.ends[i]
             arms = [
-                sum(x * x for x in _arm(numbers, body, pads, i))
-                for body, pads in ((a, numbers.p_AoPad_A), (b, numbers.p_BoPad_B))
+                sum(x * x for x in _arm(params, body, pads, i))
+                for body, pads in ((a, params.p_AoPad_A), (b, params.p_BoPad_B))
             ]
             turning = inverse_inertia[a] + inverse_inertia[b]
             moving = (
@@ -399,18 +399,18 @@ class BatchFlight:
     # A step.
 
     def _stages(
-        self, flight: _Flight, h: Lanes, method: Method, numbers: Numbers
+        self, state: LaneState, h: Lanes, method: Method, params: BatchParameters
     ) -> Lanes:
         """Return (16, 13, m, n) derivatives at the stages of a step."""
-        x, t, mode = flight.x, flight.t, flight.mode
+        x, t, mode = state.x, state.t, state.mode
         times = t + method.C[:, None] * h
-        timed = self._equations.at_times(times, numbers, mode)
+        timed = self._equations.at_times(times, params, mode)
 
         def stages(holding: bool) -> Callable[[None], Lanes]:
             def stage(i: int, K: Lanes) -> Lanes:
                 y = x + h * jnp.tensordot(method.A[i], K, 1)
                 now = jax.tree.map(lambda lanes: lanes[i], timed)
-                k = self._equations.derivative(holding, now, y, numbers, mode)
+                k = self._equations.derivative(holding, now, y, params, mode)
                 return K.at[i].set(k)
 
             K = jnp.zeros((len(method.A), *x.shape))
@@ -431,12 +431,12 @@ class BatchFlight:
 
     def _to_first_event(
         self,
-        flight: _Flight,
+        state: LaneState,
         K: Lanes,
         weights: _Weights,
         accepted: Lanes,
         moved: Lanes,
-        numbers: Numbers,
+        params: BatchParameters,
     ) -> tuple[Lanes, Lanes, Lanes, Lanes]:
         """Return the states at the nodes of a step, cut off at the first event in it.
 
@@ -445,16 +445,16 @@ class BatchFlight:
             which events are now beyond their threshold, and (e, n) which happened.
         """
         change = jnp.tensordot(weights.at_nodes, K, 1)
-        nodes = flight.x + jnp.where(accepted, moved * change, 0.0)
+        nodes = state.x + jnp.where(accepted, moved * change, 0.0)
         nodes = jnp.moveaxis(nodes, 0, 1)
         whole = jnp.ones_like(moved)
-        none = jnp.full(flight.beyond.shape, False)
+        none = jnp.full(state.beyond.shape, False)
         if not self._events:
-            return nodes, whole, flight.beyond, none
-        values = self._quantities(nodes, numbers)
-        watched = self._watched(flight.mode) & (moved > 0.0)
+            return nodes, whole, state.beyond, none
+        values = self._quantities(nodes, params)
+        watched = self._watched(state.mode) & (moved > 0.0)
         quantities = polynomials.pieces(jnp.moveaxis(values, 1, 0))
-        beyond = ((quantities.values >= 0.0) != flight.beyond) & watched
+        beyond = ((quantities.values >= 0.0) != state.beyond) & watched
         # At the start stands what has just been crossed, on either side of zero.
         beyond = beyond & (quantities.xi > -1.0)
 
@@ -473,18 +473,18 @@ class BatchFlight:
             total = jnp.zeros_like(change)
             for coefficient in powers[::-1]:
                 total = total * theta[:, None, None, :] + coefficient
-            cut_nodes = flight.x + jnp.where(accepted, moved * total, 0.0)
+            cut_nodes = state.x + jnp.where(accepted, moved * total, 0.0)
             return jnp.moveaxis(cut_nodes, 0, 1), fraction, happened
 
         nodes, fraction, happened = lax.cond(
             beyond.any(), cut, lambda _: (nodes, whole, none), None
         )
-        return nodes, fraction, flight.beyond ^ happened, happened
+        return nodes, fraction, state.beyond ^ happened, happened
 
-    def _quantities(self, x: Lanes, numbers: Numbers) -> Lanes:
+    def _quantities(self, x: Lanes, params: BatchParameters) -> Lanes:
         """Return (e, ..., n) the events' quantities at states (13, ..., m, n)."""
         bodies = motion_laws.body_state(x, 0, 7)
-        return jnp.stack([event.quantity(bodies, numbers) for event in self._events])
+        return jnp.stack([event.quantity(bodies, params) for event in self._events])
 
     def _watched(self, mode: Mode) -> Lanes:
         """Return (e, n) whether each event can happen."""
@@ -512,19 +512,19 @@ class BatchFlight:
                 ended = ended & mode.spent[k]
         return began, ended
 
-    def _judge(self, flight: _Flight, accepted: Lanes, h: Lanes) -> Lanes:
+    def _judge(self, state: LaneState, accepted: Lanes, h: Lanes) -> Lanes:
         """Return (n,) the status of the samples after a step."""
-        held = jnp.isinf(flight.mode.released).any(axis=0)
-        stroke_left = ~flight.mode.spent.all(axis=0)
+        held = jnp.isinf(state.mode.released).any(axis=0)
+        stroke_left = ~state.mode.spent.all(axis=0)
         end = jnp.where(
             held, STILL_HELD, jnp.where(stroke_left, STROKE_LEFT, COMPLETED)
         )
-        status = jnp.where(flight.t >= self._separation.duration, end, FLYING)
+        status = jnp.where(state.t >= self._separation.duration, end, FLYING)
         collapsed = ~accepted & (h < _SHORTEST)
         status = jnp.where(collapsed, STEP_COLLAPSED, status)
-        too_many = (status == FLYING) & (flight.steps >= self._max_steps)
+        too_many = (status == FLYING) & (state.steps >= self._max_steps)
         status = jnp.where(too_many, TOO_MANY_STEPS, status)
-        return jnp.where(flight.status == FLYING, status, flight.status)
+        return jnp.where(state.status == FLYING, status, state.status)
 
 
 def _still(x: Lanes) -> Lanes:
@@ -538,8 +538,8 @@ def _fastest(x: Lanes) -> Lanes:
     return jnp.sqrt((w * w).sum(axis=0)).max(axis=0)
 
 
-def _arm(numbers: Numbers, body: int, pads: Any, i: int) -> tuple[Lanes, ...]:
-    cg = pick(numbers.p_BoBcm_B, body)
+def _arm(params: BatchParameters, body: int, pads: Any, i: int) -> tuple[Lanes, ...]:
+    cg = pick(params.p_BoBcm_B, body)
     return tuple(pad - c for pad, c in zip(pick(pads, i), cg, strict=True))
 
 
@@ -565,16 +565,16 @@ def _events(equations: BatchEquations) -> list[_Event]:
 
 
 def _beyond(equations: BatchEquations, k: int, u: float) -> Callable[..., Lanes]:
-    def quantity(bodies: BodyState, numbers: Numbers) -> Lanes:
-        displacement, _ = equations.displacement(k, bodies, numbers)
-        return displacement - u * numbers.stroke[k]
+    def quantity(bodies: BodyState, params: BatchParameters) -> Lanes:
+        displacement, _ = equations.displacement(k, bodies, params)
+        return displacement - u * params.stroke[k]
 
     return quantity
 
 
 def _lifted(equations: BatchEquations, k: int) -> Callable[..., Lanes]:
-    def quantity(bodies: BodyState, numbers: Numbers) -> Lanes:
-        return -equations.stroke_force(k, bodies, numbers)
+    def quantity(bodies: BodyState, params: BatchParameters) -> Lanes:
+        return -equations.stroke_force(k, bodies, params)
 
     return quantity
 
@@ -585,9 +585,9 @@ def _turned(equations: BatchEquations, i: int, way: float) -> Callable[..., Lane
     q_AB = mated_orientation(separation.bodies[a], separation.bodies[b])
     axis_A = separation.attachments[i].joint.x_axis_A
 
-    def quantity(bodies: BodyState, numbers: Numbers) -> Lanes:
+    def quantity(bodies: BodyState, params: BatchParameters) -> Lanes:
         A, B = pick(bodies, a), pick(bodies, b)
         angle = joint_laws.twist_angle(A.q_WB, B.q_WB, q_AB, axis_A, jnp)
-        return way * angle - numbers.release_angle[i]
+        return way * angle - params.release_angle[i]
 
     return quantity

@@ -13,8 +13,8 @@ from drakesep.systems.batch import lobatto
 from drakesep.systems.batch.equations import (
     STATES,
     BatchEquations,
+    BatchParameters,
     Lanes,
-    Numbers,
     pick,
 )
 from drakesep.systems.batch.integrator import Step
@@ -59,16 +59,16 @@ class MotionFold:
         # Of the bodies, of which the rest is made: angles jump between samples.
         self._states = STATES * len(equations.separation.bodies)
 
-    def start(self, numbers: Numbers) -> Samples:
+    def start(self, params: BatchParameters) -> Samples:
         """Return what there is before the first step."""
         count, n = self._times.shape
         return Samples(
             jnp.full((count, self._states + 9, n), jnp.nan), jnp.zeros((6, n))
         )
 
-    def add(self, samples: Samples, numbers: Numbers, step: Step) -> Samples:
+    def add(self, samples: Samples, params: BatchParameters, step: Step) -> Samples:
         """Return the samples after a step: those at a kink are those after it."""
-        acceleration, momentum_rate = self._at_nodes(numbers, step)
+        acceleration, momentum_rate = self._at_nodes(params, step)
         gained = 0.5 * step.length * jnp.tensordot(lobatto.INTEGRALS, momentum_rate, 1)
         momentum = samples.momentum + gained
         # (13, 8, m, n) to (8, 13 m, n)
@@ -84,35 +84,35 @@ class MotionFold:
         signals = jnp.where(inside[:, None], at_times, samples.signals)
         return Samples(signals, momentum[-1])
 
-    def _at_nodes(self, numbers: Numbers, step: Step) -> tuple[Lanes, Lanes]:
+    def _at_nodes(self, params: BatchParameters, step: Step) -> tuple[Lanes, Lanes]:
         """Return (8, 3, n) acceleration and (8, 6, n) rates of momentum, at nodes."""
         equations = self._equations
         _, b = equations.pair
         bodies = step.bodies
         B = pick(bodies, b)
-        p_BoBcm_B, _ = equations.mated_place(numbers)
+        p_BoBcm_B, _ = equations.mated_place(params)
         times = step.start + lobatto.THETA[:, None] * step.length
-        timed = equations.at_times(times, numbers, step.mode)
+        timed = equations.at_times(times, params, step.mode)
         slopes = lax.map(
             lambda node: equations.derivative(
-                equations.holds, node[0], node[1], numbers, step.mode
+                equations.holds, node[0], node[1], params, step.mode
             ),
             (timed, jnp.moveaxis(step.x, 1, 0)),
         )[:, :, b]
         alpha, a_Bo = (tuple(slopes[:, k + i] for i in range(3)) for k in (7, 10))
         acceleration = motion_laws.cg_acceleration(B, p_BoBcm_B, alpha, a_Bo)
-        wrench = equations.spring_wrench_on(b, timed, bodies, numbers, step.mode)
+        wrench = equations.spring_wrench_on(b, timed, bodies, params, step.mode)
         rates = motion_laws.momentum_rate(B, p_BoBcm_B, wrench)
         return _stack([acceleration]), _stack(rates)
 
-    def finish(self, samples: Samples, numbers: Numbers) -> Lanes:
+    def finish(self, samples: Samples, params: BatchParameters) -> Lanes:
         """Return (T, 24 + 13 m, n) the signals of `COLUMNS`, and the states."""
         states: Lanes = jnp.moveaxis(samples.signals, 1, 0)
         A, B = (
             motion_laws.body_state(states, STATES * body, STATES * body + 7)
             for body in self._equations.pair
         )
-        place = self._equations.mated_place(numbers)
+        place = self._equations.mated_place(params)
         motion = motion_laws.relative_motion(A, B, *place, jnp)
         return jnp.concatenate(
             [

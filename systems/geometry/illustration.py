@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _SECTIONS = 96
 """Sides of a round wall as it is drawn."""
-# Okabe and Ito's colours, as in the figures; walls let one see through.
+# Okabe and Ito's colours, as in plots; walls let one see through.
 _COLOURS = ((0.45, 0.45, 0.5), (0.0, 0.45, 0.7), (0.9, 0.62, 0.0), (0.0, 0.62, 0.45))
 
 

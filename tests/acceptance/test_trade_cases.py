@@ -138,7 +138,7 @@ def test_largest_step_of_a_run(largest):
     case = symmetric_design(
         run={"duration_s": 0.3, "accuracy": 1e-6, "max_step_s": largest}
     )
-    run = drakesep.simulate(case).flight.run
+    run = drakesep.simulate(case).run
     assert run.steps >= 0.3 / largest
     speed = run.completed_motion.relative_velocity[-1, 0]
     assert speed == pytest.approx(SPEED, abs=1e-5)  # ten times the accuracy
@@ -158,6 +158,6 @@ def test_largest_step_where_bodies_may_touch_again():
         recontact={"stiffness_N_m": 1e5, "dissipation_s_m": 0.2, "friction": 0.0},
         run={"duration_s": 0.3, "accuracy": 1e-8, "max_step_s": 5e-4},
     )
-    run = drakesep.simulate(case).flight.run
+    run = drakesep.simulate(case).run
     speed = run.completed_motion.relative_velocity[-1, 0]
     assert speed == pytest.approx(SPEED, abs=1e-6)  # 100 times the accuracy

@@ -10,7 +10,7 @@ import math
 import numpy as np
 import pytest
 
-from drakesep.analysis.metrics.of_run import metrics
+from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.simulation.simulation import Simulation
 
@@ -98,8 +98,8 @@ def test_slowest_separation_is_the_published_one(table):
 
 def test_worst_cases_lie_within_the_tolerances(vega_verification):
     box = vega_verification.case.box
-    for flight in vega_verification.flights:
-        values = parameters(flight.run.separation)
+    for labelled in vega_verification.runs:
+        values = parameters(labelled.run.separation)
         u = box.scaled({name: values[name] for name in box.names})
         assert np.abs(u).max() <= 1.0 + 1e-12
 
@@ -219,7 +219,7 @@ def test_tolerances_may_grow(vega_verification):
     simulation = Simulation(vega_verification.case.separation)
     for requirement, growth in vega_verification.growths[:3]:
         run = simulation.run(growth.values)
-        value = metrics(run, (math.inf,) * 3)[requirement.metric]
+        value = metrics_of_run(run, (math.inf,) * 3)[requirement.metric]
         assert value == pytest.approx(requirement.limit, rel=1e-4)
 
 

@@ -62,14 +62,14 @@ def test_every_pair_of_bodies_is_measured(study, tmp_path):
 
 def test_worst_clearance(vega_verification):
     """The nozzle's rim against the bore in Drake's run, as points on a circle."""
-    flights = {flight.label: flight for flight in vega_verification.flights}
-    worst = flights["worst_lowest_clearance"]
+    runs = {labelled.label: labelled for labelled in vega_verification.runs}
+    worst = runs["worst_lowest_clearance"]
     assert worst.status == "confirmed"
-    gap = worst.figures["clearance"]
+    gap = worst.metrics["clearance"]
     assert gap == pytest.approx(rim_to_bore(worst.run), abs=2.0 * FACET + ACCURACY)
     # Nearer than any run that was flown for something else, by millimetres.
-    others = [flights[label] for label in ("nominal", "paper_L1_Linf", "paper_L2")]
-    assert gap < min(flight.figures["clearance"] for flight in others) - 1e-3
+    others = [runs[label] for label in ("nominal", "paper_L1_Linf", "paper_L2")]
+    assert gap < min(labelled.metrics["clearance"] for labelled in others) - 1e-3
     rows = vega_verification.requirements.set_index("requirement")
     row = rows.loc["clearance until 500 mm of separation"]
     assert (row["verdict"], row["which_run"]) == ("met", "worst_lowest_clearance")
@@ -114,7 +114,7 @@ def test_what_is_near_at_the_nominal_points_to_the_worst_corner(
     corner, *_ = linearised_corners(problem, 0)
     assert (np.abs(corner) == 1.0).sum() >= 12  # inertias are drawn back together
     [run] = evaluator.runs(vega.tolerance_set.rows(corner[None]))
-    flights = {flight.label: flight for flight in vega_verification.flights}
-    worst = flights["worst_lowest_clearance"].figures["clearance"]
-    nominal = flights["nominal"].figures["clearance"]
+    runs = {labelled.label: labelled for labelled in vega_verification.runs}
+    worst = runs["worst_lowest_clearance"].metrics["clearance"]
+    nominal = runs["nominal"].metrics["clearance"]
     assert objective.nearest(run).minimum - worst < 0.02 * (nominal - worst)

@@ -1,4 +1,4 @@
-"""Many runs at once: figures, their derivatives and motion of a whole batch.
+"""Many runs at once: metrics, their derivatives and motion of a whole batch.
 
 The batch engine integrates the same equations as the Drake systems, in JAX and double
 precision, many samples side by side. Drake stays the reference. How a batch is flown is
@@ -28,9 +28,9 @@ from drakesep.analysis.engines.jax.compiled import (
 from drakesep.analysis.engines.jax.step_signals import MetricsFold
 from drakesep.analysis.metrics.of_run import METRICS
 from drakesep.systems.arrays import Array
-from drakesep.systems.batch import integrator as batch_flight
+from drakesep.systems.batch import integrator as integrator
 from drakesep.systems.batch.equations import BatchEquations, Lanes
-from drakesep.systems.batch.integrator import BatchFlight, Landing
+from drakesep.systems.batch.integrator import BatchIntegrator, FinalState
 from drakesep.systems.batch.motion import MotionFold, columns_of, trajectory_of
 from drakesep.systems.batch.row_checks import check_rows
 from drakesep.systems.checks import InputError, check_positive, unknown
@@ -46,7 +46,7 @@ Progress = Callable[[int, int], None]
 Values: TypeAlias = ArrayLike | pd.DataFrame
 
 TOLERANCE = 1e-7
-"""Of a run's error estimate, in SI; figures are within 1e-8 of their values by it."""
+"""Of a run's error estimate, in SI; metrics are within 1e-8 of their values by it."""
 MAX_STEPS = 20_000
 _CHUNK = {"cpu": 128}
 """Rows that are flown together: on a CPU as many as its cache holds."""
@@ -64,13 +64,13 @@ class BatchResult:
     names: tuple[str, ...]
     """(n_p,) of the parameters."""
     metrics: pd.DataFrame
-    """(n, n_m) figures of each row, in SI; NaN in rows that failed."""
+    """(n, n_m) metrics of each row, in SI; NaN in rows that failed."""
     failures: Mapping[int, str]
     """Why a row failed, by its number from 0."""
     steps: NDArray[np.int64]
     """(n,) integration steps tried for each row; 0 if it was not flown."""
     jacobian: Array | None = field(default=None, repr=False)
-    """(n, n_m, n_p) derivatives of the figures with the parameters, if asked for."""
+    """(n, n_m, n_p) derivatives of the metrics with the parameters, if asked for."""
 
 
 class _Flown(NamedTuple):
@@ -78,7 +78,7 @@ class _Flown(NamedTuple):
 
     metrics: Lanes
     """(n_m, n)."""
-    landing: Landing
+    final: FinalState
     slopes: Any
     """(n_p, n_m, n), if asked for."""
 
@@ -155,21 +155,21 @@ class Batch:
         self._nominal = nominal
         self.nominal = np.array([nominal[name] for name in names])
         self._equations = BatchEquations(separation, names)
-        flight = functools.partial(
-            BatchFlight, self._equations, tolerance=tolerance, max_steps=max_steps
+        state = functools.partial(
+            BatchIntegrator, self._equations, tolerance=tolerance, max_steps=max_steps
         )
-        self._flight = flight()
+        self._integrator = state()
         # Where times vary, those that coincide must be told apart.
         timed = any(name.endswith((".release_time", ".start")) for name in names)
-        self._flight_of_slopes = flight(one_by_one=timed)
+        self._integrator_of_slopes = state(one_by_one=timed)
         self._fold = MetricsFold(self._equations, deviation_limits)
         compiled = functools.partial(
             jax.jit, compiler_options=compiler_options(platform)
         )
         # Lanes of slopes carry twice as much, and a row has n_p.
         few = -(-chunk // (2 * len(names)))
-        self._figures = Program(compiled, self._fly_figures, chunk)
-        self._figures_and_slopes = Program(compiled, self._fly_slopes, few)
+        self._metrics = Program(compiled, self._fly_metrics, chunk)
+        self._metrics_and_slopes = Program(compiled, self._fly_slopes, few)
         self._motion = compiled(self._fly_motion)
 
     def run(
@@ -185,15 +185,15 @@ class Batch:
         Raises:
             ValueError: the values are not n_p columns.
         """
-        return self._run(self._figures, values, on_progress)
+        return self._run(self._metrics, values, on_progress)
 
     def jacobian(
         self, values: Values, *, on_progress: Progress | None = None
     ) -> BatchResult:
-        """Fly each row of values, with the derivatives of all figures.
+        """Fly each row of values, with the derivatives of all metrics.
 
         They are exact: those of the integration itself, in forward mode. At a kink of a
-        figure they lie between both sides'; see
+        metric they lie between both sides'; see
         `drakesep.analysis.engines.jax.step_signals`.
 
         Args:
@@ -204,13 +204,13 @@ class Batch:
         Raises:
             ValueError: the values are not n_p columns.
         """
-        return self._run(self._figures_and_slopes, values, on_progress)
+        return self._run(self._metrics_and_slopes, values, on_progress)
 
     def runs(self, values: Values) -> list[Run]:
         """Fly each row of values, and return the runs with their sampled motion.
 
         They are like those of `Simulation.run`, for whatever takes one: an objective, a
-        table, a figure. A row that is not physical is a failed run of the nominal.
+        table, a plot. A row that is not physical is a failed run of the nominal.
 
         Args:
             values: (n, n_p) of the parameters, in SI, in their order; or a frame with
@@ -222,7 +222,7 @@ class Batch:
         rows = self._check_values(values)
         failures = check_rows(self.separation, self.names, rows)
         runs: list[Run] = []
-        size = min(_RUNS, self._figures.lanes)
+        size = min(_RUNS, self._metrics.lanes)
         for first in range(0, len(rows), size):
             chunk = rows[first : first + size]
             mine = {
@@ -244,7 +244,7 @@ class Batch:
                 )
             values = values[list(self.names)]
         elif np.iscomplexobj(values):
-            raise InputError("values must be real numbers, got complex ones")
+            raise InputError("values must be real params, got complex ones")
         rows = np.asarray(values, dtype=float)
         if rows.ndim != 2 or rows.shape[1] != len(self.names):
             raise InputError(
@@ -266,11 +266,11 @@ class Batch:
         metrics = np.empty((len(rows), len(METRICS)))
         steps = np.zeros(len(rows), dtype=np.int64)
         jacobian = None
-        if program is self._figures_and_slopes:
+        if program is self._metrics_and_slopes:
             jacobian = np.empty((*metrics.shape, len(self.names)))
         for part, flown in self._fly_parts(program, flyable):
             metrics[part] = flown.metrics.T
-            steps[part] = flown.landing.steps
+            steps[part] = flown.final.steps
             if jacobian is not None:
                 jacobian[part] = np.transpose(flown.slopes, (2, 1, 0))
             for i, why in self._why_not(flown).items():
@@ -322,69 +322,68 @@ class Batch:
 
     def _why_not(self, flown: _Flown) -> dict[int, str]:
         """Return why rows of a part failed."""
-        landing = flown.landing
+        final = flown.final
         finite = np.isfinite(flown.metrics).all(axis=0)
         if flown.slopes is not None:
             finite &= np.isfinite(flown.slopes).all(axis=(0, 1))
-        failed = (landing.status != batch_flight.COMPLETED) | ~finite
+        failed = (final.status != integrator.COMPLETED) | ~finite
         return {
-            i: self._reason(_of_row(landing, i))
-            for i in np.flatnonzero(failed).tolist()
+            i: self._reason(_of_row(final, i)) for i in np.flatnonzero(failed).tolist()
         }
 
-    def _reason(self, landing: Landing) -> str:
+    def _reason(self, final: FinalState) -> str:
         """Return why one row failed."""
-        status = int(landing.status)
-        if status == batch_flight.STILL_HELD:
-            i = int(np.flatnonzero(np.isinf(landing.released))[0])
+        status = int(final.status)
+        if status == integrator.STILL_HELD:
+            i = int(np.flatnonzero(np.isinf(final.released))[0])
             held = self.separation.attachments[i].name
             return f"{held} has not let go: its joint has not turned far enough"
-        if status == batch_flight.STROKE_LEFT:
-            k = int(np.flatnonzero(np.isinf(landing.stroke_ends))[0])
+        if status == integrator.STROKE_LEFT:
+            k = int(np.flatnonzero(np.isinf(final.stroke_ends))[0])
             return f"{self.separation.springs[k].name} has not reached its stroke"
-        if status == batch_flight.STEP_COLLAPSED:
-            return f"the step size collapsed (at t = {landing.time:g} s)"
-        if status == batch_flight.TOO_MANY_STEPS:
+        if status == integrator.STEP_COLLAPSED:
+            return f"the step size collapsed (at t = {final.time:g} s)"
+        if status == integrator.TOO_MANY_STEPS:
             return (
                 f"more than {self._max_steps} integration steps "
-                f"(at t = {landing.time:g} s)"
+                f"(at t = {final.time:g} s)"
             )
-        return "a figure, or a derivative of one, is not finite"
+        return "a metric, or a derivative of one, is not finite"
 
     # The programs.
 
-    def _numbers(self, values: Lanes) -> Any:
+    def _params(self, values: Lanes) -> Any:
         p = {**self._nominal, **dict(zip(self.names, values, strict=True))}
-        return self._equations.numbers(p, values.shape[1])
+        return self._equations.params(p, values.shape[1])
 
-    def _fly_figures(self, values: Lanes) -> _Flown:
-        return self._flown(self._flight, values)
+    def _fly_metrics(self, values: Lanes) -> _Flown:
+        return self._flown(self._integrator, values)
 
-    def _flown(self, flight: BatchFlight, values: Lanes) -> _Flown:
-        landing = flight.fly(self._numbers(values), self._fold)
-        metrics = self._fold.finish(landing.folded)
-        return _Flown(metrics, landing._replace(folded=None), None)
+    def _flown(self, state: BatchIntegrator, values: Lanes) -> _Flown:
+        final = state.fly(self._params(values), self._fold)
+        metrics = self._fold.finish(final.folded)
+        return _Flown(metrics, final._replace(folded=None), None)
 
     def _fly_slopes(self, values: Lanes) -> _Flown:
-        def fly(lanes: Lanes) -> tuple[Lanes, Landing]:
-            flown = self._flown(self._flight_of_slopes, lanes)
-            return flown.metrics, flown.landing
+        def fly(lanes: Lanes) -> tuple[Lanes, FinalState]:
+            flown = self._flown(self._integrator_of_slopes, lanes)
+            return flown.metrics, flown.final
 
         # A lane for each row and parameter: a run costs less than what it takes to
         # share it, and the program is smaller.
         n_p, n = values.shape
         lanes = jnp.repeat(values, n_p, axis=1)
         directions = jnp.tile(jnp.eye(n_p), n)
-        metrics, slopes, landing = jax.jvp(fly, (lanes,), (directions,), has_aux=True)
+        metrics, slopes, final = jax.jvp(fly, (lanes,), (directions,), has_aux=True)
         slopes = jnp.moveaxis(slopes.reshape(-1, n, n_p), 2, 0)
         first: _Flown = jax.tree.map(
-            lambda x: x[..., ::n_p], _Flown(metrics, landing, None)
+            lambda x: x[..., ::n_p], _Flown(metrics, final, None)
         )
         return first._replace(slopes=slopes)
 
     def _fly_motion(self, values: Lanes, times: Lanes) -> Lanes:
-        fold, numbers = MotionFold(self._equations, times), self._numbers(values)
-        return fold.finish(self._flight.fly(numbers, fold).folded, numbers)
+        fold, params = MotionFold(self._equations, times), self._params(values)
+        return fold.finish(self._integrator.fly(params, fold).folded, params)
 
     # Sampled motion.
 
@@ -392,10 +391,10 @@ class Batch:
         """Return the runs of at most `_RUNS` rows."""
         flyable = rows.copy()
         flyable[list(failures)] = self.nominal
-        flown = self._figures(self._filled(flyable, self._figures.lanes), len(rows))
+        flown = self._metrics(self._filled(flyable, self._metrics.lanes), len(rows))
         reasons = {**self._why_not(flown), **failures}
         plans = [
-            _Plan.of(self.separation, flown.landing, i, self._values(row))
+            _Plan.of(self.separation, flown.final, i, self._values(row))
             for i, row in enumerate(rows)
             if i not in reasons
         ]
@@ -443,7 +442,7 @@ class _Plan:
     def of(
         cls,
         separation: Separation,
-        landing: Landing,
+        final: FinalState,
         row: int,
         values: Mapping[str, float],
     ) -> "_Plan":
@@ -451,14 +450,12 @@ class _Plan:
         releases = {
             attachment.name: float(t)
             for attachment, t in zip(
-                flown.attachments, landing.released[:, row], strict=True
+                flown.attachments, final.released[:, row], strict=True
             )
         }
         ends = {
             spring.name: float(t)
-            for spring, t in zip(
-                flown.springs, landing.stroke_ends[:, row], strict=True
-            )
+            for spring, t in zip(flown.springs, final.stroke_ends[:, row], strict=True)
         }
         return cls(
             row=row,
@@ -466,8 +463,8 @@ class _Plan:
             releases=releases,
             stroke_ends=ends,
             times=sample_times(flown, releases, ends),
-            steps=int(landing.steps[row]),
-            evaluations=int(landing.evaluations[row]),
+            steps=int(final.steps[row]),
+            evaluations=int(final.evaluations[row]),
         )
 
     def run(self, signals: Array) -> Run:
@@ -520,6 +517,6 @@ def _check_free(separation: Separation) -> None:
         )
 
 
-def _of_row(landing: Landing, row: int) -> Landing:
-    mine: Landing = jax.tree.map(lambda x: x[..., row], landing)
+def _of_row(final: FinalState, row: int) -> FinalState:
+    mine: FinalState = jax.tree.map(lambda x: x[..., row], final)
     return mine

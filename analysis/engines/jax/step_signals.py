@@ -1,13 +1,13 @@
-"""The figures that runs are judged by, of a whole batch at once, from its steps.
+"""The metrics that runs are judged by, of a whole batch at once, from its steps.
 
-The figures are those of `drakesep.analysis.metrics.of_run`, over continuous time: on
+The metrics are those of `drakesep.analysis.metrics.of_run`, over continuous time: on
 each step a signal is the polynomial through its values at the nodes of `lobatto`,
 split where it turns: peaks, crossings and integrals of magnitudes are those of the
 polynomial.
 
-Every figure has its derivative. At a kink (a rate that is zero, two peaks as high, two
+Every metric has its derivative. At a kink (a rate that is zero, two peaks as high, two
 ends of strokes at once) it is a generalised one, between those of both sides. The place
-of a peak or of a zero needs none, since the figure does not change with it to first
+of a peak or of a zero needs none, since the metric does not change with it to first
 order; the time of a crossing carries its own.
 """
 
@@ -21,7 +21,12 @@ from jax import lax
 
 from drakesep.analysis.metrics.of_run import ANGLES, AXES, METRICS
 from drakesep.systems.batch import lobatto
-from drakesep.systems.batch.equations import BatchEquations, Lanes, Numbers, pick
+from drakesep.systems.batch.equations import (
+    BatchEquations,
+    BatchParameters,
+    Lanes,
+    pick,
+)
 from drakesep.systems.batch.integrator import Step
 from drakesep.systems.batch.polynomials import (
     Pieces,
@@ -39,8 +44,8 @@ _ROUND_OFF = 1e-13
 """By which two values of the same may differ, as a part of them."""
 
 
-class Figures(NamedTuple):
-    """What has been found of each figure so far, (n,) or (3, n)."""
+class Metrics(NamedTuple):
+    """What has been found of each metric so far, (n,) or (3, n)."""
 
     magnitude: Lanes
     """Integral of the relative rates' magnitudes since release, rad."""
@@ -65,7 +70,7 @@ class Figures(NamedTuple):
 
 
 class MetricsFold:
-    """Gathers the figures of a batch, step by step."""
+    """Gathers the metrics of a batch, step by step."""
 
     def __init__(self, equations: BatchEquations, deviation_limits: Sequence[float]):
         """Prepare.
@@ -80,12 +85,12 @@ class MetricsFold:
             (i, limit) for i, limit in enumerate(deviation_limits) if limit < math.inf
         ]
 
-    def start(self, numbers: Numbers) -> Figures:
-        """Return the figures before the first step."""
-        _, n = numbers.mass.shape
+    def start(self, params: BatchParameters) -> Metrics:
+        """Return the metrics before the first step."""
+        _, n = params.mass.shape
         zero, least, most = jnp.zeros(n), jnp.full(n, -jnp.inf), jnp.full(n, jnp.inf)
         none = jnp.full((3, n), -jnp.inf)
-        return Figures(
+        return Metrics(
             magnitude=zero,
             square=zero,
             relative_peak=none,
@@ -101,12 +106,12 @@ class MetricsFold:
             separation_end=most,
         )
 
-    def add(self, figures: Figures, numbers: Numbers, step: Step) -> Figures:
-        """Return the figures after a step."""
+    def add(self, metrics: Metrics, params: BatchParameters, step: Step) -> Metrics:
+        """Return the metrics after a step."""
         a, b = self._equations.pair
         bodies = step.bodies
         motion = motion_laws.relative_motion(
-            pick(bodies, a), pick(bodies, b), *self._equations.mated_place(numbers), jnp
+            pick(bodies, a), pick(bodies, b), *self._equations.mated_place(params), jnp
         )
         angles = [_unwrapped(motion.angle[i]) for i, _ in self._limited]
         signals = _Signals(
@@ -127,59 +132,59 @@ class MetricsFold:
 
         magnitude = step.length * signals.mean_magnitude(3).sum(axis=0)
         square = step.length * signals.mean_square(3).sum(axis=0)
-        ends_here = separated & jnp.isinf(figures.separation_end)
+        ends_here = separated & jnp.isinf(metrics.separation_end)
         angle = jnp.stack([angle[0] for angle in motion.angle])
-        return Figures(
-            magnitude=figures.magnitude + jnp.where(released, magnitude, 0.0),
-            square=figures.square + jnp.where(released, square, 0.0),
-            relative_peak=larger(figures.relative_peak, peaks, released),
-            released_speed=larger(figures.released_speed, highest[6], released),
+        return Metrics(
+            magnitude=metrics.magnitude + jnp.where(released, magnitude, 0.0),
+            square=metrics.square + jnp.where(released, square, 0.0),
+            relative_peak=larger(metrics.relative_peak, peaks, released),
+            released_speed=larger(metrics.released_speed, highest[6], released),
             final_rate=jnp.stack([rate[-1] for rate in motion.rate]),
-            rate_min=-larger(-figures.rate_min, -lowest[3:6], separated),
-            rate_max=larger(figures.rate_max, highest[3:6], separated),
-            angle=jnp.where(ends_here, angle, figures.angle),
-            within_until=self._within_until(figures, signals, step),
-            speed_max=larger(figures.speed_max, highest[6], True),
-            speed_min_after=-larger(-figures.speed_min_after, -lowest[6], separated),
-            speed_max_after=larger(figures.speed_max_after, highest[6], separated),
-            separation_end=jnp.where(ends_here, step.start, figures.separation_end),
+            rate_min=-larger(-metrics.rate_min, -lowest[3:6], separated),
+            rate_max=larger(metrics.rate_max, highest[3:6], separated),
+            angle=jnp.where(ends_here, angle, metrics.angle),
+            within_until=self._within_until(metrics, signals, step),
+            speed_max=larger(metrics.speed_max, highest[6], True),
+            speed_min_after=-larger(-metrics.speed_min_after, -lowest[6], separated),
+            speed_max_after=larger(metrics.speed_max_after, highest[6], separated),
+            separation_end=jnp.where(ends_here, step.start, metrics.separation_end),
         )
 
-    def _within_until(self, figures: Figures, signals: "_Signals", step: Step) -> Lanes:
+    def _within_until(self, metrics: Metrics, signals: "_Signals", step: Step) -> Lanes:
         if not self._limited:
-            return figures.within_until
+            return metrics.within_until
         limits = jnp.array([limit for _, limit in self._limited])
         beyond, theta = signals.first_beyond(_ANGLES, limits)
         times = jnp.where(beyond, step.start + theta * step.length, jnp.inf)
-        found = jnp.isfinite(figures.within_until)
-        return jnp.where(found, figures.within_until, times.min(axis=0))
+        found = jnp.isfinite(metrics.within_until)
+        return jnp.where(found, metrics.within_until, times.min(axis=0))
 
-    def finish(self, figures: Figures) -> Lanes:
-        """Return (n_m, n) figures, in the order of `METRICS`."""
+    def finish(self, metrics: Metrics) -> Lanes:
+        """Return (n_m, n) metrics, in the order of `METRICS`."""
         values = {
-            "G_L1": figures.magnitude,  # Eq. 11
-            "G_L2": _root_of_square(figures.square),  # Eq. 12
-            "G_Linf": figures.relative_peak.sum(axis=0),  # Eq. 13
-            "G_PM": -figures.released_speed,  # Eq. 14
+            "G_L1": metrics.magnitude,  # Eq. 11
+            "G_L2": _root_of_square(metrics.square),  # Eq. 12
+            "G_Linf": metrics.relative_peak.sum(axis=0),  # Eq. 13
+            "G_PM": -metrics.released_speed,  # Eq. 14
             "deviation_within_limits_until": jnp.minimum(
-                figures.within_until, self._duration
+                metrics.within_until, self._duration
             ),
-            "longitudinal_speed_max": figures.speed_max,
-            "longitudinal_speed_after_separation": figures.speed_min_after,
-            "longitudinal_speed_max_after_separation": figures.speed_max_after,
-            "separation_end": figures.separation_end,
+            "longitudinal_speed_max": metrics.speed_max,
+            "longitudinal_speed_after_separation": metrics.speed_min_after,
+            "longitudinal_speed_max_after_separation": metrics.speed_max_after,
+            "separation_end": metrics.separation_end,
         }
-        peaks = jnp.maximum(-figures.rate_min, figures.rate_max)
-        least = jnp.maximum(0.0, jnp.maximum(figures.rate_min, -figures.rate_max))
+        peaks = jnp.maximum(-metrics.rate_min, metrics.rate_max)
+        least = jnp.maximum(0.0, jnp.maximum(metrics.rate_min, -metrics.rate_max))
         for i, axis in enumerate(AXES):
-            values[f"final_rate_{axis}"] = figures.final_rate[i]
+            values[f"final_rate_{axis}"] = metrics.final_rate[i]
             values[f"rate_after_separation_{axis}"] = peaks[i]
-            values[f"rate_min_after_separation_{axis}"] = figures.rate_min[i]
-            values[f"rate_max_after_separation_{axis}"] = figures.rate_max[i]
+            values[f"rate_min_after_separation_{axis}"] = metrics.rate_min[i]
+            values[f"rate_max_after_separation_{axis}"] = metrics.rate_max[i]
             values[f"rate_magnitude_min_after_separation_{axis}"] = least[i]
         for i, angle in enumerate(ANGLES):
-            values[f"deviation_at_separation_{angle}"] = jnp.abs(figures.angle[i])
-            values[f"angle_at_separation_{angle}"] = figures.angle[i]
+            values[f"deviation_at_separation_{angle}"] = jnp.abs(metrics.angle[i])
+            values[f"angle_at_separation_{angle}"] = metrics.angle[i]
         return jnp.stack([values[name] for name in METRICS])
 
 

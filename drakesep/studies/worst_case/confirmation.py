@@ -18,7 +18,7 @@ from drakesep.analysis.search.sqp import SearchStatus
 from drakesep.case_file.case import Case
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.systems.model.run import Run, RunStatus
-from drakesep.tables.labelled_run import Flight, as_flight
+from drakesep.tables.labelled_run import LabelledRun, labelled_run
 
 
 _CONFIRMED = 1e-4
@@ -45,8 +45,8 @@ def confirm(study: WorstCases, pool: DrakePool, on_progress: OnProgress) -> None
     for end, run in zip(ends, runs, strict=False):
         assert end.ascent is not None
         name = study.objectives[end.objective].name
-        study.flights.append(
-            as_flight(
+        study.runs.append(
+            labelled_run(
                 f"sqp_{name}",
                 run,
                 case,
@@ -58,7 +58,7 @@ def confirm(study: WorstCases, pool: DrakePool, on_progress: OnProgress) -> None
         )
     points = sum(searched.points for searched in study.searched)
     for found, run in zip(study.worst, runs[len(ends) :], strict=True):
-        study.flights.append(_confirmed(study, found, run, points))
+        study.runs.append(_confirmed(study, found, run, points))
     if study.clearance is not None:
         _look_for_nearer(study, study.clearance)
 
@@ -68,26 +68,26 @@ def _look_for_nearer(study: WorstCases, clearance: LowestClearance) -> None:
 
     Then the search for the worst clearance has failed, and its worst case says so.
     """
-    least = min(f.nearest.minimum for f in study.flights if f.nearest is not None)
+    least = min(f.nearest.minimum for f in study.runs if f.nearest is not None)
     label = ""
     looked: dict[int, Clearance | None] = {}
-    for i, flight in enumerate(study.flights):
-        if flight.nearest is None and flight.run.motion is not None:
-            run = id(flight.run)  # of what is worst for several, there is one
+    for i, labelled in enumerate(study.runs):
+        if labelled.nearest is None and labelled.run.motion is not None:
+            run = id(labelled.run)  # of what is worst for several, there is one
             if run not in looked:
-                looked[run] = clearance.nearer(flight.run, least)
+                looked[run] = clearance.nearer(labelled.run, least)
             nearer = looked[run]
             if nearer is not None:
-                figures = {**flight.figures, CLEARANCE: nearer.minimum}
-                study.flights[i] = replace(flight, nearest=nearer, figures=figures)
+                metrics = {**labelled.metrics, CLEARANCE: nearer.minimum}
+                study.runs[i] = replace(labelled, nearest=nearer, metrics=metrics)
                 if nearer.minimum < least:
-                    least, label = nearer.minimum, flight.label
+                    least, label = nearer.minimum, labelled.label
     if label:
-        study.flights[:] = [
+        study.runs[:] = [
             replace(f, status=f"failed: {label} comes nearer, to {1e3 * least:.3f} mm")
             if f.objective == clearance.name
             else f
-            for f in study.flights
+            for f in study.runs
         ]
 
 
@@ -95,9 +95,11 @@ def _status(status: SearchStatus, message: str) -> str:
     return f"failed: {message}" if status is SearchStatus.FAILED else status.value
 
 
-def _confirmed(study: WorstCases, found: WorstCase, run: Run, points: int) -> Flight:
+def _confirmed(
+    study: WorstCases, found: WorstCase, run: Run, points: int
+) -> LabelledRun:
     objective = study.objectives[found.objective]
-    flight = as_flight(
+    labelled = labelled_run(
         f"worst_{found.name}",
         run,
         study.case,
@@ -107,10 +109,10 @@ def _confirmed(study: WorstCases, found: WorstCase, run: Run, points: int) -> Fl
         status="confirmed",
     )
     if run.status is RunStatus.FAILED:
-        return flight
-    in_drake = _value(study, objective, flight)
-    nominal = _value(study, objective, study.flights[0])
-    status = flight.status
+        return labelled
+    in_drake = _value(study, objective, labelled)
+    nominal = _value(study, objective, study.runs[0])
+    status = labelled.status
     within = _CONFIRMED * max(abs(found.value), abs(nominal))
     within += objective.resolution(_accuracy(study.case))
     if not abs(in_drake - found.value) <= within:
@@ -118,7 +120,7 @@ def _confirmed(study: WorstCases, found: WorstCase, run: Run, points: int) -> Fl
             f"failed: Drake gives {in_drake:.9g} where the search found "
             f"{found.value:.9g} (SI)"
         )
-    return replace(flight, status=status, objective_in_drake=in_drake)
+    return replace(labelled, status=status, objective_in_drake=in_drake)
 
 
 def _accuracy(case: Case) -> float:
@@ -127,10 +129,10 @@ def _accuracy(case: Case) -> float:
     return max(steps, TOLERANCE)
 
 
-def _value(study: WorstCases, objective: Objective, flight: Flight) -> float:
-    if objective.of_figures_alone:
-        figures_ = np.array([flight.figures[name] for name in METRICS])
-        return float(objective.of_figures(figures_))
+def _value(study: WorstCases, objective: Objective, labelled: LabelledRun) -> float:
+    if objective.of_metrics_alone:
+        metrics_ = np.array([labelled.metrics[name] for name in METRICS])
+        return float(objective.of_metrics(metrics_))
     if objective is study.clearance:
-        return -flight.figures[CLEARANCE]
-    return objective.of_run(flight.run, deviation_limits(study.case.limits))
+        return -labelled.metrics[CLEARANCE]
+    return objective.of_run(labelled.run, deviation_limits(study.case.limits))

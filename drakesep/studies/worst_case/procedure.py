@@ -38,7 +38,7 @@ from drakesep.studies.worst_case.result import WorstCases
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run
 from drakesep.systems.simulation.simulation import Simulation
-from drakesep.tables.labelled_run import Flight, references
+from drakesep.tables.labelled_run import LabelledRun, references
 
 
 DEFAULT_SEARCHES = ("samples", "vertices", "sqp", "multistart")
@@ -132,7 +132,7 @@ def search(
         published = pool.fly([case.published_values(p) for p in case.published])
         # Its programs are compiled beside what comes next.
         batch = _batch(case, objectives, derivatives=light) if on_batch else None
-        study.flights += _told(study, [nominal, *published], aside)
+        study.runs += _told(study, [nominal, *published], aside)
         _write_down(study, output)
         drawing = _Drawing(aside, output)
         more: Callable[[], None] = _nothing
@@ -163,8 +163,8 @@ def search(
 
 def _told(
     study: WorstCases, runs: Sequence[Run], aside: Executor | None
-) -> list[Flight]:
-    """Return the nominal and the published runs with their figures."""
+) -> list[LabelledRun]:
+    """Return the nominal and the published runs with their metrics."""
     if study.clearance is None or aside is None:
         return references(study.case, runs, study.clearance)
     # A copy: it is sent while the study's own is prepared, whose warnings are ours.
@@ -228,7 +228,7 @@ def _affordable(
     if all(o.expensive for o in objectives):
         chosen: Effort = _EXPENSIVE | effort
         return SearchSettings.affordable(steps, **chosen)
-    whole_runs = any(not (o.of_figures_alone or o.expensive) for o in objectives)
+    whole_runs = any(not (o.of_metrics_alone or o.expensive) for o in objectives)
     return SearchSettings.affordable(
         max(steps, _WHOLE_RUN if whole_runs else 0), **effort
     )

@@ -17,7 +17,7 @@ from drakesep.plots.pictures import Approach, Pictures, Tornado
 from drakesep.studies.output import writable_folder
 from drakesep.tables import evidence_tables
 from drakesep.tables import run_tables as tables
-from drakesep.tables.labelled_run import Flight
+from drakesep.tables.labelled_run import LabelledRun
 
 
 @dataclass(kw_only=True)
@@ -26,7 +26,7 @@ class WorstCases:
 
     case: Case
     objectives: tuple[Objective, ...] = ()
-    flights: list[Flight] = field(default_factory=list)
+    runs: list[LabelledRun] = field(default_factory=list)
     searched: list[Searched] = field(default_factory=list)
     """What each search found, in their order."""
     worst: list[WorstCase] = field(default_factory=list)
@@ -43,8 +43,8 @@ class WorstCases:
 
     @property
     def table(self) -> pd.DataFrame:
-        """A row for each run: parameters, figures, and how it was found."""
-        return tables.flights_table(self.flights, self.case.box.names)
+        """A row for each run: parameters, metrics, and how it was found."""
+        return tables.runs_table(self.runs, self.case.box.names)
 
     @property
     def history(self) -> pd.DataFrame:
@@ -68,12 +68,12 @@ class WorstCases:
     @property
     def comparison(self) -> pd.DataFrame:
         """For each of the paper's objectives: nominal, published, SQP and worst."""
-        return tables.comparison_table(self.flights)
+        return tables.comparison_table(self.runs)
 
     @property
     def table_4(self) -> pd.DataFrame:
         """The worst cases in the form of the paper's Table 4."""
-        shown = [f for f in self.flights if f.objective is None or _of_paper(f)]
+        shown = [f for f in self.runs if f.objective is None or _of_paper(f)]
         return tables.table_4(shown, self.case.box)
 
     @property
@@ -84,7 +84,7 @@ class WorstCases:
     @property
     def evidence(self) -> pd.DataFrame:
         """A row for each worst case, with why it may be believed."""
-        return evidence_tables.evidence(self.worst, self.objectives, self.flights)
+        return evidence_tables.evidence(self.worst, self.objectives, self.runs)
 
     @property
     def searches(self) -> pd.DataFrame:
@@ -121,15 +121,15 @@ class WorstCases:
     def motions(self) -> dict[str, pd.DataFrame]:
         """The motion of each run that did not fail, by its label."""
         return {
-            flight.label: tables.motion_table(flight.run.motion)
-            for flight in self.flights
-            if flight.run.motion is not None
+            labelled.label: tables.motion_table(labelled.run.motion)
+            for labelled in self.runs
+            if labelled.run.motion is not None
         }
 
     @property
     def completed(self) -> bool:
         """Whether no run failed, and Drake confirmed every worst case."""
-        return not any(flight.status.startswith("failed") for flight in self.flights)
+        return not any(labelled.status.startswith("failed") for labelled in self.runs)
 
     def save_tables(self, directory: str | Path) -> None:
         """Write the tables, as far as there are any, into a folder."""
@@ -144,7 +144,7 @@ class WorstCases:
             tables.write_csv(self.evidence, folder / "evidence.csv")
             tables.write_csv(self.worst_points, folder / "worst_points.csv")
             tables.write_csv(self.sensitivities, folder / "sensitivities.csv")
-        if any(map(_of_paper, self.flights)):
+        if any(map(_of_paper, self.runs)):
             tables.write_csv(self.comparison, folder / "comparison.csv")
 
     def save(self, directory: str | Path) -> None:
@@ -160,7 +160,7 @@ class WorstCases:
         """What shows the runs."""
         clearances = [r.limit for r in self.case.limits if r.metric == CLEARANCE]
         return Pictures(
-            flights=[f for f in self.flights if f.run.motion is not None and _shown(f)],
+            runs=[f for f in self.runs if f.run.motion is not None and _shown(f)],
             limits=self.case.limits,
             approaches=self._approaches,
             clearance_limit=clearances[0] if clearances else None,
@@ -172,22 +172,22 @@ class WorstCases:
         if self.clearance is None:
             return []
         approaches = []
-        for flight in self.flights:
-            found = flight.nearest
-            if found is None or flight.published is not None:
+        for labelled in self.runs:
+            found = labelled.nearest
+            if found is None or labelled.published is not None:
                 continue
-            x, distances = self.clearance.approach(flight.run, found)
+            x, distances = self.clearance.approach(labelled.run, found)
             pair = f"{found.first} to {found.second}".replace("_", " ")
-            approaches.append(Approach(flight.label, pair, x, distances))
+            approaches.append(Approach(labelled.label, pair, x, distances))
         return approaches
 
 
-def _of_paper(flight: Flight) -> bool:
-    return flight.objective in OBJECTIVES
+def _of_paper(labelled: LabelledRun) -> bool:
+    return labelled.objective in OBJECTIVES
 
 
-def _shown(flight: Flight) -> bool:
-    """Return whether a flight is in the figures of the motion."""
-    return flight.objective is None or (
-        _of_paper(flight) and flight.label.startswith("worst_")
+def _shown(labelled: LabelledRun) -> bool:
+    """Return whether a labelled is in the plots of the motion."""
+    return labelled.objective is None or (
+        _of_paper(labelled) and labelled.label.startswith("worst_")
     )

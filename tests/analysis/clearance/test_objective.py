@@ -160,5 +160,5 @@ def test_bad_input():
         LowestClearance(separation, until_separation=-1.0)
     with pytest.raises(ValueError, match="part"):
         LowestClearance(separation, [("rock", "payload_bal")])
-    with pytest.raises(ValueError, match=r"unknown figure"):
+    with pytest.raises(ValueError, match=r"unknown metric"):
         highest("clearance")

@@ -13,7 +13,7 @@ from separations import generic_pair, on_axis
 
 from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.engines.jax.batch import Batch
-from drakesep.analysis.metrics.of_run import METRICS, metrics
+from drakesep.analysis.metrics.of_run import METRICS, metrics_of_run
 from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.case_file.reader import load_case
 from drakesep.systems import sampling
@@ -29,7 +29,7 @@ from drakesep.systems.simulation.simulation import Simulation
 
 
 RELATIVE, ABSOLUTE = 1e-8, 1e-9
-"""Of each figure, in SI: what the engine promises."""
+"""Of each metric, in SI: what the engine promises."""
 LIMITS = (0.02, 0.02, math.inf)
 NONE = (math.inf,) * 3
 
@@ -53,7 +53,7 @@ def drake_figures(
     integration = Integration(accuracy=accuracy)
     with DrakePool(separation, integration, workers=workers) as pool:
         runs = pool.fly([dict(zip(names, row, strict=True)) for row in rows.tolist()])
-    return np.array([list(metrics(run, limits).values()) for run in runs])
+    return np.array([list(metrics_of_run(run, limits).values()) for run in runs])
 
 
 def assert_close(got, expected, relative=RELATIVE, absolute=ABSOLUTE):
@@ -256,11 +256,13 @@ def test_angles_that_jump(closely_sampled):
 
 
 def test_figures_are_those_of_the_sampled_runs(vega, vega_batch):
-    """Two ways to the figures: polynomials of the steps, splines of the samples."""
+    """Two ways to the metrics: polynomials of the steps, splines of the samples."""
     rows = random_rows(vega, 20, seed=5)
     result = vega_batch.run(rows)
     limits = deviation_limits(vega.limits)
-    sampled = [list(metrics(run, limits).values()) for run in vega_batch.runs(rows)]
+    sampled = [
+        list(metrics_of_run(run, limits).values()) for run in vega_batch.runs(rows)
+    ]
     # Splines through samples every 10 ms, and 64 in a push, are good to some 1e-9.
     assert_close(result.metrics.to_numpy(), np.array(sampled), absolute=5e-9)
 
@@ -276,7 +278,7 @@ def test_convergence_over_the_whole_box(vega, vega_batch, fine_batch):
 
 
 def central_differences(batch: Batch, row: np.ndarray, steps: np.ndarray) -> np.ndarray:
-    """Fourth-order differences of the figures, (n_m, n_p)."""
+    """Fourth-order differences of the metrics, (n_m, n_p)."""
     offsets = {-2: 1 / 12, -1: -8 / 12, 1: 8 / 12, 2: -1 / 12}
     probes = [
         row + k * step * unit
@@ -285,13 +287,13 @@ def central_differences(batch: Batch, row: np.ndarray, steps: np.ndarray) -> np.
     ]
     result = batch.run(np.array(probes))
     assert not result.failures
-    figures = result.metrics.to_numpy().reshape(len(row), 4, len(METRICS))
-    slopes = np.tensordot(np.array(list(offsets.values())), figures, ((0,), (1,)))
+    metrics = result.metrics.to_numpy().reshape(len(row), 4, len(METRICS))
+    slopes = np.tensordot(np.array(list(offsets.values())), metrics, ((0,), (1,)))
     return slopes.T / steps
 
 
 def assert_slopes(jacobian, differences, steps):
-    """To 1e-6 of the largest change of a figure over the steps, beside their noise."""
+    """To 1e-6 of the largest change of a metric over the steps, beside their noise."""
     got, expected = jacobian * steps, differences * steps
     scale = np.abs(expected).max(axis=1, keepdims=True)
     assert (np.abs(got - expected) <= 1e-6 * scale + 1e-11).all()
@@ -312,7 +314,7 @@ def test_jacobian_of_vega(vega, fine_batch):
 
 
 def test_jacobian_against_drake(vega, fine_batch):
-    """Central differences of Drake runs, of the figures that have no kink nearby."""
+    """Central differences of Drake runs, of the metrics that have no kink nearby."""
     row = vega.box.nominal
     jacobian = fine_batch.jacobian(row[None]).jacobian[0]
     names = vega.box.names
@@ -328,10 +330,10 @@ def test_jacobian_against_drake(vega, fine_batch):
         ]
     )
     limits = deviation_limits(vega.limits)
-    figures = drake_figures(vega.separation, names, variations, limits)
+    metrics = drake_figures(vega.separation, names, variations, limits)
     smooth = [i for i, name in enumerate(METRICS) if name.startswith("final_rate")]
     for j, name in enumerate(chosen):
-        slope = np.array(list(offsets.values())) @ figures[4 * j : 4 * j + 4]
+        slope = np.array(list(offsets.values())) @ metrics[4 * j : 4 * j + 4]
         expected = slope[smooth] / steps[name]
         got = jacobian[smooth, names.index(name)]
         # Of the largest of the three rates; Drake's noise over the step is 1e-8.

@@ -17,7 +17,7 @@ from drakesep.analysis.metrics.objectives import (
     of_run,
     towards,
 )
-from drakesep.analysis.metrics.of_run import METRICS, metrics
+from drakesep.analysis.metrics.of_run import METRICS, metrics_of_run
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.model.run import Run, RunStatus
 
@@ -55,24 +55,24 @@ def test_objectives_begin_at_the_release():
 
 def test_metrics():
     limits = (1.0, 0.3, math.inf)
-    figures = metrics(RUN, limits)
+    metrics = metrics_of_run(RUN, limits)
     end = RUN.separation_end
-    assert figures["separation_end"] == end
-    assert figures["final_rate_y"] == pytest.approx(-0.6, abs=1e-12)
-    assert figures["rate_after_separation_y"] == pytest.approx(0.6, abs=1e-12)
+    assert metrics["separation_end"] == end
+    assert metrics["final_rate_y"] == pytest.approx(-0.6, abs=1e-12)
+    assert metrics["rate_after_separation_y"] == pytest.approx(0.6, abs=1e-12)
     # falls through zero after the separation: the larger side counts
-    assert figures["rate_after_separation_z"] == pytest.approx(0.3, abs=1e-12)
-    assert figures["deviation_at_separation_pitch"] == pytest.approx(0.2 * end)
-    assert figures["deviation_within_limits_until"] == pytest.approx(1.5, abs=1e-9)
-    assert figures["longitudinal_speed_max"] == pytest.approx(1.0)
+    assert metrics["rate_after_separation_z"] == pytest.approx(0.3, abs=1e-12)
+    assert metrics["deviation_at_separation_pitch"] == pytest.approx(0.2 * end)
+    assert metrics["deviation_within_limits_until"] == pytest.approx(1.5, abs=1e-9)
+    assert metrics["longitudinal_speed_max"] == pytest.approx(1.0)
     slowest = 1.0 - 1.9**2
-    assert figures["longitudinal_speed_after_separation"] == pytest.approx(slowest)
-    fastest = figures["longitudinal_speed_max_after_separation"]
+    assert metrics["longitudinal_speed_after_separation"] == pytest.approx(slowest)
+    fastest = metrics["longitudinal_speed_max_after_separation"]
     assert fastest == pytest.approx(1.0)  # at 1.1 s
     # From 0.2 end to 0.6, and through zero.
-    assert figures["rate_magnitude_min_after_separation_y"] == pytest.approx(0.2 * end)
-    assert figures["rate_magnitude_min_after_separation_z"] == 0.0
-    assert figures["G_PM"] == OBJECTIVES["PM"](RUN)
+    assert metrics["rate_magnitude_min_after_separation_y"] == pytest.approx(0.2 * end)
+    assert metrics["rate_magnitude_min_after_separation_z"] == 0.0
+    assert metrics["G_PM"] == OBJECTIVES["PM"](RUN)
 
 
 def test_failed_run_has_no_value():
@@ -84,41 +84,47 @@ def test_failed_run_has_no_value():
 
 
 LIMITS = (1.0, 0.3, math.inf)
-FIGURES = metrics(RUN, LIMITS)
+MEASURED = metrics_of_run(RUN, LIMITS)
 
 
 def test_both_directions_of_a_magnitude():
     """The z rate falls through zero after the separation: from 0.3 to -0.3."""
     end = RUN.separation_end
-    assert FIGURES["rate_max_after_separation_z"] == pytest.approx(0.3 - 0.2 * end)
-    assert FIGURES["rate_min_after_separation_z"] == pytest.approx(-0.3)
-    assert FIGURES["angle_at_separation_pitch"] == pytest.approx(-0.2 * end)
+    assert MEASURED["rate_max_after_separation_z"] == pytest.approx(0.3 - 0.2 * end)
+    assert MEASURED["rate_min_after_separation_z"] == pytest.approx(-0.3)
+    assert MEASURED["angle_at_separation_pitch"] == pytest.approx(-0.2 * end)
 
 
 def test_sums_multiples_and_the_largest():
-    values = np.array([[FIGURES[name] for name in METRICS]])
+    values = np.array([[MEASURED[name] for name in METRICS]])
     first, second = highest("G_L1"), lowest("longitudinal_speed_max")
     for objective, expected in (
-        (first + second, FIGURES["G_L1"] - FIGURES["longitudinal_speed_max"]),
-        (2.0 * first - second, 2 * FIGURES["G_L1"] + FIGURES["longitudinal_speed_max"]),
-        (-first, -FIGURES["G_L1"]),
-        (largest(-first, second), -FIGURES["longitudinal_speed_max"]),
-        (first + of_run(lambda run: 5.0), FIGURES["G_L1"] + 5.0),
-        (sum([first, first]), 2.0 * FIGURES["G_L1"]),
-        (first + "L1", 2.0 * FIGURES["G_L1"]),
+        (
+            first + second,
+            MEASURED["G_L1"] - MEASURED["longitudinal_speed_max"],
+        ),
+        (
+            2.0 * first - second,
+            2 * MEASURED["G_L1"] + MEASURED["longitudinal_speed_max"],
+        ),
+        (-first, -MEASURED["G_L1"]),
+        (largest(-first, second), -MEASURED["longitudinal_speed_max"]),
+        (first + of_run(lambda run: 5.0), MEASURED["G_L1"] + 5.0),
+        (sum([first, first]), 2.0 * MEASURED["G_L1"]),
+        (first + "L1", 2.0 * MEASURED["G_L1"]),
         (largest("L1", lambda run: 1e6), 1e6),
     ):
         assert objective.of_run(RUN, LIMITS) == pytest.approx(expected)
-        if objective.of_figures_alone:
-            assert objective.of_figures(values) == pytest.approx([expected])
+        if objective.of_metrics_alone:
+            assert objective.of_metrics(values) == pytest.approx([expected])
             h = 1e-6
             steps = values + h * np.eye(len(METRICS))
-            slopes = (objective.of_figures(steps) - expected) / h
+            slopes = (objective.of_metrics(steps) - expected) / h
             # eps / h, of values up to 20
             assert objective.weights(values)[0] == pytest.approx(slopes, abs=1e-8)
         else:
             with pytest.raises(TypeError, match="is a function of a whole run"):
-                objective.of_figures(values)
+                objective.of_metrics(values)
     assert (2.0 * first - second).name == (
         "2*highest_G_L1-lowest_longitudinal_speed_max"
     )
@@ -150,7 +156,7 @@ def test_a_window_looks_at_a_part_of_the_run():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: highest("G_L3"), "unknown figure 'G_L3'; did you mean 'G_L"),
+        (lambda: highest("G_L3"), "unknown metric 'G_L3'; did you mean 'G_L"),
         (lambda: highest("final_rate_x", window=(0.0, 1.0)), "window: must be of one"),
         (lambda: highest("G_L1", window=(1.0, 1.0)), "must be from one time to a late"),
         (
@@ -164,7 +170,7 @@ def test_a_window_looks_at_a_part_of_the_run():
         (lambda: of_run(3), "must be a function of a run, got 3"),
         (lambda: math.nan * highest("G_L1"), "factors of a sum must be finite"),
         (lambda: as_objective("L3"), "unknown objective 'L3'; did you mean 'L"),
-        (lambda: as_objective("highest_speed"), "unknown figure 'speed'"),
+        (lambda: as_objective("highest_speed"), "unknown metric 'speed'"),
     ],
 )
 def test_bad_objectives(make, message):
@@ -190,7 +196,7 @@ def test_ways_out_of_a_requirement(metric, sense, names):
     """The larger of both directions is the magnitude."""
     objectives = towards(Requirement(metric=metric, sense=sense, limit=1.0))
     worst = max(objective(RUN) for objective in objectives)
-    figures = metrics(RUN, (math.inf,) * 3)
-    assert worst == (figures[metric] if sense == "<=" else -figures[metric])
+    metrics = metrics_of_run(RUN, (math.inf,) * 3)
+    assert worst == (metrics[metric] if sense == "<=" else -metrics[metric])
     if names:
         assert [o.name for o in objectives] == [f"{metric}_{name}" for name in names]

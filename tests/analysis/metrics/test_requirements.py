@@ -50,13 +50,13 @@ def test_worst_of_several_runs():
     ],
 )
 def test_judged_by_the_extreme_that_breaks_the_limit(metric, sense, runs, worst):
-    figures = {
+    metrics = {
         "longitudinal_speed_after_separation": 0.6,
         "rate_after_separation_x": 0.3,
         **runs,
     }
     requirement = Requirement(metric=metric, sense=sense, limit=0.5)
-    [finding] = assess([requirement], {"nominal": figures}, "nominal")
+    [finding] = assess([requirement], {"nominal": metrics}, "nominal")
     assert (finding.worst, finding.nominal) == (worst, worst)
 
 

@@ -100,7 +100,7 @@ def vega_problem(vega, vega_batch):
 
 
 def test_objectives_on_the_batch_are_those_of_its_runs(vega_problem, vega_batch):
-    """Of figures, and through the sampled motion: splines every 10 ms."""
+    """Of metrics, and through the sampled motion: splines every 10 ms."""
     evaluator = vega_problem.evaluator
     rows = vega_problem.tolerances.rows(
         vega_problem.tolerances.draw(5, np.random.default_rng(0))
@@ -128,7 +128,7 @@ def test_objectives_on_the_batch_are_those_of_its_runs(vega_problem, vega_batch)
 
 
 def test_a_users_objective_is_searched_like_any_other(vega, vega_batch):
-    """The final rate about y, as a function of the run and as a figure."""
+    """The final rate about y, as a function of the run and as a metric."""
 
     def rate(run):
         return float(run.completed_motion.rate[-1, 1])
@@ -150,12 +150,12 @@ def test_a_users_objective_is_searched_like_any_other(vega, vega_batch):
         lambda rows: vega_batch.runs(widened(rows)), names, objectives
     )
     problem = Problem(tolerances=tolerances, evaluator=evaluator)
-    mine, figure = find_worst_cases(
+    mine, metric = find_worst_cases(
         problem, ["vertices", "sqp"], SearchSettings(starts=2)
     )
     assert mine.name == "rate"
-    assert mine.value == pytest.approx(figure.value, rel=1e-12)
-    assert mine.u == figure.u
+    assert mine.value == pytest.approx(metric.value, rel=1e-12)
+    assert mine.u == metric.u
     assert mine.evidence.optimality.residual < 1e-6
 
 

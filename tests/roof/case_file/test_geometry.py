@@ -271,8 +271,8 @@ def tolerance(case, axis):
 def test_a_worst_case_that_another_beats_has_failed():
     """Up the slope from the nominal there is nothing; the worst of L1 is beyond it."""
     study = drakesep.verify(boom_in_guide(), growth=False, searches=["vertices", "sqp"])
-    flights = {flight.label: flight for flight in study.flights}
-    status = flights["worst_lowest_clearance"].status
+    runs = {labelled.label: labelled for labelled in study.runs}
+    status = runs["worst_lowest_clearance"].status
     assert status.startswith("failed: ")
     assert "comes nearer, to " in status
     assert not study.completed
@@ -361,10 +361,10 @@ UNTIL = {"until_separation_mm": 500}
 def test_show_tells_where_parts_are(write, capsys, monkeypatch, tmp_path):
     """A mesh that is taken for one in metres is seen to be."""
     trimesh.creation.box((10.0, 20.0, 30.0)).export(tmp_path / "part.stl")
-    path = write(POST, {"part": {"mesh": {"file": "part.stl"}, "role": "antenna"}})
+    path = write(POST, {"brick": {"mesh": {"file": "part.stl"}, "role": "antenna"}})
     monkeypatch.setenv("COLUMNS", "200")
     code, out, _ = run(capsys, monkeypatch, "show", path)
     assert code == 0
-    [line] = [line for line in out.splitlines() if " part " in line]
+    [line] = [line for line in out.splitlines() if " brick " in line]
     for word in ("payload", "mesh", "antenna", "-5000 to 5000", "-1.5e+04 to 1.5e+04"):
         assert word in line

@@ -11,10 +11,10 @@ from drakesep.units import unit_of
 @pytest.fixture(scope="module")
 def shown(vega_verification):
     return [
-        flight
-        for flight in vega_verification.flights
-        if flight.objective in (None, *OBJECTIVES) and flight.published is None
-        if not flight.label.startswith("sqp_")
+        labelled
+        for labelled in vega_verification.runs
+        if labelled.objective in (None, *OBJECTIVES) and labelled.published is None
+        if not labelled.label.startswith("sqp_")
     ]
 
 
@@ -51,7 +51,11 @@ def test_legend_names_every_run(shown, vega_verification):
     figure = figures.translation_figure(shown, vega_verification.case.limits)
     [legend] = figure.legends
     names = [text.get_text() for text in legend.get_texts()]
-    assert names == [*(flight.label for flight in shown), "end of separation", "limit"]
+    assert names == [
+        *(labelled.label for labelled in shown),
+        "end of separation",
+        "limit",
+    ]
 
 
 def test_tornado_has_a_panel_for_each_objective(vega_verification):

@@ -217,8 +217,8 @@ def test_failed_run_is_a_row_with_its_reason(tmp_path):
         attachment["joint"] = stiff
         attachment["release_time_s"] = 1.0
     failed = drakesep.simulate(drakesep.Case.model_validate(data))
-    assert failed.flight.run.status is RunStatus.FAILED
-    assert failed.flight.run.separation.attachments[0].joint == Joint(
+    assert failed.run.status is RunStatus.FAILED
+    assert failed.run.separation.attachments[0].joint == Joint(
         K_F=1e30, D_F=0.0, K_T=1e30, D_T=0.0
     )
     failed.save(tmp_path)

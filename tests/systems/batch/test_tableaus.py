@@ -65,7 +65,7 @@ def test_error_of_a_step_falls_with_its_order(method, solver, order):
 
 @both
 def test_error_estimate_falls_with_its_order(method, solver, order):
-    """Of the error over the length of the step, as the flight of a batch takes it."""
+    """Of the error over the length of the step, as the state of a batch takes it."""
 
     def estimate(h):
         square, tempering = ((method.errors @ stages(method, h)) ** 2).sum(axis=1)
