@@ -3,11 +3,11 @@ from .clearance.of_pair import Clearance as Clearance
 from .clearance.of_pair import Contact as Contact
 from .clearance.of_run import ClearanceAnalysis as ClearanceAnalysis
 from .engines.drake_pool import DrakePool as DrakePool
-from .engines.evaluator import BatchEvaluator as BatchEvaluator
 from .engines.evaluator import Evaluator as Evaluator
-from .engines.evaluator import RunEvaluator as RunEvaluator
 from .engines.jax.batch import Batch as Batch
 from .engines.jax.batch import BatchResult as BatchResult
+from .engines.jax.batch_evaluator import BatchEvaluator as BatchEvaluator
+from .engines.run_evaluator import RunEvaluator as RunEvaluator
 from .margins.tolerance_margins import Growth as Growth
 from .margins.tolerance_margins import Limit as Limit
 from .margins.tolerance_margins import grow as grow
@@ -23,6 +23,7 @@ from .metrics.requirements import Finding as Finding
 from .metrics.requirements import Requirement as Requirement
 from .metrics.requirements import assess as assess
 from .metrics.requirements import deviation_limits as deviation_limits
+from .search.effort import SearchSettings as SearchSettings
 from .search.judge import Evidence as Evidence
 from .search.judge import WorstCase as WorstCase
 from .search.judge import find_worst_cases as find_worst_cases
@@ -30,7 +31,6 @@ from .search.optimality import Optimality as Optimality
 from .search.problem import Problem as Problem
 from .search.problem import Searched as Searched
 from .search.problem import SearchProgress as SearchProgress
-from .search.problem import SearchSettings as SearchSettings
 from .search.registry import SEARCHES as SEARCHES
 from .search.sqp import Ascent as Ascent
 from .search.sqp import AscentSettings as AscentSettings

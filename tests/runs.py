@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 from separations import generic_pair
 
-from drakesep.analysis.engines.evaluator import RunEvaluator
+from drakesep.analysis.engines.run_evaluator import RunEvaluator
 from drakesep.analysis.metrics.objectives import of_run
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.systems.model.parameters import parameters, with_values

@@ -7,13 +7,13 @@ import numpy as np
 from scipy.optimize import differential_evolution
 
 from drakesep.analysis.search.ask_tell import side_by_side
+from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import (
     Known,
     OnProgress,
     Problem,
     Searched,
     SearchProgress,
-    SearchSettings,
 )
 from drakesep.analysis.search.sweeps import Best
 from drakesep.systems.arrays import Array

@@ -14,13 +14,13 @@ from types import TracebackType
 from typing import Self
 
 from drakesep.analysis.metrics.objectives import Objective
+from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import (
     Candidate,
     OnProgress,
     Problem,
     Searched,
     SearchProgress,
-    SearchSettings,
 )
 from drakesep.analysis.search.registry import SEARCHES, SQP_SEARCHES
 from drakesep.systems.checks import InputError

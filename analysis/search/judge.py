@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.expensive_objectives import ExpensiveSearches, by_cost
 from drakesep.analysis.search.optimality import (
     Optimality,
@@ -24,7 +25,6 @@ from drakesep.analysis.search.problem import (
     Problem,
     Searched,
     SearchProgress,
-    SearchSettings,
 )
 from drakesep.analysis.search.registry import SEARCHES, check_search
 from drakesep.analysis.search.sqp import SearchStatus, Start, slopes_at

@@ -7,12 +7,12 @@ candidates: points with the value of one objective.
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TypeAlias, TypedDict, Unpack
+from typing import TypeAlias
 
 from drakesep.analysis.engines.evaluator import Evaluator
-from drakesep.analysis.search.sqp import Ascent, AscentSettings, Iteration
+from drakesep.analysis.search.effort import SearchSettings
+from drakesep.analysis.search.sqp import Ascent, Iteration
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
-from drakesep.systems.checks import InputError
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,81 +38,6 @@ class Problem:
         if len(self.asked) == count:
             return what
         return f"{what}, for {len(self.asked)} of {count} objectives"
-
-
-class Effort(TypedDict, total=False):
-    """Settings of a search that a study takes; see `SearchSettings`."""
-
-    starts: int
-    samples: int
-    vertices: int
-    generations: int
-    corners: int
-    seed: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SearchSettings:
-    """How hard to search.
-
-    Raises:
-        ValueError: a number is out of range.
-    """
-
-    starts: int = 8
-    """Of each objective, of the ascent from many."""
-    samples: int = 50_000
-    """Drawn at random from the set."""
-    vertices: int = 2**18
-    """That are affordable."""
-    generations: int = 100
-    """Of differential evolution."""
-    corners: int = 4096
-    """Drawn at random, where tolerances grow."""
-    seed: int = 0
-    """Of whatever is drawn at random."""
-    ascent: AscentSettings = field(default_factory=AscentSettings)
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        for name, least in _LEAST.items():
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int) or value < least:
-                raise InputError(
-                    f"{name}: must be a whole number >= {least}, got {value}"
-                )
-
-    @classmethod
-    def affordable(cls, steps: int, **effort: Unpack[Effort]) -> "SearchSettings":
-        """Return settings for runs of so many integration steps.
-
-        What staged releases of stiff joints cost a run, they take from its number.
-
-        Args:
-            steps: of the nominal run in Drake.
-            effort: what is not to be chosen by them.
-        """
-        settings = cls(
-            starts=_between(2, 3000 // steps, 8),
-            samples=_between(1, 200_000_000 // steps**2, 50_000),
-            vertices=_between(1, 1_300_000_000 // steps**2, 2**18),
-            corners=_between(0, 20_000_000 // steps**2, 4096),
-        )
-        return dataclasses.replace(settings, **effort)
-
-
-def _between(least: int, value: int, most: int) -> int:
-    return min(max(value, least), most)
-
-
-_LEAST = {
-    "starts": 1,
-    "samples": 1,
-    "vertices": 1,
-    "generations": 1,
-    "corners": 0,
-    "seed": 0,
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.linearised_corners import different, linearised_corners
 from drakesep.analysis.search.problem import (
     Candidate,
@@ -14,7 +15,6 @@ from drakesep.analysis.search.problem import (
     Problem,
     Searched,
     SearchProgress,
-    SearchSettings,
 )
 from drakesep.analysis.search.sqp import Iteration, SearchStatus, Start, ascend
 from drakesep.systems.arrays import Array

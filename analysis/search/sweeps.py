@@ -9,6 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import (
     Candidate,
     Known,
@@ -16,7 +17,6 @@ from drakesep.analysis.search.problem import (
     Problem,
     Searched,
     SearchProgress,
-    SearchSettings,
 )
 from drakesep.analysis.search.sqp import Start, slopes_at
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet

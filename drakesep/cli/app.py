@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Annotated, NoReturn, TextIO, cast
 import typer
 
 from drakesep.systems.checks import InputError
+from drakesep.tables.run_tables import metrics_table
 
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from drakesep.analysis.search.problem import Effort
+    from drakesep.analysis.search.effort import Effort
     from drakesep.studies.worst_case.procedure import Progress
     from drakesep.studies.worst_case.result import WorstCases
 
@@ -108,7 +109,6 @@ def simulate(
     from drakesep.case_file.reader import load_case
     from drakesep.cli.console import print_frame
     from drakesep.studies import studies
-    from drakesep.tables import run_tables as tables
 
     console = _console()
     loaded = load_case(case)
@@ -118,7 +118,7 @@ def simulate(
         result.save(folder)
     if not result.completed:
         _fail(FAILED, result.labelled.status)
-    print_frame(console, "Metrics of the run", tables.metrics_table(result.labelled))
+    print_frame(console, "Metrics of the run", metrics_table(result.labelled))
     if len(result.contacts):
         print_frame(console, "Parts that touch again", result.contacts)
     console.print(f"Tables and plots are in {folder}", markup=False)
@@ -378,7 +378,7 @@ def _progress(
 ) -> "Iterator[Callable[[Progress], None]]":
     from rich import progress as rich_progress
 
-    from drakesep.tables.run_tables import shown, unit_of_objective
+    from drakesep.tables.columns import shown, unit_of_objective
 
     bar = rich_progress.Progress(
         rich_progress.TextColumn("{task.description}"),

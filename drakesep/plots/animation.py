@@ -6,18 +6,14 @@ Time is stretched while springs push and while bodies are near each other.
 """
 
 import json
-import logging
 from collections.abc import Mapping, Sequence
 from html import escape
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import pydrake.geometry as drake
-from pydrake.math import RigidTransform, RotationMatrix
 
 from drakesep.analysis.clearance.of_run import ClearanceAnalysis
-from drakesep.systems.arrays import Array
-from drakesep.systems.geometry.illustration import colour_of, illustration_of
+from drakesep.systems.geometry.recording import Recording
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.run import Run
 
@@ -26,9 +22,6 @@ _FRAMES = 30
 """In a second of the animation."""
 _PUSH, _NEAR, _REST = 4.0, 5.0, 3.0
 """Seconds of the animation for the push, until bodies are well apart, and after."""
-_BAR = 0.005
-"""Radius of the bar between nearest points, m."""
-_NEAREST = drake.Rgba(0.84, 0.1, 0.1, 1.0)
 
 
 class _Shown(NamedTuple):
@@ -62,49 +55,20 @@ def animation(
     """
     separation = next(iter(runs.values())).separation
     analysis = ClearanceAnalysis(separation, pairs, touching=touching)
-    meshcat = _meshcat()
-    meshcat.SetProperty("/Grid", "visible", False)
-    meshcat.SetProperty("/Axes", "visible", False)
-    meshcat.SetProperty("/Background", "top_color", [1.0, 1.0, 1.0])
-    meshcat.SetProperty("/Background", "bottom_color", [0.93, 0.94, 0.96])
-    meshcat.SetCameraPose([-1.5, -2.5, 1.8], [0.8, 0.0, 0.0])
-    meshcat.StartRecording(
-        frames_per_second=_FRAMES, set_visualizations_while_recording=False
-    )
+    recording = Recording(_FRAMES)
     shown = [
-        _animate(meshcat, f"/runs/{i}", label, run, analysis)
+        _animate(recording, f"/runs/{i}", label, run, analysis)
         for i, (label, run) in enumerate(runs.items())
     ]
-    meshcat.StopRecording()
-    meshcat.PublishRecording()
-    return _with_panel(meshcat.StaticHtml(), shown, title)
-
-
-def _meshcat() -> Any:
-    """Return a Meshcat that does not say where it listens: nobody needs to call it."""
-    log = logging.getLogger("drake")
-    level = log.level
-    log.setLevel(logging.WARNING)
-    try:
-        return drake.Meshcat()
-    finally:
-        log.setLevel(level)
+    return _with_panel(recording.page(), shown, title)
 
 
 def _animate(
-    meshcat: Any, root: str, label: str, run: Run, analysis: ClearanceAnalysis
+    recording: Recording, root: str, label: str, run: Run, analysis: ClearanceAnalysis
 ) -> _Shown:
     """Draw a run below a path of its own, and return what is said of it."""
     separation = run.separation
-    for i, body in enumerate(separation.bodies):
-        for part in body.parts:
-            shape, X_BG = illustration_of(part)
-            path = f"{root}/{body.name}/{part.name}"
-            meshcat.SetObject(path, shape, drake.Rgba(*colour_of(part, i)))
-            meshcat.SetTransform(path, X_BG)
-    meshcat.SetObject(f"{root}/bar", drake.Cylinder(_BAR, 1.0), _NEAREST)
-    for end in ("first", "second"):
-        meshcat.SetObject(f"{root}/{end}", drake.Sphere(2.0 * _BAR), _NEAREST)
+    recording.draw(root, separation)
     others = [body.name for body in separation.bodies if body.name != separation.A]
     trajectory = run.completed_trajectory
     paths = {
@@ -119,14 +83,13 @@ def _animate(
         at = frame / _FRAMES
         poses = {name: path.at(t) for name, path in paths.items()}
         for name in others:
-            X = RigidTransform(RotationMatrix(poses[name].R_AB), poses[name].p_AoBo_A)
-            meshcat.SetTransform(f"{root}/{name}", X, at)
+            recording.place(f"{root}/{name}", poses[name], at)
         points = (found.nearest.p_AoCa_A, found.nearest.p_BoCb_B)
         ends = [
             poses[body].R_AB @ point + poses[body].p_AoBo_A
             for body, point in zip(found.bodies, points, strict=True)
         ]
-        _draw_bar(meshcat, root, ends, at)
+        recording.place_bar(root, ends, at)
         shown.time.append(round(t, 6))
         shown.distance.append(round(1e3 * found.nearest.distance, 4))
         shown.pair.append(" to ".join(found.names))
@@ -150,21 +113,6 @@ def _times(run: Run) -> list[float]:
     frames = np.arange(0.0, shown[-1] + 0.5 / _FRAMES, 1.0 / _FRAMES)
     times = np.interp(frames, shown, ends)
     return [float(t) for t in times]
-
-
-def _draw_bar(meshcat: Any, root: str, ends: Sequence[Array], at: float) -> None:
-    """Put the bar between the nearest points."""
-    along = ends[1] - ends[0]
-    length = float(np.linalg.norm(along))
-    R = RotationMatrix()
-    if length > 0.0:
-        R = RotationMatrix.MakeFromOneVector(along / length, axis_index=2)
-    meshcat.SetTransform(
-        f"{root}/bar", RigidTransform(R, 0.5 * (ends[0] + ends[1])), at
-    )
-    meshcat.SetProperty(f"{root}/bar", "scale", [1.0, 1.0, max(length, 1e-6)], at)
-    for end, point in zip(("first", "second"), ends, strict=True):
-        meshcat.SetTransform(f"{root}/{end}", RigidTransform(point), at)
 
 
 # The panel.

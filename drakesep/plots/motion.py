@@ -5,14 +5,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from drakesep.analysis.metrics.objectives import TWO_SIDED
 from drakesep.analysis.metrics.of_run import ANGLES, AXES
 from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.plots.style import COLOURS, DASHES, LIMIT
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.units import unit_of
 
@@ -40,13 +39,7 @@ _ROTATION = (
     _Row("rate", "rate", AXES, "rate_after_separation"),
     _Row("angular_momentum_change", "angular momentum change", AXES),
 )
-
-# Okabe and Ito's colours, told apart by the colour-blind; dashes tell apart curves
-# that coincide. Published runs stay in the background.
-COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
-DASHES = ((0, ()), (0, (6, 2)), (0, (2, 2)), (0, (6, 2, 1, 2)), (0, (1, 1)))
 _PUBLISHED = ("#757575", "#A6A6A6", "#CCCCCC")
-LIMIT = "#B00020"
 
 
 def save_motion(
@@ -143,62 +136,3 @@ def _draw_limit(axes: Axes, requirement: Requirement) -> None:
     for side in sides:
         axes.plot(span, (side, side), color=LIMIT, linestyle=(0, (8, 3)), linewidth=1.2)
     axes.set_gid("limited")
-
-
-_BARS = 8
-"""Parameters in a panel of the tornado plot: those that matter most."""
-_ACROSS = 4
-
-
-def save_tornado(sensitivities: pd.DataFrame, folder: Path) -> None:
-    """Write tornado.png into a folder."""
-    tornado_figure(sensitivities).savefig(folder / "tornado.png", dpi=110)
-
-
-def tornado_figure(sensitivities: pd.DataFrame) -> Figure:
-    """Return what each tolerance does to each objective, to first order.
-
-    A panel for each objective, with the parameters that matter most at its worst case;
-    wide bars are slopes there, narrow ones at the nominal, for a whole tolerance.
-
-    Args:
-        sensitivities: as `WorstCases.sensitivities` has them.
-    """
-    panels = list(sensitivities.groupby("objective", sort=False))
-    down = -(-len(panels) // _ACROSS)
-    across = min(len(panels), _ACROSS)
-    figure = Figure(figsize=(4.6 * across, 2.9 * down + 0.6), layout="constrained")
-    grid = figure.subplots(down, across, squeeze=False)
-    for axes, (objective, rows) in zip(grid.flat, panels, strict=False):
-        _draw_tornado(axes, str(objective), rows.head(_BARS))
-    for axes in grid.flat[len(panels) :]:
-        axes.set_visible(False)
-    handles, labels = grid.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
-    title = "Change for a whole tolerance, to first order"
-    parameters = sensitivities["parameter"].nunique()
-    if parameters > _BARS:
-        title += f"; of {parameters} parameters the {_BARS} that matter most"
-    figure.suptitle(title)
-    return figure
-
-
-def _draw_tornado(axes: Axes, objective: str, rows: pd.DataFrame) -> None:
-    places = np.arange(len(rows))
-    for column, height, colour, label in (
-        ("per_tolerance_at_worst", 0.8, "#56B4E9", "at the worst case"),
-        ("per_tolerance_at_nominal", 0.35, "#000000", "at the nominal"),
-    ):
-        axes.barh(places, rows[column], height, color=colour, label=label)
-    names = rows["parameter"].str.cat(rows["at_worst"].map(_MARKED))
-    axes.set_yticks(places, list(names), fontsize=7)
-    axes.invert_yaxis()
-    axes.axvline(0.0, color="#555555", linewidth=0.8)
-    axes.set_title(objective.replace("_", " "), fontsize=9)
-    axes.set_xlabel(rows["unit"].iloc[0], fontsize=8)
-    axes.tick_params(axis="x", labelsize=7)
-    axes.xaxis.set_major_locator(MaxNLocator(4))
-    axes.grid(axis="x", alpha=0.3)
-
-
-_MARKED = {"M": "  M", "m": "  m", "": "   "}

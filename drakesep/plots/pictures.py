@@ -10,7 +10,9 @@ import pandas as pd
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.arrays import Array
 from drakesep.systems.model.run import Motion
+from drakesep.tables.columns import write_csv
 from drakesep.tables.labelled_run import LabelledRun
+from drakesep.tables.run_tables import motion_table
 
 
 class Approach(NamedTuple):
@@ -33,9 +35,9 @@ class Tornado:
 
     def save(self, folder: Path) -> None:
         """Draw it into a folder."""
-        from drakesep.plots import motion as motion_plots  # half a second, when drawn
+        from drakesep.plots.tornado import save_tornado  # half a second, when drawn
 
-        motion_plots.save_tornado(self.sensitivities, folder)
+        save_tornado(self.sensitivities, folder)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,15 +55,12 @@ class Pictures:
 
     def save(self, folder: Path) -> None:
         """Write them into a folder."""
-        from drakesep.plots import clearance_plots
-        from drakesep.plots import motion as motion_plots
-        from drakesep.tables import run_tables as tables
+        from drakesep.plots.clearance_plots import save_approaches
+        from drakesep.plots.motion import save_motion
 
-        motion_plots.save_motion(self.runs, self.limits, folder)
+        save_motion(self.runs, self.limits, folder)
         if self.approaches:
-            clearance_plots.save_approaches(
-                self.approaches, self.clearance_limit, folder
-            )
+            save_approaches(self.approaches, self.clearance_limit, folder)
         for label, motion in self.motions.items():
-            table = tables.motion_table(motion)
-            tables.write_csv(table, folder / f"motion_{label}.csv")
+            table = motion_table(motion)
+            write_csv(table, folder / f"motion_{label}.csv")

@@ -75,8 +75,7 @@ def _prepare() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # The caller warns of its case itself.
     warnings.filterwarnings("ignore", message=".*check scale")
-    from drakesep.plots import clearance_plots  # noqa: F401
-    from drakesep.plots import motion as motion_plots  # noqa: F401
+    from drakesep.plots import clearance_plots, motion, tornado  # noqa: F401
     from drakesep.tables import run_tables as tables  # noqa: F401
 
 

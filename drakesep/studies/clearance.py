@@ -17,7 +17,7 @@ from drakesep.systems.checks import InputError
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.part_pairs import owners_of
 from drakesep.systems.model.run import Run
-from drakesep.tables import run_tables as tables
+from drakesep.tables.columns import in_units, write_csv
 from drakesep.units import unit_of, with_unit
 
 
@@ -119,7 +119,7 @@ class Clearances:
             touch = one.contact
             at["contact_time"] = np.nan if touch is None else touch.time
             at["closing_speed"] = np.nan if touch is None else touch.closing_speed
-            row |= tables.in_units(at)
+            row |= in_units(at)
             left = "parted" if parted(one) else "clear"
             row["status"] = left if touch is None else "contact"
             rows.append(row)
@@ -132,17 +132,15 @@ class Clearances:
 
     def save(self, directory: str | Path) -> None:
         """Write the tables and the plots into a folder."""
-        from drakesep.plots import (
-            clearance_plots,  # half a second, where it is drawn
-        )
+        # Half a second to import, where it is drawn.
+        from drakesep.plots.clearance_plots import save_clearance
+        from drakesep.plots.swept_volume import save_swept
 
         folder = writable_folder(directory)
-        tables.write_csv(self.summary, folder / "clearance_summary.csv")
-        tables.write_csv(self.over_time, folder / "clearance.csv")
-        clearance_plots.save_clearance(
-            self._time, self.separation, self._curves, folder
-        )
-        clearance_plots.save_swept(self.run, self._analysis.names, folder)
+        write_csv(self.summary, folder / "clearance_summary.csv")
+        write_csv(self.over_time, folder / "clearance.csv")
+        save_clearance(self._time, self.separation, self._curves, folder)
+        save_swept(self.run, self._analysis.names, folder)
 
     @property
     def _curves(self) -> dict[str, tuple[Array, Clearance]]:

@@ -9,8 +9,9 @@ from typing import Unpack
 import pandas as pd
 
 from drakesep.analysis.metrics.objectives import AnyObjective
-from drakesep.analysis.search.problem import Effort, Problem, SearchSettings
+from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.analysis.search.problem import OnProgress as Tell
+from drakesep.analysis.search.problem import Problem
 from drakesep.case_file.case import Case
 from drakesep.case_file.objectives import choose_objectives, the_clearance
 from drakesep.case_file.reader import load_case
@@ -22,8 +23,10 @@ from drakesep.studies.worst_case.result import WorstCases
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run
 from drakesep.systems.simulation.simulation import Simulation
-from drakesep.tables import run_tables as tables
+from drakesep.tables.columns import write_csv
+from drakesep.tables.contact_tables import contact_forces_table, contacts_table
 from drakesep.tables.labelled_run import NOMINAL, LabelledRun, labelled_run
+from drakesep.tables.run_tables import motion_table, runs_table
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,18 +47,18 @@ class Simulated:
     def summary(self) -> pd.DataFrame:
         """One row, as in `WorstCases.table`, with what was changed."""
         names = (*self.case.box.names, *self.case.values_in_si(self.values))
-        return tables.runs_table([self.labelled], list(dict.fromkeys(names)))
+        return runs_table([self.labelled], list(dict.fromkeys(names)))
 
     @functools.cached_property
     def motion(self) -> pd.DataFrame:
         """The motion over time; empty if the run failed."""
         motion = self.run.motion
-        return pd.DataFrame() if motion is None else tables.motion_table(motion)
+        return pd.DataFrame() if motion is None else motion_table(motion)
 
     @property
     def contacts(self) -> pd.DataFrame:
         """A row for each contact after separation, if the case has recontact."""
-        return tables.contacts_table(self.run)
+        return contacts_table(self.run)
 
     @property
     def completed(self) -> bool:
@@ -67,18 +70,17 @@ class Simulated:
         folder = writable_folder(directory)
         for name in ("contacts.csv", "contact_forces.csv"):  # of an earlier run
             (folder / name).unlink(missing_ok=True)
-        tables.write_csv(self.summary, folder / "summary.csv")
+        write_csv(self.summary, folder / "summary.csv")
         if self.completed:
-            tables.write_csv(self.motion, folder / "motion.csv")
+            write_csv(self.motion, folder / "motion.csv")
             if self.run.separation.recontact is not None:
-                tables.write_csv(self.contacts, folder / "contacts.csv")
-                forces = tables.contact_forces_table(self.run)
-                tables.write_csv(forces, folder / "contact_forces.csv")
-            from drakesep.plots import (
-                motion as motion_plots,  # half a second, where something is drawn
-            )
+                write_csv(self.contacts, folder / "contacts.csv")
+                forces = contact_forces_table(self.run)
+                write_csv(forces, folder / "contact_forces.csv")
+            # Half a second to import, where something is drawn.
+            from drakesep.plots.motion import save_motion
 
-            motion_plots.save_motion([self.labelled], self.case.limits, folder)
+            save_motion([self.labelled], self.case.limits, folder)
 
 
 def simulate(

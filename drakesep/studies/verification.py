@@ -8,18 +8,15 @@ import pandas as pd
 
 from drakesep.analysis.margins.tolerance_margins import Growth, Limit, grow
 from drakesep.analysis.metrics.requirements import Finding, Requirement, assess
+from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.judge import WorstCase
-from drakesep.analysis.search.problem import (
-    OnProgress,
-    Problem,
-    SearchProgress,
-    SearchSettings,
-)
+from drakesep.analysis.search.problem import OnProgress, Problem, SearchProgress
 from drakesep.plots.pictures import Pictures
 from drakesep.studies.worst_case.result import WorstCases
-from drakesep.tables import evidence_tables
-from drakesep.tables import run_tables as tables
+from drakesep.tables.columns import write_csv
+from drakesep.tables.evidence_tables import tolerances_table
 from drakesep.tables.labelled_run import NOMINAL
+from drakesep.tables.requirement_tables import requirements_table
 
 
 @dataclass(kw_only=True)
@@ -40,14 +37,14 @@ class Verification(WorstCases):
     @property
     def requirements(self) -> pd.DataFrame:
         """A row for each requirement and axis, with its margins and verdict."""
-        return tables.requirements_table(
+        return requirements_table(
             self.findings, self.growths, self.single_growths, self.case.box
         )
 
     @property
     def tolerances(self) -> pd.DataFrame:
         """For each requirement and parameter, the tolerance that would violate it."""
-        return evidence_tables.tolerances(self.single_growths, self.case.box)
+        return tolerances_table(self.single_growths, self.case.box)
 
     def save_tables(self, directory: str | Path) -> None:
         """Write the tables, as far as there are any, into a folder."""
@@ -55,10 +52,10 @@ class Verification(WorstCases):
         folder = Path(directory)
         # No verdict before the worst cases are known.
         if self.worst or (self.runs and not self.case.dispersions):
-            tables.write_csv(self.requirements, folder / "requirements.csv")
-            tables.write_csv(self.table_4, folder / "table_4.csv")
+            write_csv(self.requirements, folder / "requirements.csv")
+            write_csv(self.table_4, folder / "table_4.csv")
         if self.single_growths:
-            tables.write_csv(self.tolerances, folder / "tolerances.csv")
+            write_csv(self.tolerances, folder / "tolerances.csv")
 
     @property
     def passed(self) -> bool:

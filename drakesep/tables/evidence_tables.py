@@ -13,8 +13,9 @@ from drakesep.analysis.search.judge import CONFIDENCE, WorstCase
 from drakesep.analysis.search.problem import Searched
 from drakesep.analysis.search.registry import SEARCHES
 from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.tables.columns import in_units, shown, unit_of_objective
 from drakesep.tables.labelled_run import LabelledRun
-from drakesep.tables.run_tables import MARK, in_units, shown, unit_of_objective
+from drakesep.tables.table_4 import MARK
 from drakesep.units import split_axis, unit_of, with_unit
 
 
@@ -22,7 +23,7 @@ _LISTED = 10
 """Local maxima that a table lists."""
 
 
-def evidence(
+def evidence_table(
     worst: Sequence[WorstCase],
     objectives: Sequence[Objective],
     runs: Sequence[LabelledRun],
@@ -76,7 +77,9 @@ def evidence(
     return pd.DataFrame(rows)
 
 
-def searches(searched: Sequence[Searched], share_unphysical: float) -> pd.DataFrame:
+def searches_table(
+    searched: Sequence[Searched], share_unphysical: float
+) -> pd.DataFrame:
     """Return a row for each search: what it looked at, and what failed."""
     return pd.DataFrame(
         {
@@ -91,7 +94,7 @@ def searches(searched: Sequence[Searched], share_unphysical: float) -> pd.DataFr
     )
 
 
-def candidates(
+def candidates_table(
     searched: Sequence[Searched], objectives: Sequence[Objective], box: ToleranceBox
 ) -> pd.DataFrame:
     """Return a row for the best point of each search, for each objective."""
@@ -112,7 +115,7 @@ def candidates(
     return pd.DataFrame(rows)
 
 
-def worst_points(worst: Sequence[WorstCase], box: ToleranceBox) -> pd.DataFrame:
+def worst_points_table(worst: Sequence[WorstCase], box: ToleranceBox) -> pd.DataFrame:
     """Return a row for each parameter: M, m, or its value, at each worst case."""
     columns: dict[str, list[str]] = {"parameter": [with_unit(n) for n in box.names]}
     for case in worst:
@@ -125,7 +128,7 @@ def worst_points(worst: Sequence[WorstCase], box: ToleranceBox) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
-def sensitivities(
+def sensitivities_table(
     worst: Sequence[WorstCase],
     objectives: Sequence[Objective],
     nominal_slopes: np.ndarray | None,
@@ -160,7 +163,7 @@ def sensitivities(
     return pd.DataFrame(rows)
 
 
-def tolerances(
+def tolerances_table(
     growths: Sequence[tuple[Requirement, Growth]], box: ToleranceBox
 ) -> pd.DataFrame:
     """Return for each requirement and parameter the tolerance that would violate it.

@@ -6,7 +6,7 @@ import pytest
 
 import drakesep
 from drakesep.analysis.clearance.of_pair import ACCURACY
-from drakesep.analysis.engines.evaluator import BatchEvaluator
+from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
 from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.analysis.search.linearised_corners import linearised_corners
 from drakesep.analysis.search.problem import Problem

@@ -12,20 +12,16 @@ from typing import TypeAlias
 import numpy as np
 
 from drakesep.analysis.engines.drake_pool import DrakePool
-from drakesep.analysis.engines.evaluator import BatchEvaluator, RunEvaluator
 from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
+from drakesep.analysis.engines.run_evaluator import RunEvaluator
 from drakesep.analysis.metrics.objectives import Objective
 from drakesep.analysis.metrics.requirements import deviation_limits
+from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.analysis.search.expensive_objectives import check_expensive
 from drakesep.analysis.search.judge import WorstCase, find_worst_cases
-from drakesep.analysis.search.problem import (
-    Effort,
-    Problem,
-    Searched,
-    SearchProgress,
-    SearchSettings,
-)
 from drakesep.analysis.search.problem import OnProgress as Tell
+from drakesep.analysis.search.problem import Problem, Searched, SearchProgress
 from drakesep.analysis.search.registry import check_search
 from drakesep.analysis.search.sqp import Start, slopes_at
 from drakesep.case_file.case import Case

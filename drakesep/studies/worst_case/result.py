@@ -15,9 +15,18 @@ from drakesep.analysis.search.sqp import Iteration
 from drakesep.case_file.case import Case
 from drakesep.plots.pictures import Approach, Pictures, Tornado
 from drakesep.studies.output import writable_folder
-from drakesep.tables import evidence_tables
-from drakesep.tables import run_tables as tables
+from drakesep.tables.columns import write_csv
+from drakesep.tables.comparison import comparison_table
+from drakesep.tables.evidence_tables import (
+    candidates_table,
+    evidence_table,
+    searches_table,
+    sensitivities_table,
+    worst_points_table,
+)
 from drakesep.tables.labelled_run import LabelledRun
+from drakesep.tables.run_tables import history_table, motion_table, runs_table
+from drakesep.tables.table_4 import table_4
 
 
 @dataclass(kw_only=True)
@@ -44,12 +53,12 @@ class WorstCases:
     @property
     def table(self) -> pd.DataFrame:
         """A row for each run: parameters, metrics, and how it was found."""
-        return tables.runs_table(self.runs, self.case.box.names)
+        return runs_table(self.runs, self.case.box.names)
 
     @property
     def history(self) -> pd.DataFrame:
         """A row for each iterate of each search from the nominal."""
-        return tables.history_table(self.iterations, self.case.box)
+        return history_table(self.iterations, self.case.box)
 
     @property
     def iterations(self) -> dict[Objective, tuple[Iteration, ...]]:
@@ -68,42 +77,40 @@ class WorstCases:
     @property
     def comparison(self) -> pd.DataFrame:
         """For each of the paper's objectives: nominal, published, SQP and worst."""
-        return tables.comparison_table(self.runs)
+        return comparison_table(self.runs)
 
     @property
     def table_4(self) -> pd.DataFrame:
         """The worst cases in the form of the paper's Table 4."""
         shown = [f for f in self.runs if f.objective is None or _of_paper(f)]
-        return tables.table_4(shown, self.case.box)
+        return table_4(shown, self.case.box)
 
     @property
     def worst_points(self) -> pd.DataFrame:
         """A row for each parameter: M, m or its value, at each worst case."""
-        return evidence_tables.worst_points(self.worst, self.case.box)
+        return worst_points_table(self.worst, self.case.box)
 
     @property
     def evidence(self) -> pd.DataFrame:
         """A row for each worst case, with why it may be believed."""
-        return evidence_tables.evidence(self.worst, self.objectives, self.runs)
+        return evidence_table(self.worst, self.objectives, self.runs)
 
     @property
     def searches(self) -> pd.DataFrame:
         """A row for each search: what it looked at."""
-        return evidence_tables.searches(self.searched, self.share_unphysical)
+        return searches_table(self.searched, self.share_unphysical)
 
     @property
     def candidates(self) -> pd.DataFrame:
         """A row for the best point of each search, for each objective."""
-        return evidence_tables.candidates(self.searched, self.objectives, self.case.box)
+        return candidates_table(self.searched, self.objectives, self.case.box)
 
     @property
     def sensitivities(self) -> pd.DataFrame:
         """What each tolerance does to each objective, at the nominal and the worst."""
         slopes = self.nominal_slopes
         assert slopes is not None or not self.worst
-        return evidence_tables.sensitivities(
-            self.worst, self.objectives, slopes, self.case.box
-        )
+        return sensitivities_table(self.worst, self.objectives, slopes, self.case.box)
 
     @property
     def nearest_sensitivities(self) -> pd.DataFrame:
@@ -121,7 +128,7 @@ class WorstCases:
     def motions(self) -> dict[str, pd.DataFrame]:
         """The motion of each run that did not fail, by its label."""
         return {
-            labelled.label: tables.motion_table(labelled.run.motion)
+            labelled.label: motion_table(labelled.run.motion)
             for labelled in self.runs
             if labelled.run.motion is not None
         }
@@ -134,18 +141,18 @@ class WorstCases:
     def save_tables(self, directory: str | Path) -> None:
         """Write the tables, as far as there are any, into a folder."""
         folder = writable_folder(directory)
-        tables.write_csv(self.table, folder / "worst_cases.csv")
+        write_csv(self.table, folder / "worst_cases.csv")
         if self.searched:
-            tables.write_csv(self.searches, folder / "searches.csv")
-            tables.write_csv(self.candidates, folder / "candidates.csv")
+            write_csv(self.searches, folder / "searches.csv")
+            write_csv(self.candidates, folder / "candidates.csv")
         if self.iterations:
-            tables.write_csv(self.history, folder / "history.csv")
+            write_csv(self.history, folder / "history.csv")
         if self.worst:
-            tables.write_csv(self.evidence, folder / "evidence.csv")
-            tables.write_csv(self.worst_points, folder / "worst_points.csv")
-            tables.write_csv(self.sensitivities, folder / "sensitivities.csv")
+            write_csv(self.evidence, folder / "evidence.csv")
+            write_csv(self.worst_points, folder / "worst_points.csv")
+            write_csv(self.sensitivities, folder / "sensitivities.csv")
         if any(map(_of_paper, self.runs)):
-            tables.write_csv(self.comparison, folder / "comparison.csv")
+            write_csv(self.comparison, folder / "comparison.csv")
 
     def save(self, directory: str | Path) -> None:
         """Write the tables, and what shows the runs, into a folder."""

@@ -7,7 +7,7 @@ import pytest
 from runs import fly_nothing
 from separations import generic_pair
 
-from drakesep.analysis.engines.evaluator import RunEvaluator
+from drakesep.analysis.engines.run_evaluator import RunEvaluator
 from drakesep.analysis.margins.tolerance_margins import MOST, Limit, grow
 from drakesep.analysis.metrics.objectives import of_run
 from drakesep.analysis.search.problem import Problem

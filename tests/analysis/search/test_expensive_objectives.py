@@ -8,8 +8,9 @@ import pytest
 from runs import evaluator_of
 from separations import generic_pair
 
+from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.judge import find_worst_cases
-from drakesep.analysis.search.problem import Problem, SearchSettings
+from drakesep.analysis.search.problem import Problem
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.systems.checks import InputError

@@ -7,11 +7,13 @@ import pytest
 from runs import evaluator_of
 from separations import generic_pair
 
-from drakesep.analysis.engines.evaluator import BatchEvaluator, RunEvaluator
+from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
+from drakesep.analysis.engines.run_evaluator import RunEvaluator
 from drakesep.analysis.metrics.objectives import OBJECTIVES, highest, largest, of_run
 from drakesep.analysis.metrics.requirements import deviation_limits
+from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.judge import find_worst_cases
-from drakesep.analysis.search.problem import Problem, SearchSettings
+from drakesep.analysis.search.problem import Problem
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.systems.model.run import Run, RunStatus

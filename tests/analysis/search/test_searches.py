@@ -9,8 +9,9 @@ from runs import evaluator_of
 from separations import generic_pair
 
 from drakesep.analysis.metrics.objectives import of_run
+from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.judge import find_worst_cases
-from drakesep.analysis.search.problem import Problem, SearchSettings
+from drakesep.analysis.search.problem import Problem
 from drakesep.analysis.search.registry import SEARCHES
 from drakesep.analysis.search.sweeps import sweep_vertices
 from drakesep.analysis.tolerances.box import ToleranceBox

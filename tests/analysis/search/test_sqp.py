@@ -7,7 +7,8 @@ import pytest
 from runs import evaluator_of
 from separations import generic_pair, vega
 
-from drakesep.analysis.engines.evaluator import Evaluated, RunEvaluator
+from drakesep.analysis.engines.evaluator import Evaluated
+from drakesep.analysis.engines.run_evaluator import RunEvaluator
 from drakesep.analysis.search.sqp import (
     AscentSettings,
     SearchStatus,

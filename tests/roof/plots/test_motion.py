@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from drakesep.analysis.metrics.objectives import OBJECTIVES
-from drakesep.plots import motion as figures
+from drakesep.plots.motion import rotation_figure, translation_figure
+from drakesep.plots.tornado import tornado_figure
 from drakesep.units import unit_of
 
 
@@ -19,7 +20,7 @@ def shown(vega_verification):
 
 
 def test_curves_are_the_runs(shown, vega_verification):
-    figure = figures.rotation_figure(shown, vega_verification.case.limits)
+    figure = rotation_figure(shown, vega_verification.case.limits)
     panels = {axes.get_title(): axes for axes in figure.axes}
     assert set(panels) == {
         *(f"angle, {angle}" for angle in ("roll", "pitch", "yaw")),
@@ -36,9 +37,9 @@ def test_curves_are_the_runs(shown, vega_verification):
 @pytest.mark.parametrize(
     ("make", "title", "limit"),
     [
-        (figures.rotation_figure, "rate, y", 1.5),
-        (figures.rotation_figure, "angle, yaw", 1.0),
-        (figures.translation_figure, "relative velocity, x", 0.5),
+        (rotation_figure, "rate, y", 1.5),
+        (rotation_figure, "angle, yaw", 1.0),
+        (translation_figure, "relative velocity, x", 0.5),
     ],
 )
 def test_limits_are_drawn(shown, vega_verification, make, title, limit):
@@ -48,7 +49,7 @@ def test_limits_are_drawn(shown, vega_verification, make, title, limit):
 
 
 def test_legend_names_every_run(shown, vega_verification):
-    figure = figures.translation_figure(shown, vega_verification.case.limits)
+    figure = translation_figure(shown, vega_verification.case.limits)
     [legend] = figure.legends
     names = [text.get_text() for text in legend.get_texts()]
     assert names == [
@@ -61,7 +62,7 @@ def test_legend_names_every_run(shown, vega_verification):
 def test_tornado_has_a_panel_for_each_objective(vega_verification):
     """Bars are the table's, the largest on top."""
     frame = vega_verification.sensitivities
-    figure = figures.tornado_figure(frame)
+    figure = tornado_figure(frame)
     panels = {axes.get_title(): axes for axes in figure.axes if axes.get_visible()}
     assert len(panels) == frame["objective"].nunique()
     rows = frame[frame["objective"] == "L1"]

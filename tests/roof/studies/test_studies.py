@@ -7,7 +7,7 @@ import pytest
 
 import drakesep
 from drakesep.analysis.metrics.objectives import OBJECTIVES, highest
-from drakesep.analysis.search.problem import SearchSettings
+from drakesep.analysis.search.effort import SearchSettings
 from drakesep.studies.worst_case.procedure import default_searches
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.run import RunStatus

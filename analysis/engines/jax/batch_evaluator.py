@@ -1,0 +1,158 @@
+"""Tells a search the objectives by the batch engine."""
+
+from collections.abc import Sequence
+from concurrent import futures
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drakesep.analysis.engines.evaluator import Evaluated, Progress
+from drakesep.analysis.engines.jax.batch import Batch, BatchResult
+from drakesep.analysis.engines.run_evaluator import RunEvaluator
+from drakesep.analysis.metrics.objectives import Limits, Objective
+from drakesep.systems.arrays import Array
+from drakesep.systems.model.run import Run
+
+
+_COMPILERS = 2
+"""Programs that are compiled beside each other."""
+
+
+class BatchEvaluator:
+    """Flies on the batch engine; knows derivatives of what metrics tell."""
+
+    concurrent = True
+
+    def __init__(
+        self,
+        batch: Batch,
+        objectives: Sequence[Objective],
+        limits: Limits,
+        *,
+        derivatives: bool = True,
+    ):
+        """Prepare.
+
+        Args:
+            batch: that flies; it must have the same limits.
+            objectives: to be told.
+            limits: (3,) of the deviations, as `metrics_of_run` takes them.
+            derivatives: whether to use those of the batch engine: differences cost less
+                where runs take many steps.
+        """
+        self._derivatives = derivatives
+        self._preparing: futures.Future[BatchResult] | None = None
+        self._batch = batch
+        self.names = batch.names
+        self.objectives = tuple(objectives)
+        self._of_runs = RunEvaluator(batch.runs, batch.names, objectives, limits)
+
+    def exact(self, k: int) -> bool:
+        """Return whether derivatives are to be had: of what metrics alone tell."""
+        return self._derivatives and self.objectives[k].of_metrics_alone
+
+    def all(
+        self,
+        rows: Array,
+        on_progress: Progress | None = None,
+        of: Sequence[int] | None = None,
+    ) -> Evaluated:
+        """Return every objective at every row; NaN for those that are not asked for.
+
+        Args:
+            rows: (n, n_p) of the parameters, in SI.
+            on_progress: called now and then.
+            of: which objectives; all if None.
+        """
+        asked = range(len(self.objectives)) if of is None else of
+        of_metrics = [k for k in asked if self.objectives[k].of_metrics_alone]
+        others = [k for k in asked if not self.objectives[k].of_metrics_alone]
+        values = np.full((len(rows), len(self.objectives)), np.nan)
+        failures: dict[int, str] = {}
+        if of_metrics:
+            result = self._batch.run(rows, on_progress=on_progress)
+            metrics = result.metrics.to_numpy()
+            for k in of_metrics:
+                values[:, k] = self.objectives[k].of_metrics(metrics)
+            failures |= result.failures
+        if others:
+            told = self._of_runs.all(rows, on_progress, others)
+            values[:, others] = told.values[:, others]
+            failures |= told.failures
+        return Evaluated(values, failures)
+
+    def one(self, rows: Array, which: Sequence[int]) -> Evaluated:
+        """Return one objective at each row: the which[i]-th at row i."""
+        of_metrics = np.array(
+            [self.objectives[k].of_metrics_alone for k in which], dtype=bool
+        )
+        values = np.full(len(rows), np.nan)
+        failures: dict[int, str] = {}
+        parts: list[tuple[NDArray[np.intp], Evaluated]] = []
+        if of_metrics.any():
+            index = np.flatnonzero(of_metrics)
+            result = self._batch.run(rows[index])
+            told = self._tell(
+                result.metrics.to_numpy(), [which[i] for i in index.tolist()]
+            )
+            parts.append((index, Evaluated(told, dict(result.failures))))
+        if not of_metrics.all():
+            index = np.flatnonzero(~of_metrics)
+            parts.append(
+                (
+                    index,
+                    self._of_runs.one(rows[index], [which[i] for i in index.tolist()]),
+                )
+            )
+        for index, part in parts:
+            values[index] = part.values
+            failures |= {int(index[i]): why for i, why in part.failures.items()}
+        return Evaluated(values, failures)
+
+    def near(self, rows: Array, k: int) -> Evaluated:
+        """Return an objective at the first row, and about it at the others."""
+        if self.objectives[k].of_metrics_alone:
+            return self.one(rows, [k] * len(rows))
+        return self._of_runs.near(rows, k)
+
+    def runs(self, rows: Array) -> list[Run]:
+        """Return the run of each row, completed or failed."""
+        return self._of_runs.runs(rows)
+
+    def prepare(self) -> None:
+        """Begin to compile what searches need, beside whatever comes next."""
+        nominal = self._batch.nominal[None]
+        # What goes wrong here goes wrong again where it is told of. No daemons: a
+        # process that ends within the compiler does so with a crash.
+        pool = futures.ThreadPoolExecutor(_COMPILERS)
+        if any(objective.of_metrics_alone for objective in self.objectives):
+            pool.submit(self._batch.run, nominal)
+        if any(map(self.exact, range(len(self.objectives)))):
+            self._preparing = pool.submit(self._batch.jacobian, nominal)
+        if not all(objective.of_metrics_alone for objective in self.objectives):
+            pool.submit(self._batch.runs, nominal)
+        pool.shutdown(wait=False)
+
+    def slopes(self, rows: Array, which: Sequence[int]) -> tuple[Evaluated, Array]:
+        """Return one objective at each row, and its derivatives (n, n_p)."""
+        if self._preparing is not None:
+            futures.wait([self._preparing])
+        result = self._batch.jacobian(rows)
+        assert result.jacobian is not None
+        metrics = result.metrics.to_numpy()
+        weights = np.stack(
+            [self.objectives[k].weights(metrics[i]) for i, k in enumerate(which)]
+        )
+        # A metric of weight 0 counts for nothing, even where its slope is undefined.
+        terms = np.where(weights[..., None] == 0.0, 0.0, result.jacobian)
+        slopes = np.einsum("nm,nmp->np", weights, terms)
+        values = self._tell(metrics, which)
+        return Evaluated(values, dict(result.failures)), slopes
+
+    def _tell(self, metrics: Array, which: Sequence[int]) -> Array:
+        return np.array(
+            [
+                float(self.objectives[k].of_metrics(row))
+                for k, row in zip(which, metrics, strict=True)
+            ]
+        )

@@ -1,0 +1,146 @@
+"""Tells a search the objectives run by run, whoever flies."""
+
+import math
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from drakesep.analysis.engines.evaluator import Evaluated, Progress
+from drakesep.analysis.metrics.objectives import About, Limits, Objective
+from drakesep.systems.arrays import Array
+from drakesep.systems.checks import InputError
+from drakesep.systems.model.run import Run, RunStatus
+
+
+class RunEvaluator:
+    """Flies run by run, whoever flies; knows no derivatives."""
+
+    concurrent = False
+
+    def __init__(
+        self,
+        fly: Callable[[Array], list[Run]],
+        names: Sequence[str],
+        objectives: Sequence[Objective],
+        limits: Limits = (math.inf,) * 3,
+    ):
+        """Prepare.
+
+        Args:
+            fly: returns the runs of rows (n, n_p).
+            names: (n_p,) of the parameters.
+            objectives: to be told.
+            limits: (3,) of the deviations, as `metrics_of_run` takes them.
+        """
+        self._fly = fly
+        self._limits = limits
+        self.names = tuple(names)
+        self.objectives = tuple(objectives)
+        # What is asked for at a row and, a little later, about it.
+        self._last: OrderedDict[tuple[int, bytes], About] = OrderedDict()
+
+    def exact(self, k: int) -> bool:
+        """Return False: differences must do."""
+        return False
+
+    def all(
+        self,
+        rows: Array,
+        on_progress: Progress | None = None,
+        of: Sequence[int] | None = None,
+    ) -> Evaluated:
+        """Return every objective at every row; NaN for those that are not asked for.
+
+        Args:
+            rows: (n, n_p) of the parameters, in SI.
+            on_progress: called now and then.
+            of: which objectives; all if None.
+        """
+        asked = range(len(self.objectives)) if of is None else of
+        values = np.full((len(rows), len(self.objectives)), np.nan)
+        failures: dict[int, str] = {}
+        expensive = any(self.objectives[k].expensive for k in asked)
+        size = 1 if expensive else _ROWS
+        for first in range(0, len(rows), size):
+            part = rows[first : first + size]
+            for i, run in enumerate(self._fly(part), first):
+                if run.status is RunStatus.FAILED:
+                    failures[i] = run.message
+                else:
+                    values[i, asked] = [self._tell(k, run, rows[i]) for k in asked]
+            if on_progress is not None:
+                on_progress(first + len(part), len(rows))
+        return Evaluated(values, failures)
+
+    def one(self, rows: Array, which: Sequence[int]) -> Evaluated:
+        """Return one objective at each row: the which[i]-th at row i."""
+        values = np.full(len(rows), np.nan)
+        failures = {}
+        for i, run in enumerate(self._fly(rows)):
+            if run.status is RunStatus.FAILED:
+                failures[i] = run.message
+            else:
+                values[i] = self._tell(which[i], run, rows[i])
+        return Evaluated(values, failures)
+
+    def near(self, rows: Array, k: int) -> Evaluated:
+        """Return an objective at the first row, and about it at the others."""
+        values = np.full(len(rows), np.nan)
+        runs = self._fly(rows)
+        failures = {
+            i: run.message
+            for i, run in enumerate(runs)
+            if run.status is RunStatus.FAILED
+        }
+        if not failures:
+            about = self._about(k, runs[0], rows[0])
+            values[:] = [about.value, *map(about.near, runs[1:])]
+        return Evaluated(values, failures)
+
+    def slopes(self, rows: Array, which: Sequence[int]) -> tuple[Evaluated, Array]:
+        """Refuse."""
+        raise TypeError("there are no derivatives run by run")
+
+    def runs(self, rows: Array) -> list[Run]:
+        """Return the run of each row, completed or failed."""
+        return self._fly(rows)
+
+    def _tell(self, k: int, run: Run, row: Array) -> float:
+        return self._about(k, run, row).value
+
+    def _about(self, k: int, run: Run, row: Array) -> About:
+        objective = self.objectives[k]
+        key = k, row.tobytes()
+        known = self._last.get(key)
+        if known is not None:
+            return known
+        point = ", ".join(
+            f"{name} = {x:.9g}" for name, x in zip(self.names, row, strict=True)
+        )
+        try:
+            about = objective.about(run, self._limits)
+        except InputError:
+            raise
+        except Exception as error:  # whatever a user's function raises
+            raise InputError(
+                f"objective {objective.name} must give a number for every run, got "
+                f"{type(error).__name__}: {error}, at {point}"
+            ) from error
+        if not math.isfinite(about.value):
+            raise InputError(
+                f"objective {objective.name} must be finite for every run, got "
+                f"{about.value} at {point}; let it return a number for such a run too, "
+                "a low one if the run is harmless"
+            )
+        if objective.expensive:
+            self._last[key] = about
+            if len(self._last) > _KEPT:
+                self._last.popitem(last=False)
+        return about
+
+
+_ROWS = 64
+"""Between two tellings of progress."""
+_KEPT = 1024
+"""Answers to expensive questions."""

@@ -1,0 +1,174 @@
+"""The space that parts of B sweep, as seen from A."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path as Outline
+
+from drakesep.plots.style import COLOURS
+from drakesep.systems.arrays import Array
+from drakesep.systems.geometry.convex_pieces import Node, farthest, leaves_of, tree_of
+from drakesep.systems.geometry.relative_path import RelativePath
+from drakesep.systems.model.part_pairs import Names
+from drakesep.systems.model.parts import Part
+from drakesep.systems.model.run import Run
+from drakesep.units import unit_of
+
+
+_MOMENTS = 40
+"""At which what is swept is drawn."""
+_DIRECTIONS = 72
+"""In which outlines are drawn."""
+_VIEWS = (("x", 0, "z", 2), ("x", 0, "y", 1), ("y", 1, "z", 2))
+_WIDTHS = (1.2, 1.2, 1.0)
+_MANY = 64
+"""Pieces of an part, beyond which they are not outlined one by one."""
+_STAYS = "#5A5A5A"
+_THROUGH = 0.3
+"""How opaque a wall of A is, in front of what moves within it."""
+
+
+def save_swept(run: Run, pairs: Sequence[Names], folder: Path) -> None:
+    """Write swept.png into a folder, if parts of A and B are in the pairs."""
+    stays, moves = _in_pairs(run, pairs)
+    if stays and moves:
+        swept_figure(run, pairs).savefig(folder / "swept.png", dpi=130)
+
+
+def _in_pairs(
+    run: Run, pairs: Sequence[Names]
+) -> tuple[tuple[Part, ...], tuple[Part, ...]]:
+    """Return the parts of A and of B that are in pairs."""
+    names = {name for pair in pairs for name in pair}
+    bodies = {body.name: body for body in run.separation.bodies}
+    of_A, of_B = bodies[run.separation.A], bodies[run.separation.B]
+    return (
+        tuple(e for e in of_A.parts if e.name in names),
+        tuple(e for e in of_B.parts if e.name in names),
+    )
+
+
+def swept_figure(run: Run, pairs: Sequence[Names]) -> Figure:
+    """Return the space that parts of B sweep, as seen from A, along A's axes.
+
+    From the mated place until no part of B is beside one of A any more.
+
+    Args:
+        run: a completed run.
+        pairs: names of parts; those of A and B among them are drawn.
+    """
+    on_A, on_B = _in_pairs(run, pairs)
+    separation = run.separation
+    path = RelativePath(run.completed_trajectory, separation.A, separation.B)
+    stays = [tree_of(part) for part in on_A]
+    moves = {part.name: tree_of(part) for part in on_B}
+    clear = path.time_apart(_until_clear(stays, list(moves.values()), path))
+    times = np.linspace(0.0, min(clear, float(path.time[-1])), _MOMENTS)
+    figure = Figure(figsize=(14, 4.4), layout="constrained")
+    panels = figure.subplots(1, len(_VIEWS), width_ratios=_WIDTHS)
+    for axes, (across, i, up, j) in zip(panels, _VIEWS, strict=True):
+        colours = dict(zip(moves, COLOURS[1:] * len(moves), strict=False))
+        for name, root in moves.items():
+            drawn = [
+                outline
+                for t in times.tolist()
+                for outline in _outlines(root, (i, j), _place(path, t))
+            ]
+            _fill(axes, drawn, _pale(colours[name]), 1)
+        for root in stays:
+            _fill(axes, _outlines(root, (i, j)), (_STAYS, _THROUGH), 2)
+        for name, root in moves.items():
+            for outline in _outlines(root, (i, j), _place(path, 0.0)):
+                mm = unit_of("position").per_si * outline[[*range(len(outline)), 0]]
+                axes.plot(*mm.T, color=colours[name], linewidth=1.0, zorder=3)
+        axes.set_aspect("equal")
+        axes.autoscale_view()
+        axes.set_xlabel(f"{across} (mm)")
+        axes.set_ylabel(f"{up} (mm)")
+        axes.grid(alpha=0.3)
+    handles = [Patch(color=colours[name], label=name) for name in moves]
+    handles.append(
+        Patch(color=(_STAYS, _THROUGH), label=separation.A.replace("_", " "))
+    )
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=len(handles), frameon=False
+    )
+    figure.suptitle(
+        f"What {separation.B} sweeps, as seen from {separation.A}; lines: at the start"
+    )
+    return figure
+
+
+def _place(path: RelativePath, t: float) -> tuple[Array, Array]:
+    pose = path.at(t)
+    return pose.R_AB, pose.p_AoBo_A
+
+
+def _until_clear(
+    stays: Sequence[Node], moves: Sequence[Node], path: RelativePath
+) -> float:
+    """Return how far B must move along A's x axis to be beyond A's parts, m."""
+    x = np.array([1.0, 0.0, 0.0])
+    R, p = _place(path, 0.0)
+    front = max(float(farthest(n, x)[0]) for root in stays for n in leaves_of(root))
+    back = min(
+        float((R @ farthest(n, -R.T @ x) + p)[0])
+        for root in moves
+        for n in leaves_of(root)
+    )
+    return max(front - back, 1e-3)
+
+
+_AT_HOME = np.eye(3), np.zeros(3)
+
+
+def _outlines(
+    root: Node,
+    view: tuple[int, int],
+    place: tuple[Array, Array] | None = None,
+) -> list[Array]:
+    """Return (d, 2) outlines of the pieces of an part, as a view shows them.
+
+    What moves and has many pieces is outlined as a whole.
+    """
+    moving = place is not None
+    R, p = place or _AT_HOME
+    turns = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
+    directions = np.zeros((_DIRECTIONS, 3))
+    directions[:, view[0]], directions[:, view[1]] = np.cos(turns), np.sin(turns)
+    leaves = leaves_of(root)
+    if len(leaves) > _MANY and all(leaf.corners is not None for leaf in leaves):
+        corners = np.concatenate([leaf.corners for leaf in leaves])
+        if moving:
+            found = corners[(corners @ (R.T @ directions.T)).argmax(axis=0)]
+            return [(found @ R.T + p)[:, list(view)]]
+        if all(leaf.corners is not None and len(leaf.corners) == 3 for leaf in leaves):
+            return list(corners.reshape(-1, 3, 3)[..., list(view)])
+    return [
+        np.array([R @ farthest(leaf, R.T @ n) + p for n in directions])[:, list(view)]
+        for leaf in leaves
+    ]
+
+
+def _fill(axes: Axes, outlines: Sequence[Array], colour: object, level: int) -> None:
+    """Fill what is within any of the outlines, evenly."""
+    mm = unit_of("position").per_si
+    paths = [Outline(mm * _counterclockwise(each), closed=True) for each in outlines]
+    whole = Outline.make_compound_path(*paths)
+    axes.add_patch(PathPatch(whole, facecolor=colour, linewidth=0.0, zorder=level))
+
+
+def _counterclockwise(outline: Array) -> Array:
+    """Return it closed, (d + 1, 2): where all turn one way, none undoes another."""
+    closed = outline[[*range(len(outline)), 0]]
+    (x, y), (x_next, y_next) = closed[:-1].T, closed[1:].T
+    return closed if (x * y_next - x_next * y).sum() >= 0.0 else closed[::-1]
+
+
+def _pale(colour: str) -> tuple[float, ...]:
+    part = np.array([int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5)])
+    return tuple((0.35 * part + 0.65).tolist())

@@ -1,0 +1,68 @@
+"""What each tolerance does to each objective, as a tornado plot."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+
+_BARS = 8
+"""Parameters in a panel of the tornado plot: those that matter most."""
+_ACROSS = 4
+
+
+def save_tornado(sensitivities: pd.DataFrame, folder: Path) -> None:
+    """Write tornado.png into a folder."""
+    tornado_figure(sensitivities).savefig(folder / "tornado.png", dpi=110)
+
+
+def tornado_figure(sensitivities: pd.DataFrame) -> Figure:
+    """Return what each tolerance does to each objective, to first order.
+
+    A panel for each objective, with the parameters that matter most at its worst case;
+    wide bars are slopes there, narrow ones at the nominal, for a whole tolerance.
+
+    Args:
+        sensitivities: as `WorstCases.sensitivities` has them.
+    """
+    panels = list(sensitivities.groupby("objective", sort=False))
+    down = -(-len(panels) // _ACROSS)
+    across = min(len(panels), _ACROSS)
+    figure = Figure(figsize=(4.6 * across, 2.9 * down + 0.6), layout="constrained")
+    grid = figure.subplots(down, across, squeeze=False)
+    for axes, (objective, rows) in zip(grid.flat, panels, strict=False):
+        _draw_tornado(axes, str(objective), rows.head(_BARS))
+    for axes in grid.flat[len(panels) :]:
+        axes.set_visible(False)
+    handles, labels = grid.flat[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
+    title = "Change for a whole tolerance, to first order"
+    parameters = sensitivities["parameter"].nunique()
+    if parameters > _BARS:
+        title += f"; of {parameters} parameters the {_BARS} that matter most"
+    figure.suptitle(title)
+    return figure
+
+
+def _draw_tornado(axes: Axes, objective: str, rows: pd.DataFrame) -> None:
+    places = np.arange(len(rows))
+    for column, height, colour, label in (
+        ("per_tolerance_at_worst", 0.8, "#56B4E9", "at the worst case"),
+        ("per_tolerance_at_nominal", 0.35, "#000000", "at the nominal"),
+    ):
+        axes.barh(places, rows[column], height, color=colour, label=label)
+    names = rows["parameter"].str.cat(rows["at_worst"].map(_MARKED))
+    axes.set_yticks(places, list(names), fontsize=7)
+    axes.invert_yaxis()
+    axes.axvline(0.0, color="#555555", linewidth=0.8)
+    axes.set_title(objective.replace("_", " "), fontsize=9)
+    axes.set_xlabel(rows["unit"].iloc[0], fontsize=8)
+    axes.tick_params(axis="x", labelsize=7)
+    axes.xaxis.set_major_locator(MaxNLocator(4))
+    axes.grid(axis="x", alpha=0.3)
+
+
+_MARKED = {"M": "  M", "m": "  m", "": "   "}

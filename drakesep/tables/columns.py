@@ -1,0 +1,36 @@
+"""How values stand in columns: in units that the names carry."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from drakesep.analysis.metrics.objectives import Objective
+from drakesep.units import SI, Unit, unit_of, with_unit
+
+
+if TYPE_CHECKING:  # JAX comes with them
+    pass
+
+
+def unit_of_objective(objective: Objective) -> Unit:
+    """Return the unit of an objective: of its metric, or SI."""
+    return SI if objective.metric is None else unit_of(objective.metric)
+
+
+def shown(objective: Objective, value: float) -> float:
+    """Return the value of an objective as tables show it: its metric, in its unit."""
+    return objective.sign * unit_of_objective(objective).from_si(value)
+
+
+def write_csv(frame: pd.DataFrame, path: Path) -> None:
+    """Write a table; its floats are written to read back exactly."""
+    frame.to_csv(path, index=False)
+
+
+def in_units(values: Mapping[str, float]) -> dict[str, float]:
+    """Return values by the names that carry their units, in those units."""
+    return {
+        with_unit(name): unit_of(name).from_si(value) for name, value in values.items()
+    }

@@ -1,0 +1,81 @@
+"""Tables of requirements, with margins and verdicts."""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from drakesep.analysis.metrics.requirements import Finding, Requirement
+from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.units import split_axis, unit_of, with_unit
+
+
+if TYPE_CHECKING:  # JAX comes with them
+    from drakesep.analysis.margins.tolerance_margins import Growth
+
+
+def requirements_table(
+    findings: Sequence[Finding],
+    growths: "Sequence[tuple[Requirement, Growth]]" = (),
+    single_growths: "Sequence[tuple[Requirement, Growth]]" = (),
+    box: ToleranceBox | None = None,
+) -> pd.DataFrame:
+    """Return a row for each requirement and axis, with its margins and verdict.
+
+    Args:
+        findings: of each requirement.
+        growths: of all tolerances together.
+        single_growths: of single tolerances.
+        box: the tolerances, if they grow.
+    """
+    of_all = dict(growths)
+    rows = []
+    for finding in findings:
+        requirement = finding.requirement
+        unit = unit_of(requirement.metric)
+        stem, axis = split_axis(requirement.metric)
+        growth = of_all.get(requirement)
+        rows.append(
+            {
+                "requirement": f"{stem} {requirement.condition}".replace(
+                    "_", " "
+                ).strip(),
+                "axis": axis,
+                "unit": unit.symbol,
+                "sense": requirement.sense,
+                "limit": unit.from_si(requirement.limit),
+                "nominal": unit.from_si(finding.nominal),
+                "worst": unit.from_si(finding.worst),
+                "which_run": finding.run,
+                "margin": unit.from_si(finding.margin),
+                "growth_factor": math.nan if growth is None else growth.factor,
+                "looked_up_to": math.nan if growth is None else growth.most,
+                **_first_tolerance(finding, single_growths, box),
+                "verdict": "met" if finding.met else "not met",
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _first_tolerance(
+    finding: Finding,
+    growths: "Sequence[tuple[Requirement, Growth]]",
+    box: ToleranceBox | None,
+) -> dict[str, str | float]:
+    """Return the tolerance that violates a requirement with the least growth.
+
+    Of one that is violated, the tolerance that restores it by shrinking least.
+    """
+    mine = [growth for r, growth in growths if r == finding.requirement]
+    if not mine or box is None:
+        return {"first_tolerance": "", "its_growth_factor": math.nan}
+    first = min(mine, key=lambda growth: growth.factor)
+    if not finding.met:
+        first = max(mine, key=lambda growth: growth.factor)
+        if not first.factor > 0.0:  # shrinking one is not enough
+            return {"first_tolerance": "", "its_growth_factor": math.nan}
+    name = ""
+    if math.isfinite(first.factor) and first.limit.parameter is not None:
+        name = with_unit(box.names[first.limit.parameter])
+    return {"first_tolerance": name, "its_growth_factor": first.factor}

@@ -1,0 +1,116 @@
+"""The worst cases in the form of the paper's Table 4."""
+
+import itertools
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from drakesep.analysis.metrics.of_run import AXES
+from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.systems.model.parameters import parameters
+from drakesep.tables.labelled_run import LabelledRun
+from drakesep.units import split_axis, unit_of
+
+
+if TYPE_CHECKING:  # JAX comes with them
+    pass
+
+
+MARK = 5e-3
+"""How near to a bound or to the nominal a value is marked as M, m or Nom, as a part
+of its tolerance."""
+
+
+def table_4(runs: Sequence[LabelledRun], box: ToleranceBox) -> pd.DataFrame:
+    """Return the worst cases in the form of the paper's Table 4.
+
+    Conditions after separation, then M (maximum), m (minimum), Nom (nominal) or the
+    value of each property. A published run has what was printed in parentheses.
+
+    Args:
+        runs: the nominal run, then the worst cases.
+        box: the tolerances.
+    """
+    groups = _groups(box)
+    columns = {}
+    for labelled in runs:
+        printed = labelled.published and labelled.published.printed
+        cells = _conditions(labelled)
+        if printed:
+            numbers = [
+                *printed.rate_deg_s,
+                printed.deviation_within_limits_until_s,
+                printed.longitudinal_speed_m_s,
+            ]
+            cells = [
+                f"{cell} ({number:g})"
+                for cell, number in zip(cells, numbers, strict=True)
+            ]
+        values = parameters(labelled.run.separation)
+        for names in groups.values():
+            cells.append(_marks({name: values[name] for name in names}, box))
+        if printed:
+            cells.append(f"({printed.iterations})")
+        else:
+            cells.append(
+                "-" if labelled.iterations is None else str(labelled.iterations)
+            )
+        columns[labelled.label] = cells
+    labels = [
+        *(f"rate {axis} (deg/s)" for axis in AXES),
+        "deviation within limits until (s)",
+        "longitudinal speed, max (m/s)",
+        *groups,
+        "solver iterations",
+    ]
+    return pd.DataFrame({"condition or property": labels, **columns})
+
+
+def _conditions(labelled: LabelledRun) -> list[str]:
+    names = [f"final_rate_{axis}" for axis in AXES]
+    names += ["deviation_within_limits_until", "longitudinal_speed_max"]
+    metrics = labelled.metrics
+    return [
+        f"{unit_of(name).from_si(metrics[name]):.2f}" if metrics else "failed"
+        for name in names
+    ]
+
+
+def _groups(box: ToleranceBox) -> dict[str, list[str]]:
+    def key(name: str) -> tuple[str, str]:
+        owner, _, quantity = name.rpartition(".")
+        stem, axis = split_axis(quantity)
+        if stem == "inertia":
+            stem += " moments" if axis[0] == axis[1] else " products"
+        # Axes of one owner stand together, and so do owners without axes.
+        return stem, owner if axis else ""
+
+    def label(stem: str, names: list[str]) -> str:
+        owners = list(dict.fromkeys(name.rpartition(".")[0] for name in names))
+        axes = [split_axis(name)[1] for name in names]
+        first, last = owners[0], owners[-1]
+        owner = first if first == last else f"{first} ... {last}"
+        return " ".join(
+            filter(None, [owner, stem, *axes, f"({unit_of(names[0]).symbol})"])
+        ).replace("_", " ")
+
+    groups = {}
+    for (stem, _), group in itertools.groupby(box.names, key):
+        names = list(group)
+        groups[label(stem, names)] = names
+    return groups
+
+
+def _marks(values: Mapping[str, float], box: ToleranceBox) -> str:
+    index = [box.names.index(name) for name in values]
+    u = box.scaled(values)[index]
+    marks = []
+    for (name, value), scaled in zip(values.items(), u, strict=True):
+        nearest = np.round(scaled)
+        if abs(scaled - nearest) <= MARK and abs(nearest) <= 1.0:
+            marks.append({1.0: "M", -1.0: "m", 0.0: "Nom"}[float(nearest)])
+        else:
+            marks.append(f"{unit_of(name).from_si(value):.6g}")
+    return " ".join(marks)
