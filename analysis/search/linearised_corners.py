@@ -1,4 +1,4 @@
-"""Points where a expensive objective may be worst although its slope does not say so.
+"""Points where an expensive objective may be worst although its slope does not say so.
 
 A clearance is the smallest of many distances. Where a gap that nothing changes is the
 smallest, no slope leads away; and a distance that is not the smallest at the nominal

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, NoReturn, TextIO, cast
 import typer
 
 from drakesep.systems.checks import InputError
-from drakesep.tables.run_tables import metrics_table
 
 
 if TYPE_CHECKING:
@@ -109,6 +108,7 @@ def simulate(
     from drakesep.case_file.reader import load_case
     from drakesep.cli.console import print_frame
     from drakesep.studies import studies
+    from drakesep.tables.run_tables import metrics_table
 
     console = _console()
     loaded = load_case(case)

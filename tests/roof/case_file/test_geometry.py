@@ -326,7 +326,7 @@ def test_pictures_that_fail_do_not_take_the_study_with_them(tmp_path, monkeypatc
     def fail(*_):
         raise OSError("disk full")
 
-    monkeypatch.setattr("drakesep.plots.motion.save_tornado", fail)
+    monkeypatch.setattr("drakesep.plots.tornado.save_tornado", fail)
     with pytest.raises(OSError, match="disk full"):
         drakesep.verify(boom_in_guide(), samples=100, output=tmp_path, workers=1)
     assert (tmp_path / "requirements.csv").exists()

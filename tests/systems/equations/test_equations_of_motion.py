@@ -481,7 +481,7 @@ def test_accelerations_of_the_batch_engine():
         for a in SEPARATION.attachments
     ]
     with jax.enable_x64(True):
-        numbers = equations.numbers(parameters(SEPARATION), n)
+        numbers = equations.params(parameters(SEPARATION), n)
         mode = Mode(
             jnp.tile(jnp.array(released)[:, None], n),
             jnp.full((len(SEPARATION.springs), n), False),
