@@ -1,6 +1,6 @@
+from .clearance.contact import Contact as Contact
 from .clearance.objective import LowestClearance as LowestClearance
 from .clearance.of_pair import Clearance as Clearance
-from .clearance.of_pair import Contact as Contact
 from .clearance.of_run import ClearanceAnalysis as ClearanceAnalysis
 from .engines.drake_pool import DrakePool as DrakePool
 from .engines.evaluator import Evaluator as Evaluator

@@ -23,6 +23,7 @@ from drakesep.analysis import ClearanceAnalysis
 from drakesep.systems import Simulation
 from drakesep.systems.geometry.convex_pieces import pieces_of
 from drakesep.systems.geometry.distance import Proximity
+from drakesep.systems.geometry.relative_path import Pose
 from drakesep.systems.model.parts import Capsule, Mesh, Part
 from drakesep.systems.model.separation import Separation
 
@@ -105,9 +106,10 @@ def query(separation: Separation, pair) -> float:
     parts = {e.name: e for body in separation.bodies for e in body.parts}
     first, second = (parts[name] for name in pair)
     proximity = Proximity([first], [second])
-    proximity.place(np.eye(3), np.array([5.0, 0.0, 0.0]))
+    p_AoBo_A, still = np.array([5.0, 0.0, 0.0]), np.zeros(3)
+    pose = Pose(np.array([1.0, 0.0, 0.0, 0.0]), np.eye(3), p_AoBo_A, still, still)
     roots = proximity.roots[first.name], proximity.roots[second.name]
-    return seconds(lambda: [proximity.measure(roots) for _ in range(500)]) / 500
+    return seconds(lambda: [proximity.measure(roots, pose) for _ in range(500)]) / 500
 
 
 def seconds(work: Callable[[], object]) -> float:

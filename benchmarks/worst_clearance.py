@@ -47,13 +47,13 @@ class Screen:
         parts = {e.name: e for b in separation.bodies for e in b.parts}
         analysis = ClearanceAnalysis(separation, case.clearance.pairs)
         self.bounds: dict[str, tuple[Array, Array]] = {}
-        for names, one in analysis._along(nominal):
-            distances = np.array([one.at(t).distance for t in times.tolist()])
-            part = parts[names[1]]
+        for pair in analysis._along(nominal):
+            distances = np.array([pair.at(t).distance for t in times.tolist()])
+            part = parts[pair.names[1]]
             points = np.concatenate([piece.points for piece in pieces_of(part)])
             low, high = points.min(axis=0), points.max(axis=0)
             corners = np.array(list(itertools.product(*zip(low, high, strict=True))))
-            self.bounds[" to ".join(names)] = distances, corners
+            self.bounds[" to ".join(pair.names)] = distances, corners
 
     def __call__(self, run: Run) -> float:
         """Return what the smallest distance is at least, m."""

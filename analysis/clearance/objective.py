@@ -7,7 +7,6 @@ are fixed in their bodies, along their common normal and at the time of the smal
 (the envelope theorem): where both are best, a change of either is of second order.
 """
 
-import functools
 import math
 from collections.abc import Sequence
 
@@ -71,6 +70,7 @@ class LowestClearance(Objective):
         self._until_separation = until_separation
         self._separation, self._touching = separation, touching
         self._pairs = pairs_apart(separation, pairs, touching)
+        self._prepared: ClearanceAnalysis | None = None
         self._owners = owners_of(separation)
         if not self._pairs:
             raise InputError(
@@ -78,14 +78,21 @@ class LowestClearance(Objective):
                 "got none"
             )
 
-    @functools.cached_property
-    def _analysis(self) -> ClearanceAnalysis:
-        # Once it is needed: cutting parts into pieces takes its time.
-        return ClearanceAnalysis(self._separation, self._pairs, touching=self._touching)
-
     def prepare(self) -> None:
-        """Cut parts into pieces now, which warns of meshes of a doubtful scale."""
-        _ = self._analysis
+        """Cut parts into pieces, once, which warns of meshes of a doubtful scale.
+
+        It takes its time: left until then, it is done when a distance is first asked.
+        """
+        if self._prepared is None:
+            self._prepared = ClearanceAnalysis(
+                self._separation, self._pairs, touching=self._touching
+            )
+
+    @property
+    def _analysis(self) -> ClearanceAnalysis:
+        self.prepare()
+        assert self._prepared is not None
+        return self._prepared
 
     def nearest(self, run: Run) -> Clearance:
         """Return how near the nearest pair comes in a completed run.

@@ -2,14 +2,14 @@
 
 import functools
 import math
-import threading
 import warnings
 from collections.abc import Callable, Sequence
-from typing import Any, Concatenate, NamedTuple, ParamSpec, TypeAlias, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from drakesep.analysis.clearance.of_pair import Clearance, ClearanceOfPair
+from drakesep.analysis.clearance.of_pair import Clearance, smallest, smallest_below
+from drakesep.analysis.clearance.part_distance import PartDistance
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.geometry.convex_pieces import mesh_of
@@ -21,17 +21,10 @@ from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Body, Separation
 
 
-_P = ParamSpec("_P")
-_R = TypeVar("_R")
-
 _SMALLEST, _LARGEST = 1e-3, 15.0
 """Size of a mesh over its body's radius of gyration, beyond which it is doubted."""
 PARTED = 1e-3
 """Distance from which parts that touch while mated are measured, m."""
-
-
-_Along: TypeAlias = tuple[Names, ClearanceOfPair]
-"""A pair of parts, along the path of their bodies."""
 
 
 class NearestPair(NamedTuple):
@@ -42,21 +35,10 @@ class NearestPair(NamedTuple):
     nearest: Nearest
 
 
-def _alone(
-    measure: Callable[Concatenate["ClearanceAnalysis", _P], _R],
-) -> Callable[Concatenate["ClearanceAnalysis", _P], _R]:
-    """Let one thread at a time measure: bodies are placed in scenes that all share."""
-
-    @functools.wraps(measure)
-    def alone(self: "ClearanceAnalysis", /, *args: _P.args, **kwargs: _P.kwargs) -> _R:
-        with self._lock:
-            return measure(self, *args, **kwargs)
-
-    return alone
-
-
 class ClearanceAnalysis:
     """Measures parts of a separation in its runs, whatever values these vary.
+
+    Any number of threads may use one at once.
 
     Attributes:
         separation: whose parts they are.
@@ -84,7 +66,6 @@ class ClearanceAnalysis:
                 cannot be read, or parts overlap while mated that are not said to.
         """
         self._made_of = separation, pairs, touching
-        self._lock = threading.RLock()
         self.separation = separation
         self.names = part_pairs(separation, pairs)
         if not self.names:
@@ -110,7 +91,6 @@ class ClearanceAnalysis:
         again = functools.partial(ClearanceAnalysis, touching=touching)
         return again, (separation, pairs)
 
-    @_alone
     def of(self, run: Run, *, until: float | None = None) -> list[Clearance]:
         """Return how near each pair comes in a run.
 
@@ -124,11 +104,10 @@ class ClearanceAnalysis:
         """
         end = _end(run, until)
         return [
-            one.minimum(self._start_before(end, names, one), end)
-            for names, one in self._along(run)
+            smallest(parts, self._start_before(end, parts), end)
+            for parts in self._along(run)
         ]
 
-    @_alone
     def smallest(
         self, run: Run, *, until: float | None = None, than: float = math.inf
     ) -> Clearance | None:
@@ -152,10 +131,10 @@ class ClearanceAnalysis:
         if math.isinf(than):
             along = _first(_nearest_of(along, 0.5 * end)[0], along)
         best: Clearance | None = None
-        for names, one in along:
+        for parts in along:
             limit = than if best is None else best.minimum
-            start = self._start_before(end, names, one)
-            best = one.nearer(start, end, limit) or best
+            start = self._start_before(end, parts)
+            best = smallest_below(parts, start, end, limit) or best
         return best
 
     def over_time(self, run: Run) -> Array:
@@ -166,7 +145,6 @@ class ClearanceAnalysis:
         """
         return self.at_times(run, run.completed_trajectory.time)
 
-    @_alone
     def at_times(
         self, run: Run, times: Array, *, of: Sequence[Names] | None = None
     ) -> Array:
@@ -181,7 +159,7 @@ class ClearanceAnalysis:
             RuntimeError: the run failed.
         """
         asked = self.names if of is None else of
-        along = dict(self._along(run))
+        along = {parts.names: parts for parts in self._along(run)}
         return np.array(
             [
                 [along[names].at(t).distance for t in np.asarray(times).tolist()]
@@ -189,7 +167,6 @@ class ClearanceAnalysis:
             ]
         ).T
 
-    @_alone
     def nearest(self, run: Run, times: Sequence[float]) -> list[NearestPair]:
         """Return which pair is nearest, and where, at each of some times, s.
 
@@ -198,17 +175,16 @@ class ClearanceAnalysis:
         """
         bodies = dict(zip(self.names, self.bodies, strict=True))
         along = self._along(run)
-        starts = {names: self._start(names, one) for names, one in along}
+        starts = {parts.names: self._start(parts) for parts in along}
         found = []
         for t in times:
             # A pair that has not parted yet comes after all others.
-            parted = [pair for pair in along if starts[pair[0]] <= t]
-            pair, nearest = _nearest_of(parted or along, t)
-            found.append(NearestPair(pair[0], bodies[pair[0]], nearest))
-            along = _first(pair, along)  # as it may be at the next time
+            parted = [parts for parts in along if starts[parts.names] <= t]
+            parts, nearest = _nearest_of(parted or along, t)
+            found.append(NearestPair(parts.names, bodies[parts.names], nearest))
+            along = _first(parts, along)  # as it may be at the next time
         return found
 
-    @_alone
     def moments(self, run: Run, times: Sequence[float]) -> list[list[NearestPair]]:
         """Return where each pair is nearest at each of some times, s.
 
@@ -219,59 +195,67 @@ class ClearanceAnalysis:
         """
         bodies = dict(zip(self.names, self.bodies, strict=True))
         return [
-            [NearestPair(names, bodies[names], one.at(t)) for t in times]
-            for names, one in self._along(run)
-            if frozenset(names) not in self._touching
+            [NearestPair(parts.names, bodies[parts.names], parts.at(t)) for t in times]
+            for parts in self._along(run)
+            if frozenset(parts.names) not in self._touching
         ]
 
-    def _along(self, run: Run) -> list[_Along]:
+    def _along(self, run: Run) -> list[PartDistance]:
         trajectory = run.completed_trajectory
         paths = {ends: RelativePath(trajectory, *ends) for ends in self._proximities}
         return [
-            (names, ClearanceOfPair(self._proximities[ends], names, paths[ends]))
+            PartDistance(self._proximities[ends], names, paths[ends])
             for names, ends in zip(self.names, self.bodies, strict=True)
         ]
 
-    def _start_before(self, end: float, names: Names, one: ClearanceOfPair) -> float:
-        start = self._start(names, one)
+    def _start_before(self, end: float, parts: PartDistance) -> float:
+        start = self._start(parts)
         # What has not parted by then is in contact all the time.
         return start if start < end else 0.0
 
-    def _start(self, names: Names, one: ClearanceOfPair) -> float:
+    def _start(self, parts: PartDistance) -> float:
         """Return from when a pair is measured, s; infinite if it never parts."""
-        if frozenset(names) in self._touching:
-            mated = one.at(0.0).distance
-            times: list[float] = one.time.tolist()
-            for t in times:
-                distance = one.at(t).distance
-                if one.solid and mated - distance > PARTED:
-                    return t  # deeper into each other: a contact
-                if distance > PARTED and not one.overlap(t):
-                    return t
-            return math.inf
-        if one.overlap(0.0):
-            distance = 1e3 * one.at(0.0).distance
+        if frozenset(parts.names) in self._touching:
+            return _parted(parts)
+        if parts.overlap(0.0):
+            first, second = parts.names
+            distance = 1e3 * parts.at(0.0).distance
             raise InputError(
-                f"geometry: {names[0]} and {names[1]} must be apart while mated, or be "
+                f"geometry: {first} and {second} must be apart while mated, or be "
                 f"listed as touching; got a distance of {distance:.3f} mm, or one "
                 "inside the other"
             )
         return 0.0
 
 
-def _nearest_of(along: Sequence[_Along], t: float) -> tuple[_Along, Nearest]:
+def _parted(parts: PartDistance) -> float:
+    """Return when a pair that touches while mated has parted, s; infinite if never."""
+    mated = parts.at(0.0).distance
+    times: list[float] = parts.path.time.tolist()
+    for t in times:
+        distance = parts.at(t).distance
+        if parts.solid and mated - distance > PARTED:
+            return t  # deeper into each other: a contact
+        if distance > PARTED and not parts.overlap(t):
+            return t
+    return math.inf
+
+
+def _nearest_of(
+    along: Sequence[PartDistance], t: float
+) -> tuple[PartDistance, Nearest]:
     """Return which pair is nearest at a time, s, and where."""
     first, *others = along
-    found = first, first[1].at(t)
-    for pair in others:
-        nearer = pair[1].at_below(t, found[1].distance)
+    found = first, first.at(t)
+    for parts in others:
+        nearer = parts.at_below(t, found[1].distance)
         if nearer is not None:
-            found = pair, nearer
+            found = parts, nearer
     return found
 
 
-def _first(pair: _Along, along: Sequence[_Along]) -> list[_Along]:
-    return [pair, *(other for other in along if other is not pair)]
+def _first(parts: PartDistance, along: Sequence[PartDistance]) -> list[PartDistance]:
+    return [parts, *(other for other in along if other is not parts)]
 
 
 def _end(run: Run, until: float | None) -> float:

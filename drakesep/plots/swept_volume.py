@@ -11,7 +11,12 @@ from matplotlib.path import Path as Outline
 
 from drakesep.plots.style import COLOURS
 from drakesep.systems.arrays import Array
-from drakesep.systems.geometry.convex_pieces import Node, farthest, leaves_of, tree_of
+from drakesep.systems.geometry.bounding_tree import (
+    Node,
+    leaves_of,
+    support_point,
+    tree_of,
+)
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.part_pairs import Names
 from drakesep.systems.model.parts import Part
@@ -114,9 +119,11 @@ def _until_clear(
     """Return how far B must move along A's x axis to be beyond A's parts, m."""
     x = np.array([1.0, 0.0, 0.0])
     R, p = _place(path, 0.0)
-    front = max(float(farthest(n, x)[0]) for root in stays for n in leaves_of(root))
+    front = max(
+        float(support_point(n, x)[0]) for root in stays for n in leaves_of(root)
+    )
     back = min(
-        float((R @ farthest(n, -R.T @ x) + p)[0])
+        float((R @ support_point(n, -R.T @ x) + p)[0])
         for root in moves
         for n in leaves_of(root)
     )
@@ -149,7 +156,9 @@ def _outlines(
         if all(leaf.corners is not None and len(leaf.corners) == 3 for leaf in leaves):
             return list(corners.reshape(-1, 3, 3)[..., list(view)])
     return [
-        np.array([R @ farthest(leaf, R.T @ n) + p for n in directions])[:, list(view)]
+        np.array([R @ support_point(leaf, R.T @ n) + p for n in directions])[
+            :, list(view)
+        ]
         for leaf in leaves
     ]
 

@@ -1,4 +1,4 @@
-"""The distance between two convex sets that are told by their farthest points.
+"""The distance between two convex sets that are told by their support points.
 
 Gilbert, Johnson and Keerthi's algorithm, with Lawson and Hanson's least distance
 programming for the nearest point of a few corners (scipy's nnls). Slow, and exact: it
@@ -14,7 +14,7 @@ from scipy.optimize import nnls
 from drakesep.systems.arrays import Array
 
 
-Farthest: TypeAlias = Callable[[Array], tuple[Array, Array]]
+SupportPoints: TypeAlias = Callable[[Array], tuple[Array, Array]]
 """Returns the farthest point of the first set along a direction, and the farthest of
 the second against it."""
 
@@ -23,7 +23,7 @@ _CLOSE = 1e-9
 _ITERATIONS = 200
 
 
-class LeastDistance(NamedTuple):
+class GjkResult(NamedTuple):
     """The nearest points of two sets."""
 
     distance: float
@@ -36,14 +36,14 @@ class LeastDistance(NamedTuple):
     second: Array
 
 
-def least_distance(farthest: Farthest, n: Array) -> LeastDistance:
+def gjk(support_points: SupportPoints, n: Array) -> GjkResult:
     """Return the distance of two convex sets.
 
     Args:
-        farthest: tells their farthest points.
+        support_points: tells those of the two sets.
         n: (3,) a first guess of the direction from the first to the second.
     """
-    pairs = [farthest(n)]
+    pairs = [support_points(n)]
     best = -np.inf
     best_n = n
     for _ in range(_ITERATIONS):
@@ -57,8 +57,8 @@ def least_distance(farthest: Farthest, n: Array) -> LeastDistance:
         v = weights @ corners
         distance = float(np.linalg.norm(v))
         if distance <= _CLOSE:
-            return LeastDistance(0.0, 0.0, best_n, weights @ first, weights @ second)
-        a, b = farthest(v / distance)
+            return GjkResult(0.0, 0.0, best_n, weights @ first, weights @ second)
+        a, b = support_points(v / distance)
         low = float(v @ (b - a)) / distance
         if low > best:
             best, best_n = low, v / distance
@@ -66,4 +66,4 @@ def least_distance(farthest: Farthest, n: Array) -> LeastDistance:
             break
         pairs = [p for p, weight in zip(pairs, weights, strict=True) if weight > 0.0]
         pairs.append((a, b))
-    return LeastDistance(distance, best, best_n, weights @ first, weights @ second)
+    return GjkResult(distance, best, best_n, weights @ first, weights @ second)

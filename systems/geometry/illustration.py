@@ -21,13 +21,13 @@ _COLOURS = ((0.45, 0.45, 0.5), (0.0, 0.45, 0.7), (0.9, 0.62, 0.0), (0.0, 0.62, 0
 
 
 def colour_of(part: Part, body: int) -> tuple[float, float, float, float]:
-    """Return red, green, blue and opacity of an part of the i-th body."""
+    """Return red, green, blue and opacity of a part of the i-th body."""
     hollow = isinstance(part.shape, Cone) and part.shape.thickness is not None
     return (*_COLOURS[body % len(_COLOURS)], 0.45 if hollow else 1.0)
 
 
 def illustration_of(part: Part) -> tuple[Any, RigidTransform]:
-    """Return Drake's shape of an part as it is drawn, and its pose X_BG.
+    """Return Drake's shape of a part as it is drawn, and its pose X_BG.
 
     Raises:
         ValueError: a mesh is missing, empty or not closed.

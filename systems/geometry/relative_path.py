@@ -38,6 +38,17 @@ class Pose(NamedTuple):
     """As seen from A, m/s."""
 
 
+class MotionBounds(NamedTuple):
+    """How fast B moves in A in a stretch of time, at most."""
+
+    angular_speed: float
+    """rad/s."""
+    acceleration: float
+    """Of B's origin as seen from A, m/s^2."""
+    bending: float
+    """Acceleration of a point of B about the origin, over its distance, 1/s^2."""
+
+
 class RelativePath:
     """The motion of body B as seen from body A.
 
@@ -103,23 +114,16 @@ class RelativePath:
         reached = along.solve(float(along(self.time[0])) + distance, extrapolate=False)
         return float(np.nanmin(reached, initial=np.inf))
 
-    def bounds(self, start: float, end: float) -> tuple[float, float, float]:
-        """Return bounds on the motion between two times.
-
-        Returns:
-            Of the angular velocity, rad/s; of the acceleration of B's origin as seen
-            from A, m/s^2; and of the acceleration of a point of B about it, over its
-            distance, 1/s^2.
-        """
+    def bounds(self, start: float, end: float) -> MotionBounds:
+        """Return bounds on the motion between two times, s."""
         i = int(np.searchsorted(self.time, start, side="right")) - 1
         j = int(np.searchsorted(self.time, end, side="left"))
         i = min(max(i, 0), len(self._turning) - 1)
         mine = slice(i, max(j, i + 1))
         turning = float(self._turning[mine].max())
         bending = float(self._bending[mine].max())
-        # R is of second degree in the quaternion.
-        return (
+        return MotionBounds(
             2.0 * turning,
             float(self._acceleration[mine].max()),
-            2.0 * (bending + turning**2),
+            2.0 * (bending + turning**2),  # R is of second degree in the quaternion
         )
