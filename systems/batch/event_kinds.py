@@ -147,8 +147,13 @@ class Crossing(Protocol):
     def latches(self) -> bool:
         """Whether it happens once, upwards."""
 
-    def watched(self, mode: Mode) -> Lanes:
-        """Return (n,) whether it can happen."""
+    def watched(self, held: Lanes, pushing: Lanes) -> Lanes:
+        """Return (n,) whether it can happen.
+
+        Args:
+            held: (a, n) which attachments hold.
+            pushing: (k, n) which springs push.
+        """
 
     def quantity(self, bodies: BodyState, params: BatchParameters) -> Lanes:
         """Return (..., n) the quantity, of bodies (..., m, n)."""
@@ -167,9 +172,9 @@ class ProfileCorner:
     """Of the stroke."""
     latches = False
 
-    def watched(self, mode: Mode) -> Lanes:
+    def watched(self, held: Lanes, pushing: Lanes) -> Lanes:
         """Return (n,) whether the spring pushes."""
-        return self.springs.pushing(mode)[self.k]
+        return pushing[self.k]
 
     def quantity(self, bodies: BodyState, params: BatchParameters) -> Lanes:
         """Return (..., n) how far the pad is past the corner, m."""
@@ -202,9 +207,9 @@ class LiftOff:
     k: int
     latches = False
 
-    def watched(self, mode: Mode) -> Lanes:
+    def watched(self, held: Lanes, pushing: Lanes) -> Lanes:
         """Return (n,) whether the spring pushes."""
-        return self.springs.pushing(mode)[self.k]
+        return pushing[self.k]
 
     def quantity(self, bodies: BodyState, params: BatchParameters) -> Lanes:
         """Return (..., n) what keeps the pad from its spring, N."""
@@ -234,9 +239,9 @@ class ReleaseAtAngle:
         self._q_AB = mated_orientation(separation.bodies[a], separation.bodies[b])
         self._axis_A = separation.attachments[i].joint.x_axis_A
 
-    def watched(self, mode: Mode) -> Lanes:
+    def watched(self, held: Lanes, pushing: Lanes) -> Lanes:
         """Return (n,) whether it holds."""
-        return jnp.isinf(mode.released[self._i])
+        return held[self._i]
 
     def quantity(self, bodies: BodyState, params: BatchParameters) -> Lanes:
         """Return (..., n) how far it has turned past its angle of release, rad."""

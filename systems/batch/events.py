@@ -62,7 +62,7 @@ class Events:
             one_by_one: whether known events at the same time happen in steps of their
                 own, of no length: each has a derivative of its own.
         """
-        springs = SpringQueries(equations)
+        self._springs = springs = SpringQueries(equations)
         self._duration = equations.separation.duration
         self._one_by_one = one_by_one
         self.known: Sequence[KnownEvents] = (
@@ -124,7 +124,11 @@ class Events:
     def _latch_due(
         self, latched: Latched, t: Lanes, params: BatchParameters
     ) -> tuple[Latched, Lanes]:
-        """Let happen what is due; what one kind does, the next one sees."""
+        """Let happen what is due; what one kind does, the next one sees.
+
+        One by one it is only the first that is due, kind after kind: the next known
+        event is then at the same time, and the step to it has no length.
+        """
         happened = jnp.full(t.shape, False)
         for kind in self.known:
             times = kind.times(params, latched.mode)
@@ -204,7 +208,8 @@ class Events:
 
     def _watched(self, mode: Mode) -> Lanes:
         """Return (c, n) whether each crossing can happen."""
-        return jnp.stack([event.watched(mode) for event in self.crossings])
+        held, pushing = jnp.isinf(mode.released), self._springs.pushing(mode)
+        return jnp.stack([event.watched(held, pushing) for event in self.crossings])
 
 
 def _of_springs(springs: SpringQueries) -> list[Crossing]:

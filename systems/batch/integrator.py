@@ -103,7 +103,8 @@ class LaneState(NamedTuple):
     x: Lanes
     """(13, m, n) states of the bodies."""
     latched: Latched
-    """What has happened by t, t included."""
+    """What has happened by t. One by one, what is left of t itself follows in steps of
+    no length."""
     step: Lanes
     """(n,) that the error of the last step admits for the next, s."""
     fresh: Lanes
@@ -300,7 +301,7 @@ class BatchIntegrator:
     def _judge(
         self, status: Lanes, mode: Mode, t: Lanes, steps: Lanes, collapsed: Lanes
     ) -> Lanes:
-        """Return (n,) the status of the lanes after a step, that of ended ones too."""
+        """Return (n,) the status of lanes after a step; those that ended keep it."""
         flying = status == LaneStatus.FLYING
         held = jnp.isinf(mode.released).any(axis=0)
         stroke_left = ~mode.spent.all(axis=0)
