@@ -28,9 +28,12 @@ from drakesep.analysis.engines.jax.compiled import (
 from drakesep.analysis.engines.jax.step_signals import MetricsFold
 from drakesep.analysis.metrics.of_run import METRICS
 from drakesep.systems.arrays import Array
-from drakesep.systems.batch import integrator as integrator
 from drakesep.systems.batch.equations import BatchEquations, Lanes
-from drakesep.systems.batch.integrator import BatchIntegrator, FinalState
+from drakesep.systems.batch.integrator import (
+    BatchIntegrator,
+    FinalState,
+    LaneStatus,
+)
 from drakesep.systems.batch.motion import MotionFold, columns_of, trajectory_of
 from drakesep.systems.batch.row_checks import check_rows
 from drakesep.systems.checks import InputError, check_positive, unknown
@@ -326,29 +329,20 @@ class Batch:
         finite = np.isfinite(flown.metrics).all(axis=0)
         if flown.slopes is not None:
             finite &= np.isfinite(flown.slopes).all(axis=(0, 1))
-        failed = (final.status != integrator.COMPLETED) | ~finite
+        failed = (final.status != LaneStatus.COMPLETED) | ~finite
         return {
             i: self._reason(_of_row(final, i)) for i in np.flatnonzero(failed).tolist()
         }
 
     def _reason(self, final: FinalState) -> str:
         """Return why one row failed."""
-        status = int(final.status)
-        if status == integrator.STILL_HELD:
-            i = int(np.flatnonzero(np.isinf(final.released))[0])
-            held = self.separation.attachments[i].name
-            return f"{held} has not let go: its joint has not turned far enough"
-        if status == integrator.STROKE_LEFT:
-            k = int(np.flatnonzero(np.isinf(final.stroke_ends))[0])
-            return f"{self.separation.springs[k].name} has not reached its stroke"
-        if status == integrator.STEP_COLLAPSED:
-            return f"the step size collapsed (at t = {final.time:g} s)"
-        if status == integrator.TOO_MANY_STEPS:
-            return (
-                f"more than {self._max_steps} integration steps "
-                f"(at t = {final.time:g} s)"
-            )
-        return "a metric, or a derivative of one, is not finite"
+        attachments, springs = self.separation.attachments, self.separation.springs
+        return LaneStatus(int(final.status)).message.format(
+            held=_names(attachments, np.isinf(final.released)),
+            left=_names(springs, np.isinf(final.stroke_ends)),
+            time=final.time,
+            max_steps=self._max_steps,
+        )
 
     # The programs.
 
@@ -520,3 +514,7 @@ def _check_free(separation: Separation) -> None:
 def _of_row(final: FinalState, row: int) -> FinalState:
     mine: FinalState = jax.tree.map(lambda x: x[..., row], final)
     return mine
+
+
+def _names(owners: Sequence[Any], chosen: NDArray[np.bool_]) -> list[str]:
+    return [owner.name for owner, it in zip(owners, chosen, strict=True) if it]

@@ -1,0 +1,297 @@
+"""What events latch, in which order, on lanes that are not flown."""
+
+import dataclasses
+import math
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from separations import generic_pair
+
+from drakesep.systems.batch import lobatto
+from drakesep.systems.batch.equations import BatchEquations
+from drakesep.systems.batch.event_kinds import (
+    LiftOff,
+    LoadRows,
+    ProfileCorner,
+    ReleaseAtAngle,
+    StrokeEnd,
+    TimedReleases,
+    TimedStrokeEnds,
+)
+from drakesep.systems.batch.events import Events
+from drakesep.systems.equations.relative_motion import body_state
+from drakesep.systems.model.joints import Joint
+from drakesep.systems.model.loads import Load
+from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.springs import DisplacementSpring
+
+
+STROKE = 0.08
+CORNER = 0.25
+RELEASE = 0.03
+
+
+@pytest.fixture(autouse=True)
+def double_precision():
+    with jax.enable_x64(True):
+        yield
+
+
+def retro() -> Load:
+    """A load that starts at the release of the second attachment."""
+    return Load(
+        name="retro",
+        body="lower",
+        times=(0.0, 0.4),
+        forces=((-80, 0, 5), (-80, 0, 5)),
+        after="attachment_2",
+    )
+
+
+def pair(release_times=(0.0, RELEASE, RELEASE), loads=(), springs=None):
+    separation = generic_pair(release_times=release_times)
+    attachments = separation.attachments
+    if springs is not None:
+        attachments = tuple(
+            dataclasses.replace(a, spring=springs(f"spring_{i + 1}"))
+            for i, a in enumerate(attachments)
+        )
+    return dataclasses.replace(separation, attachments=attachments, loads=loads)
+
+
+def by_displacement(name: str) -> DisplacementSpring:
+    return DisplacementSpring(
+        name=name,
+        force_max=1500.0,
+        stroke=STROKE,
+        damping=100.0,
+        profile=((0.0, 1.0), (CORNER, 0.9), (1.0, 0.2)),
+    )
+
+
+class Lanes:
+    """Lanes of a separation at rest, whose body B is where a test puts it."""
+
+    def __init__(self, separation, n: int = 1, **options):
+        at_rest = dataclasses.replace(
+            separation,
+            initial=dataclasses.replace(
+                separation.initial, rpy_WA=(0.0,) * 3, w_WA_A=(0.0,) * 3
+            ),
+        )
+        equations = BatchEquations(at_rest)
+        self.events = Events(equations, **options)
+        self.params = equations.params(parameters(at_rest), n)
+        self.x, mode = equations.start(self.params)
+        self.n = n
+        self.latched = self.events.start(mode)
+
+    def moved(self, displacement, speed=0.0):
+        """The states, with B moved along A's x axis; of displacements (..., n)."""
+        displacement = jnp.asarray(displacement)
+        shape = (*self.x.shape[:1], *displacement.shape[:-1], *self.x.shape[1:])
+        between = tuple(range(1, displacement.ndim))
+        x = jnp.broadcast_to(jnp.expand_dims(self.x, between), shape)
+        return x.at[4, ..., 1, :].add(displacement).at[10, ..., 1, :].add(speed)
+
+    def latch(self, t, x=None, crossed=None):
+        """Latch what happens; return which lanes are fresh."""
+        crossed = self.latched.beyond & False if crossed is None else crossed
+        bodies = body_state(self.x if x is None else x, 0, 7)
+        t = jnp.broadcast_to(jnp.asarray(t, dtype=float), (self.n,))
+        self.latched, fresh = self.events.latch(
+            self.latched, jnp.asarray(crossed), t, bodies, self.params
+        )
+        return np.asarray(fresh)
+
+    @property
+    def mode(self):
+        return self.latched.mode
+
+    @property
+    def released(self):
+        return np.asarray(self.mode.released)[:, 0].tolist()
+
+    @property
+    def next_known(self) -> float:
+        return float(self.events.next_known(self.params, self.mode)[0])
+
+
+def which(events) -> list[str]:
+    return [type(event).__name__ for event in events]
+
+
+def test_every_kind_in_the_order_of_the_table():
+    hinge = Joint(K_F=2e5, D_F=2e3, K_T=2e5, D_T=2e3, type="revolute")
+    separation = pair(springs=by_displacement)
+    attachments = list(separation.attachments)
+    attachments[2] = dataclasses.replace(
+        attachments[2], joint=hinge, release_time=math.inf, release_angle=0.3
+    )
+    separation = dataclasses.replace(separation, attachments=tuple(attachments))
+    events = Events(BatchEquations(separation))
+    assert which(events.known) == [
+        kind.__name__ for kind in (TimedReleases, TimedStrokeEnds, LoadRows)
+    ]
+    of_a_spring = [kind.__name__ for kind in (ProfileCorner, StrokeEnd, LiftOff)]
+    assert which(events.crossings) == 3 * of_a_spring + 2 * [ReleaseAtAngle.__name__]
+    assert [event.latches for event in events.crossings] == 3 * [
+        False,
+        True,
+        False,
+    ] + [True, True]
+
+
+def test_a_release_starts_its_load_at_the_same_time():
+    lanes = Lanes(pair(loads=(retro(),)))
+    assert lanes.latch(0.0).all()  # the first release
+    assert lanes.released == [0.0, math.inf, math.inf]
+    assert lanes.next_known == RELEASE
+    assert not lanes.latch(0.02).any()
+    assert lanes.latch(RELEASE).all()
+    assert lanes.released == [0.0, RELEASE, RELEASE]
+    assert np.asarray(lanes.mode.passed)[:, 0].tolist() == [True, False]
+    # Eq. 5: a quarter of a period after the first release
+    spring = generic_pair().springs[0]
+    quarter = (
+        0.5 * math.pi * math.sqrt(spring.design_mass * spring.stroke / spring.force_max)
+    )
+    assert lanes.next_known == pytest.approx(quarter, rel=1e-15)
+
+
+def test_one_by_one_each_has_a_step_of_no_length():
+    lanes = Lanes(pair(loads=(retro(),)), one_by_one=True)
+    lanes.latch(0.0)
+    seen = []
+    while lanes.latch(RELEASE).all():
+        seen.append((lanes.released[1:], int(lanes.mode.passed.sum())))
+        ahead = lanes.next_known - RELEASE
+        # The next step has no length, until all has happened.
+        assert (ahead == 0.0) == (len(seen) < 3)
+    assert seen == [
+        ([RELEASE, math.inf], 0),
+        ([RELEASE, RELEASE], 0),
+        ([RELEASE, RELEASE], 1),
+    ]
+
+
+def test_each_of_coinciding_events_brings_its_own_derivative():
+    """Of the end of a step that runs to two releases: one by one it is the first's."""
+    separation = pair()
+    equations = BatchEquations(separation)
+    events = Events(equations, one_by_one=True)
+    nominal = equations.params(parameters(separation), 1)
+    _, mode = equations.start(nominal)
+
+    def end(times):
+        return events.next_known(nominal._replace(release_time=times), mode)
+
+    first = mode.released.at[0].set(0.0)
+    mode = mode._replace(released=first)
+    for i in (1, 2):
+        _, slope = jax.jvp(
+            end, (nominal.release_time,), (jnp.zeros((3, 1)).at[i].set(1.0),)
+        )
+        assert slope.item() == (1.0 if i == 1 else 0.0)
+    # The first has happened: the second is as near, and brings its own.
+    mode = mode._replace(released=first.at[1].set(RELEASE))
+    _, slope = jax.jvp(
+        end, (nominal.release_time,), (jnp.zeros((3, 1)).at[2].set(1.0),)
+    )
+    assert slope.item() == 1.0
+
+
+def test_lanes_do_not_wait_for_each_other():
+    lanes = Lanes(pair(release_times=(RELEASE,)), n=2)
+    fresh = lanes.latch([0.5 * RELEASE, RELEASE])
+    assert fresh.tolist() == [False, True]
+    assert np.isinf(lanes.mode.released[0]).tolist() == [True, False]
+
+
+# Crossings.
+
+
+def columns(events, kind) -> np.ndarray:
+    return np.array([type(event) is kind for event in events])
+
+
+def test_a_stroke_end_latches_where_its_step_was_cut():
+    lanes = Lanes(pair(release_times=(0.0,), springs=by_displacement))
+    lanes.latch(0.0)
+    assert not lanes.latched.beyond.any()
+    crossed = columns(lanes.events.crossings, StrokeEnd)[:, None]
+    fresh = lanes.latch(0.1, lanes.moved([STROKE]), crossed)
+    assert fresh.all()
+    assert lanes.mode.spent.all()
+    assert lanes.latched.stroke_ends.tolist() == [[0.1]]
+    assert np.array_equal(lanes.latched.beyond, crossed)
+    assert not lanes.latched.watched.any()  # it pushes no longer
+
+
+@pytest.mark.parametrize("kind", [ProfileCorner, LiftOff])
+def test_a_corner_changes_sides_and_latches_nothing(kind):
+    lanes = Lanes(pair(release_times=(0.0,), springs=by_displacement))
+    lanes.latch(0.0)
+    before = lanes.mode
+    crossed = columns(lanes.events.crossings, kind)[:, None]
+    for beyond in (crossed, ~crossed & False):  # there, and back
+        assert not lanes.latch(0.1, lanes.moved([0.02]), crossed).any()
+        assert np.array_equal(lanes.latched.beyond, beyond)
+    assert all(map(np.array_equal, lanes.mode, before))
+
+
+def test_what_begins_to_be_watched_may_have_happened_already():
+    """The pad has moved past its stroke in a soft joint, before it is released."""
+    lanes = Lanes(pair(release_times=(RELEASE,), springs=by_displacement))
+    far = lanes.moved([1.01 * STROKE])
+    assert not lanes.latch(0.0, far).any()
+    assert not lanes.mode.spent.any()
+    assert lanes.latch(RELEASE, far).all()
+    assert lanes.mode.spent.all()
+    assert lanes.latched.stroke_ends.tolist() == [[RELEASE]]
+    beyond = np.array(lanes.latched.beyond[:, 0])
+    corner_and_end = ~columns(lanes.events.crossings, LiftOff)
+    assert beyond.tolist() == corner_and_end.tolist()
+
+
+def test_the_first_crossing_of_a_step_is_found():
+    """B moves evenly from the mated place to two strokes: corner, then end."""
+    lanes = Lanes(pair(release_times=(0.0,), springs=by_displacement), n=2)
+    lanes.latch(0.0)
+    reach = 2.0 * STROKE * np.array([1.0, 0.1])  # the second lane meets nothing
+    nodes = body_state(lanes.moved(lobatto.THETA[:, None] * reach), 0, 7)
+    moved = jnp.ones(2)
+    found = lanes.events.find(lanes.latched, nodes, moved, lanes.params)
+    assert np.asarray(found.beyond.any(axis=(0, 1))).tolist() == [True, False]
+    fraction, crossed = lanes.events.first(found)
+    assert fraction.tolist() == pytest.approx([0.5 * CORNER, 1.0], rel=1e-13)
+    corner = columns(lanes.events.crossings, ProfileCorner)
+    assert np.array_equal(crossed, np.column_stack([corner, corner & False]))
+    # Beyond the corner the end comes first.
+    lanes.latch(0.1, crossed=crossed)
+    begin = CORNER * STROKE * np.array([1.0, 0.1])
+    rest = begin + lobatto.THETA[:, None] * (reach - begin)
+    nodes = body_state(lanes.moved(rest), 0, 7)
+    found = lanes.events.find(lanes.latched, nodes, moved, lanes.params)
+    fraction, crossed = lanes.events.first(found)
+    end = (1.0 - CORNER) / (2.0 - CORNER)
+    assert fraction.tolist() == pytest.approx([end, 1.0], rel=1e-13)
+    assert np.array_equal(crossed[:, 0], columns(lanes.events.crossings, StrokeEnd))
+
+
+def test_a_step_that_was_not_taken_crosses_nothing():
+    lanes = Lanes(pair(release_times=(0.0,), springs=by_displacement))
+    lanes.latch(0.0)
+    nodes = body_state(lanes.moved(lobatto.THETA[:, None] * 2.0 * STROKE), 0, 7)
+    found = lanes.events.find(lanes.latched, nodes, jnp.zeros(1), lanes.params)
+    assert not found.beyond.any()
+
+
+def test_known_times_end_with_the_run():
+    separation = pair(release_times=(0.0,), springs=by_displacement)
+    lanes = Lanes(separation)
+    lanes.latch(0.0)
+    # Its spring ends where its pad is, at no known time.
+    assert lanes.next_known == separation.duration

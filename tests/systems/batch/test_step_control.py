@@ -1,0 +1,185 @@
+"""Step control as functions of numbers whose answers are known."""
+
+import dataclasses
+import math
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from separations import generic_pair
+
+from drakesep.systems.batch import step_control
+from drakesep.systems.batch.equations import BatchEquations
+from drakesep.systems.batch.step_control import StepControl
+from drakesep.systems.batch.tableaus import DOP853, DOPRI5
+from drakesep.systems.model.joints import Joint
+from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.springs import DisplacementSpring
+
+
+TOLERANCE = 1e-8
+"""At which a first guess is 0.8 rad of the fastest motion."""
+
+
+@pytest.fixture(autouse=True)
+def double_precision():
+    with jax.enable_x64(True):
+        yield
+
+
+def still(separation):
+    initial = dataclasses.replace(separation.initial, w_WA_A=(0.0,) * 3)
+    return dataclasses.replace(separation, initial=initial)
+
+
+def first_guess(separation, released) -> float:
+    equations = BatchEquations(separation)
+    params = equations.params(parameters(separation), 1)
+    x, mode = equations.start(params)
+    times = (
+        jnp.full_like(mode.released, jnp.inf)
+        .at[: len(released), 0]
+        .set(jnp.array(released))
+    )
+    mode = mode._replace(released=times)
+    return StepControl(equations, TOLERANCE).first_guess(x, params, mode).item()
+
+
+def phase(guess: float) -> float:
+    """The frequency that a first guess has been made for, rad/s."""
+    return 0.8 / guess - 1e-3
+
+
+def test_guess_for_a_spring_by_time():
+    separation = still(generic_pair(release_times=(0.0,)))
+    [spring] = separation.springs
+    w = math.sqrt(spring.force_max / (spring.design_mass * spring.stroke))  # Eq. 5
+    assert phase(first_guess(separation, [0.0])) == pytest.approx(w, rel=1e-12)
+
+
+def test_guess_for_a_spring_by_displacement():
+    """The frequency of two masses on a spring: sqrt(k (1/m_1 + 1/m_2))."""
+    separation = still(generic_pair(release_times=(0.0,)))
+    spring = DisplacementSpring(name="spring_1", force_max=1500.0, stroke=0.08)
+    [attachment] = separation.attachments
+    attachment = dataclasses.replace(attachment, spring=spring)
+    separation = dataclasses.replace(separation, attachments=(attachment,))
+    w = math.sqrt(1500.0 / 0.08 * (1.0 / 700.0 + 1.0 / 1200.0))
+    assert phase(first_guess(separation, [0.0])) == pytest.approx(w, rel=1e-12)
+
+
+def test_guess_for_a_joint_that_holds_at_both_cgs():
+    """Without an arm: sqrt(K (1/m_1 + 1/m_2)); with damping alone, its own rate."""
+    separation = still(generic_pair(release_times=(0.5,), springs=False))
+    bodies = tuple(
+        dataclasses.replace(body, p_BoBcm_B=(0.0, 0.0, 0.0))
+        for body in separation.bodies
+    )
+    both = 1.0 / 700.0 + 1.0 / 1200.0
+    for gains, expected in (
+        ({"K_F": 1e6, "D_F": 0.0}, math.sqrt(1e6 * both)),
+        ({"K_F": 0.0, "D_F": 1e5}, 1e5 * both),
+    ):
+        [attachment] = separation.attachments
+        attachment = dataclasses.replace(
+            attachment,
+            joint=Joint(type="fixed", K_T=0.0, D_T=0.0, **gains),
+            p_AoPad_A=(0.0, 0.0, 0.0),
+        )
+        held = dataclasses.replace(separation, bodies=bodies, attachments=(attachment,))
+        assert phase(first_guess(held, [])) == pytest.approx(expected, rel=1e-12)
+        # Once it has let go nothing acts.
+        assert phase(first_guess(held, [0.5])) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_step_is_guessed_anew_only_where_it_is_fresh():
+    separation = still(generic_pair(release_times=(0.0,)))
+    equations = BatchEquations(separation)
+    params = equations.params(parameters(separation), 2)
+    x, mode = equations.start(params)
+    control = StepControl(equations, TOLERANCE)
+    mode = mode._replace(released=jnp.zeros_like(mode.released))
+    guess = control.first_guess(x, params, mode)
+    fresh = jnp.array([True, False])
+    wanted = control.wanted(jnp.full(2, 1e-4), fresh, x, params, mode)
+    assert wanted.tolist() == [guess[0].item(), 1e-4]
+
+
+def test_a_body_turns_by_no_more_than_its_step_resolves():
+    x = jnp.zeros((13, 2, 1)).at[7:10, 1, 0].set(jnp.array([1.0, -2.0, 2.0]))
+    # 0.4 rad at 3 rad/s
+    assert step_control.largest_step(x).tolist() == pytest.approx([0.4 / 3.0])
+
+
+@pytest.mark.parametrize(
+    ("left", "pieces"),
+    [(0.0, 1), (0.3, 1), (1.0, 1), (1.0 + 1e-12, 1), (1.001, 2), (2.5, 3)],
+)
+def test_equal_steps_to_the_next_known_event(left, pieces):
+    assert step_control.pieces(jnp.array([left]), jnp.array([1.0])).item() == pieces
+
+
+def test_the_length_of_a_step_keeps_the_derivative_of_its_event():
+    def length(left):
+        return left / step_control.pieces(left, jnp.ones(1))
+
+    _, slope = jax.jvp(length, (jnp.array([2.5]),), (jnp.ones(1),))
+    assert slope.item() == pytest.approx(1.0 / 3.0)
+
+
+@pytest.mark.parametrize(
+    ("h", "flying", "short"),
+    [
+        ([0.019, 0.019], [True, True], True),
+        ([0.019, 0.5], [True, True], False),
+        ([0.019, 0.5], [True, False], True),
+    ],
+)
+def test_brief_steps_are_taken_only_by_all_that_fly(h, flying, short):
+    is_short = step_control.is_short(jnp.array(h), jnp.ones(2), jnp.array(flying))
+    assert is_short.item() is short
+
+
+@pytest.mark.parametrize(
+    ("error", "accepted", "step"),
+    [
+        (1.0, False, 0.9),  # the safety
+        (2.0**7, False, 0.45),  # the error falls with the seventh power
+        (1e30, False, 0.2),  # at most so much shorter
+        (math.nan, False, 0.2),
+        (math.inf, False, 0.2),
+        (0.9**7, True, 1.0),
+        (0.0, True, 6.0),  # at most so much longer
+    ],
+)
+def test_next_step_by_the_error_of_the_last(error, accepted, step):
+    got = step_control.next_step(
+        jnp.ones(1), jnp.array([error]), 7, jnp.zeros(1), jnp.array([accepted])
+    )
+    assert got.item() == pytest.approx(step, rel=1e-12)
+
+
+def test_a_step_cut_by_a_known_event_does_not_make_the_next_short():
+    h, wanted = jnp.array([1e-6]), jnp.array([0.1])
+    error = jnp.array([1e-9])
+    for accepted, step in ((True, 0.1), (False, 6e-6)):
+        got = step_control.next_step(h, error, 7, wanted, jnp.array([accepted]))
+        assert got.item() == pytest.approx(step)
+
+
+@pytest.mark.parametrize("method", [DOP853, DOPRI5], ids=["DOP853", "DOPRI5"])
+def test_error_is_a_share_of_the_tolerance(method):
+    """Twice the tolerance, half the error; it is the root mean square of the states."""
+    separation = generic_pair()
+    equations = BatchEquations(separation)
+    K = np.zeros((16, 13, 2, 1))
+    K[: method.stages] = np.random.default_rng(0).normal(
+        size=(method.stages, 1, 1, 1)
+    )  # alike for all states
+    errors = method.errors @ K[:, 0, 0, 0]
+    expected = errors[0] ** 2 / math.hypot(errors[0], 0.1 * errors[1])
+    for tolerance in (1e-8, 2e-8):
+        error = StepControl(equations, tolerance).error(jnp.asarray(K), method)
+        share = tolerance / separation.duration
+        assert error.item() == pytest.approx(abs(expected) / share, rel=1e-10)
