@@ -21,19 +21,13 @@ import numpy as np
 from jax import lax
 
 from drakesep.systems.batch import lobatto, polynomials
-from drakesep.systems.batch.equations import (
-    BatchEquations,
-    BatchParameters,
-    Lanes,
-    Mode,
-    pick,
-)
+from drakesep.systems.batch.equations import BatchEquations
+from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode, pick
 from drakesep.systems.batch.tableaus import DOP853, DOPRI5, Method
 from drakesep.systems.equations import joints as joint_laws
 from drakesep.systems.equations import relative_motion as motion_laws
 from drakesep.systems.equations.mated_stack import mated_orientation
 from drakesep.systems.equations.relative_motion import BodyState
-from drakesep.systems.model.springs import DisplacementSpring
 from drakesep.systems.vectors import TINY
 
 
@@ -279,10 +273,12 @@ class BatchIntegrator:
 
         First the releases, then the ends of strokes by time, then the rows of loads.
         """
-        timed = np.isin(np.arange(len(mode.spent)), self._equations.timed)[:, None]
+        timed = np.isin(np.arange(len(mode.spent)), self._equations.springs.timed)[
+            :, None
+        ]
         times = [
             params.release_time,
-            self._equations.stroke_end(params, mode),
+            self._equations.springs.stroke_end(params, mode),
             self._equations.row_times(params, mode),
         ]
         ahead = [jnp.isinf(mode.released), timed & ~mode.spent, ~mode.passed]
@@ -357,15 +353,9 @@ class BatchIntegrator:
         """Return (n,) a step that suits what acts now, s."""
         mode = state.mode
         frequency = _fastest(state.x)
-        lightness = 1.0 / params.mass
-        pushing = self._equations.pushing(mode)
-        for k, i in enumerate(self._equations.spring_attachments):
-            spring = params.frequency[k]
-            if k in self._equations.by_stroke:
-                a, b = self._equations.ends[i]
-                light = lightness[a] + lightness[b]
-                stiffness = params.force_max[k] / params.stroke[k]
-                spring = jnp.sqrt(len(pushing) * stiffness * light)
+        pushing = self._equations.springs.pushing(mode)
+        for k in range(len(pushing)):
+            spring = self._equations.springs.frequency(k, params)
             frequency = jnp.maximum(frequency, jnp.where(pushing[k], spring, 0.0))
         if self._equations.holds:
             frequency = jnp.maximum(frequency, self._held_frequency(params, mode))
@@ -488,7 +478,7 @@ class BatchIntegrator:
 
     def _watched(self, mode: Mode) -> Lanes:
         """Return (e, n) whether each event can happen."""
-        pushing = self._equations.pushing(mode)
+        pushing = self._equations.springs.pushing(mode)
         held = jnp.isinf(mode.released)
         return jnp.stack(
             [
@@ -507,8 +497,8 @@ class BatchIntegrator:
         began, ended = jnp.full(free.shape[1:], False), jnp.full(free.shape[1:], True)
         for i in self._of_B:
             began, ended = began | free[i], ended & free[i]
-            if i in self._equations.spring_attachments:
-                k = self._equations.spring_attachments.index(i)
+            if i in self._equations.springs.attachments:
+                k = self._equations.springs.attachments.index(i)
                 ended = ended & mode.spent[k]
         return began, ended
 
@@ -547,14 +537,12 @@ def _events(equations: BatchEquations) -> list[_Event]:
     """Return what is found within steps."""
     separation = equations.separation
     events = []
-    for k in equations.by_stroke:
-        spring = separation.springs[k]
-        assert isinstance(spring, DisplacementSpring)
-        i = equations.spring_attachments[k]
-        corners = [u for u, _ in spring.profile[1:-1]]
-        for u in (*corners, 1.0):
+    springs = equations.springs
+    for k in springs.by_stroke:
+        i = springs.attachments[k]
+        for u in (*springs.corners(k), 1.0):
             events.append(_Event(_beyond(equations, k, u), i, k, u == 1.0))
-        if spring.damping > 0.0:
+        if springs.may_lift(k):
             events.append(_Event(_lifted(equations, k), i, k, False))
     for i, attachment in enumerate(separation.attachments):
         if np.isfinite(attachment.release_angle):
@@ -566,15 +554,15 @@ def _events(equations: BatchEquations) -> list[_Event]:
 
 def _beyond(equations: BatchEquations, k: int, u: float) -> Callable[..., Lanes]:
     def quantity(bodies: BodyState, params: BatchParameters) -> Lanes:
-        displacement, _ = equations.displacement(k, bodies, params)
-        return displacement - u * params.stroke[k]
+        displacement, _ = equations.springs.displacement(k, bodies, params)
+        return displacement - u * equations.springs.stroke(k, params)
 
     return quantity
 
 
 def _lifted(equations: BatchEquations, k: int) -> Callable[..., Lanes]:
     def quantity(bodies: BodyState, params: BatchParameters) -> Lanes:
-        return -equations.stroke_force(k, bodies, params)
+        return -equations.springs.stroke_force(k, bodies, params)
 
     return quantity
 

@@ -19,7 +19,8 @@ from pydrake.multibody.math import SpatialVelocity
 from scipy.spatial.transform import Rotation
 from separations import inertia_of_points
 
-from drakesep.systems.batch.equations import BatchEquations, Mode
+from drakesep.systems.batch.equations import BatchEquations
+from drakesep.systems.batch.lanes import Mode
 from drakesep.systems.diagram.separation_system import SeparationSystem
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.loads import Load
@@ -481,7 +482,7 @@ def test_accelerations_of_the_batch_engine():
         for a in SEPARATION.attachments
     ]
     with jax.enable_x64(True):
-        numbers = equations.numbers(parameters(SEPARATION), n)
+        numbers = equations.params(parameters(SEPARATION), n)
         mode = Mode(
             jnp.tile(jnp.array(released)[:, None], n),
             jnp.full((len(SEPARATION.springs), n), False),
