@@ -1,11 +1,18 @@
 """Units at the edges: names that carry them, and values to and from SI.
 
 Inside, a parameter is ``payload.cg_x`` in m; in files and tables it is
-``payload.cg_x_mm``. The quantity alone decides the unit.
+``payload.cg_x_mm``. The quantity alone decides the unit: of a parameter, what it
+measures.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+from drakesep.systems.checks import InputError
+from drakesep.systems.equations.springs import PUSHERS
+from drakesep.systems.model.loads import Load
+from drakesep.systems.model.parameter_table import Kind, split_axis
+from drakesep.systems.model.separation import Attachment, Body, InitialMotion
 
 
 class Unit(NamedTuple):
@@ -51,27 +58,24 @@ _UNITS = {
         Unit("", ""),
     )
 }
-_OF_QUANTITY = {
-    # parameters
+_OF_KIND: dict[Kind, str] = {
     "mass": "kg",
-    "cg": "mm",
+    "length": "mm",
+    "angle": "deg",
+    "angular_rate": "deg_s",
     "inertia": "kg_m2",
-    "force_max": "N",
     "force": "N",
+    "damping": "N_s_m",
+    "time": "s",
+    "factor": "",
+}
+_OF_QUANTITY = {
+    "force": "N",
+    "force_max": "N",
     "contact_end": "s",
     "impulse": "N_s",
     "nearest_time": "s",
-    "stroke": "mm",
-    "tilt": "deg",
-    "damping": "N_s_m",
-    "design_mass": "kg",
-    "position": "mm",
-    "release_time": "s",
-    "release_angle": "deg",
-    "start": "s",
-    "factor": "",
-    "attitude": "deg",
-    # motion; the rate is a parameter too
+    # motion
     "time": "s",
     "rate": "deg_s",
     "relative_rate": "deg_s",
@@ -106,13 +110,6 @@ _OF_QUANTITY = {
     "contact_time": "s",
     "closing_speed": "m_s",
 }
-_AXES = ("x", "y", "z", "roll", "pitch", "yaw", "xx", "yy", "zz", "xy", "xz", "yz")
-
-
-def split_axis(name: str) -> tuple[str, str]:
-    """Return a name without its axis, and the axis; empty if it has none."""
-    stem, _, last = name.rpartition("_")
-    return (stem, last) if last in _AXES else (name, "")
 
 
 def unit_of(name: str) -> Unit:
@@ -121,8 +118,36 @@ def unit_of(name: str) -> Unit:
     Args:
         name: such as ``payload.cg_x``, ``final_rate_y`` or ``relative_velocity_x``.
     """
-    quantity, _ = split_axis(name.rpartition(".")[2])
-    return _UNITS[_OF_QUANTITY[quantity]]
+    stem, _ = split_axis(name.rpartition(".")[2])
+    kind = _kind_of(stem)
+    return unit_of_kind(kind) if kind else _UNITS[_OF_QUANTITY[stem]]
+
+
+def _kind_of(stem: str) -> Kind | None:
+    """Return what parameters measure whose names have a stem; None if none has."""
+    kinds: set[Kind] = {
+        parameter.kind
+        for record in records()
+        for parameter in record.PARAMETERS
+        if parameter.stem == stem
+    }
+    if len(kinds) > 1:
+        raise InputError(
+            f"parameters named {stem!r} must be of one kind, which gives their unit, "
+            f"got {' and '.join(sorted(kinds))}"
+        )
+    return kinds.pop() if kinds else None
+
+
+def records() -> list[type[Any]]:
+    """Return the kinds of records that have parameters."""
+    pushers = dict.fromkeys(kind.record for kind in PUSHERS.values())
+    return [Body, Attachment, *pushers, Load, InitialMotion]
+
+
+def unit_of_kind(kind: Kind) -> Unit:
+    """Return the unit of parameters that measure something, such as a length."""
+    return _UNITS[_OF_KIND[kind]]
 
 
 def with_unit(name: str) -> str:

@@ -20,7 +20,7 @@ from scipy.optimize.elementwise import find_root
 from drakesep.analysis.search.problem import Problem
 from drakesep.analysis.search.sqp import AscentSettings, Start, ascend
 from drakesep.systems.arrays import Array
-from drakesep.systems.model.parameters import with_values
+from drakesep.systems.model.parameters import declarations, with_values
 
 
 MOST = 5.0
@@ -186,9 +186,10 @@ def _factors(limit: Limit, growth: float, caps: Array) -> Array:
 def _caps(problem: Problem) -> Array:
     """Return (n,) how far each tolerance may grow while its bounds exist."""
     box = problem.tolerances.box
+    declared = declarations(problem.tolerances.separation)
     caps = np.full(len(box), MOST)
     for i, d in enumerate(box.dispersions):
-        if ".inertia_" in d.name:
+        if declared[d.name].kind == "inertia":
             continue  # drawn back to what exists
 
         def exists(factor: float, name: str = d.name, i: int = i) -> bool:

@@ -10,7 +10,8 @@ import numpy as np
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
-from drakesep.systems.model.inertia import ENTRIES, second_moment
+from drakesep.systems.model.inertia import second_moment
+from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Body
 
 
@@ -37,7 +38,7 @@ class PhysicalInertia:
             ValueError: the nominal inertia is at the edge of the possible ones.
         """
         self.label = f"{body.name}.inertia"
-        names = [f"{body.name}.inertia_{entry}" for entry in ENTRIES]
+        names = names_of([body], ["I_BBcm_B"])
         columns = [
             (box.names.index(name), k)
             for k, name in enumerate(names)

@@ -21,6 +21,7 @@ from drakesep.analysis.tolerances.ellipsoid import (
 from drakesep.analysis.tolerances.physical_inertia import PhysicalInertia
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
+from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
 
 
@@ -81,7 +82,7 @@ class ToleranceSet:
         self._physical = [
             PhysicalInertia(body, box)
             for body in separation.bodies
-            if any(name.startswith(f"{body.name}.inertia_") for name in box.names)
+            if set(names_of([body], ["I_BBcm_B"])) & set(box.names)
         ]
         self.constraints: tuple[Constraint, ...] = (*self._within, *self._physical)
 

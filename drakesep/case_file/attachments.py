@@ -1,9 +1,16 @@
 """Attachments and loads in a case file."""
 
+import functools
 import math
-from typing import Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import model_validator
+from pydantic import (
+    PlainValidator,
+    SerializeAsAny,
+    ValidationInfo,
+    create_model,
+    model_validator,
+)
 
 from drakesep.case_file.section import (
     Column,
@@ -17,11 +24,13 @@ from drakesep.case_file.section import (
     named,
     to_si,
 )
+from drakesep.systems.checks import unknown
+from drakesep.systems.equations.springs import PUSHERS, PusherKind
 from drakesep.systems.model.joints import Joint, JointType
 from drakesep.systems.model.loads import Axes, Load, thruster
+from drakesep.systems.model.pushers import Pusher
 from drakesep.systems.model.separation import Attachment
-from drakesep.systems.model.springs import DisplacementSpring, Spring
-from drakesep.units import unit_of
+from drakesep.units import Unit, unit_of_kind
 
 
 class AxesSection(Section):
@@ -55,69 +64,77 @@ class JointSection(Section):
 
 
 class SpringSection(Section):
-    """A separation spring: driven by time, as the paper's, or by displacement."""
+    """A separation spring, or whatever else pushes: a kind of `PUSHERS`."""
 
     name: Name
-    law: Literal["time", "displacement", "table"] = "time"
-    force_max_N: Positive | None = None
-    stroke_mm: Positive | None = None
-    design_mass_kg: Positive | None = None
-    damping_N_s_m: NotNegative | None = None
-    displacements_mm: Column | None = None
-    forces_N: Column | None = None
-    tilt_y_deg: float = 0.0
-    tilt_z_deg: float = 0.0
-    """Of the push from A's x axis, about its y axis, then about its z axis."""
+    law: str = "time"
 
-    @model_validator(mode="after")
-    def _check_law(self) -> Self:
-        needs = {
-            "time": ("force_max_N", "stroke_mm", "design_mass_kg"),
-            "displacement": ("force_max_N", "stroke_mm"),
-            "table": ("displacements_mm", "forces_N"),
-        }[self.law]
-        may = needs if self.law == "time" else (*needs, "damping_N_s_m")
-        for key in type(self).model_fields:
-            given = getattr(self, key) is not None
-            if key in needs and not given:
-                raise ValueError(f"{key}: missing; law: {self.law} needs it")
-            if key not in ("name", "law", "tilt_y_deg", "tilt_z_deg", *may) and given:
-                raise ValueError(f"{key}: law: {self.law} has none")
-        return self
+    def in_si(self) -> Pusher:
+        """Return the record."""
+        kind = PUSHERS[self.law]
+        values: dict[str, Any] = {}
+        for argument in kind.arguments:
+            key, unit = _key(kind, argument)
+            value = getattr(self, key)
+            if isinstance(value, tuple):
+                values[argument] = tuple(map(unit.to_si, value))
+            elif value is not None:
+                values[argument] = unit.to_si(value)
+        pusher: Pusher = kind.maker(name=self.name, **values)
+        return pusher
 
-    def in_si(self) -> Spring | DisplacementSpring:
-        """Return the spring."""
-        damping = self.damping_N_s_m or 0.0
-        millimetre, degree = unit_of("stroke"), unit_of("tilt")
-        tilt_y, tilt_z = map(degree.to_si, (self.tilt_y_deg, self.tilt_z_deg))
-        if self.displacements_mm is not None and self.forces_N is not None:
-            return DisplacementSpring.from_table(
-                name=self.name,
-                displacements=tuple(map(millimetre.to_si, self.displacements_mm)),
-                forces=self.forces_N,
-                damping=damping,
-                tilt_y=tilt_y,
-                tilt_z=tilt_z,
-            )
-        assert self.force_max_N is not None and self.stroke_mm is not None  # _check_law
-        force_max, stroke = self.force_max_N, millimetre.to_si(self.stroke_mm)
-        if self.design_mass_kg is None:
-            return DisplacementSpring(
-                name=self.name,
-                force_max=force_max,
-                stroke=stroke,
-                damping=damping,
-                tilt_y=tilt_y,
-                tilt_z=tilt_z,
-            )
-        return Spring(
-            name=self.name,
-            force_max=force_max,
-            stroke=stroke,
-            design_mass=self.design_mass_kg,
-            tilt_y=tilt_y,
-            tilt_z=tilt_z,
-        )
+
+def _key(kind: PusherKind, argument: str) -> tuple[str, Unit]:
+    """Return the key of an argument of a kind of pusher, and its unit."""
+    if argument in kind.columns:
+        unit = unit_of_kind(kind.columns[argument])
+    else:
+        unit = unit_of_kind(kind.parameter(argument).kind)
+    return "_".join(filter(None, [argument, unit.suffix])), unit
+
+
+def _value_type(kind: PusherKind, argument: str) -> Any:
+    if argument in kind.columns:
+        return Column
+    range_ = kind.parameter(argument).range
+    if range_.low != 0.0:
+        return float
+    return NotNegative if range_.closed else Positive
+
+
+@functools.cache
+def _section_of(law: str, kind: PusherKind) -> type[SpringSection]:
+    """Return the section of a kind of pusher: its arguments with their units."""
+    fields: dict[str, Any] = {"law": (Literal[law], law)}
+    for argument in kind.arguments:
+        optional = _value_type(kind, argument) | None
+        fields[_key(kind, argument)[0]] = (optional, None)
+    return create_model("SpringSection", __base__=SpringSection, **fields)
+
+
+def _read_spring(data: Any, info: ValidationInfo) -> SpringSection:
+    """Return the section of a spring, of the kind that its law says."""
+    if isinstance(data, SpringSection) or not isinstance(data, dict):
+        return SpringSection.model_validate(data)
+    given = {key: value for key, value in data.items() if value is not None}
+    sections = {law: _section_of(law, kind) for law, kind in PUSHERS.items()}
+    known = dict.fromkeys(key for s in sections.values() for key in s.model_fields)
+    for key in given:
+        if key not in known:
+            raise ValueError(unknown("key", key, known))
+    law = given.get("law", "time")
+    if law not in sections:
+        laws = Literal[tuple(sections)]  # type: ignore[valid-type]
+        create_model("Law", law=(laws, ...)).model_validate({"law": law})
+    kind, section = PUSHERS[law], sections[law]
+    for argument, needed in kind.arguments.items():
+        key, _ = _key(kind, argument)
+        if needed and key not in given:
+            raise ValueError(f"{key}: missing; law: {law} needs it")
+    for key in given:
+        if key not in section.model_fields:
+            raise ValueError(f"{key}: law: {law} has none")
+    return section.model_validate(given, context=info.context)
 
 
 class AttachmentSection(Section):
@@ -127,7 +144,9 @@ class AttachmentSection(Section):
     B: str
     position_mm: Vector
     joint: JointSection
-    spring: SpringSection | None = None
+    spring: (
+        Annotated[SerializeAsAny[SpringSection], PlainValidator(_read_spring)] | None
+    ) = None
     release_time_s: float | None = None
     """By default 0, or never if it lets go at an angle."""
     release_angle_deg: float | None = None

@@ -11,12 +11,11 @@ from rich.markup import escape
 from rich.table import Table
 
 from drakesep.case_file.case import Case
+from drakesep.systems.equations.springs import law_name
 from drakesep.systems.model.parameters import parameters
-from drakesep.systems.model.springs import DisplacementSpring, Spring
 from drakesep.units import unit_of, with_unit
 
 
-_LAWS = {Spring: "time", DisplacementSpring: "displacement", type(None): ""}
 _FIRST_WIDTH, _OTHER_WIDTH = 32, 14
 """Of the columns of a table, about."""
 
@@ -130,7 +129,7 @@ def _attachments(case: Case) -> pd.DataFrame:
                 "joint": attachment.joint.type,
                 "release": " or ".join(releases),
                 "spring": spring.name if spring else "",
-                "driven by": _LAWS[type(spring)],
+                "driven by": law_name(spring) if spring else "",
             }
         )
     return pd.DataFrame(rows)

@@ -13,10 +13,11 @@ from drakesep.analysis.search.judge import CONFIDENCE, WorstCase
 from drakesep.analysis.search.problem import Searched
 from drakesep.analysis.search.registry import SEARCHES
 from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.systems.model.parameter_table import split_axis
 from drakesep.tables.columns import in_units, shown, unit_of_objective
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.table_4 import MARK
-from drakesep.units import split_axis, unit_of, with_unit
+from drakesep.units import unit_of, with_unit
 
 
 _LISTED = 10

@@ -8,7 +8,8 @@ import pandas as pd
 
 from drakesep.analysis.metrics.requirements import Finding, Requirement
 from drakesep.analysis.tolerances.box import ToleranceBox
-from drakesep.units import split_axis, unit_of, with_unit
+from drakesep.systems.model.parameter_table import split_axis
+from drakesep.units import unit_of, with_unit
 
 
 if TYPE_CHECKING:  # JAX comes with them

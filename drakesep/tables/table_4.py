@@ -9,9 +9,9 @@ import pandas as pd
 
 from drakesep.analysis.metrics.of_run import AXES
 from drakesep.analysis.tolerances.box import ToleranceBox
-from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.parameters import ParameterName, parameters
 from drakesep.tables.labelled_run import LabelledRun
-from drakesep.units import split_axis, unit_of
+from drakesep.units import unit_of
 
 
 if TYPE_CHECKING:  # JAX comes with them
@@ -80,16 +80,16 @@ def _conditions(labelled: LabelledRun) -> list[str]:
 
 def _groups(box: ToleranceBox) -> dict[str, list[str]]:
     def key(name: str) -> tuple[str, str]:
-        owner, _, quantity = name.rpartition(".")
-        stem, axis = split_axis(quantity)
+        owner, stem, axis = ParameterName.of(name)
         if stem == "inertia":
             stem += " moments" if axis[0] == axis[1] else " products"
         # Axes of one owner stand together, and so do owners without axes.
         return stem, owner if axis else ""
 
     def label(stem: str, names: list[str]) -> str:
-        owners = list(dict.fromkeys(name.rpartition(".")[0] for name in names))
-        axes = [split_axis(name)[1] for name in names]
+        parts = [ParameterName.of(name) for name in names]
+        owners = list(dict.fromkeys(part.owner for part in parts))
+        axes = [part.axis for part in parts]
         first, last = owners[0], owners[-1]
         owner = first if first == last else f"{first} ... {last}"
         return " ".join(

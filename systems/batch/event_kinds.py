@@ -28,14 +28,9 @@ from typing import NamedTuple, Protocol
 
 import jax.numpy as jnp
 
-from drakesep.systems.batch.equations import (
-    BatchEquations,
-    BatchParameters,
-    Lanes,
-    Mode,
-    pick,
-)
-from drakesep.systems.batch.spring_queries import SpringQueries
+from drakesep.systems.batch.equations import BatchEquations
+from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode, pick
+from drakesep.systems.batch.springs import BatchSprings
 from drakesep.systems.equations import joints as joint_laws
 from drakesep.systems.equations.mated_stack import mated_orientation
 from drakesep.systems.equations.relative_motion import BodyState
@@ -101,11 +96,11 @@ class TimedReleases:
 class TimedStrokeEnds:
     """Springs reach the end of their stroke at a time that follows from release."""
 
-    springs: SpringQueries
+    springs: BatchSprings
 
     def times(self, params: BatchParameters, mode: Mode) -> Lanes:
         """Return (k, n), s."""
-        return self.springs.end_times(params, mode)
+        return self.springs.stroke_end(params, mode)
 
     def watched(self, mode: Mode) -> Lanes:
         """Return (k, n) which have not got there, of those with such a time."""
@@ -166,7 +161,7 @@ class Crossing(Protocol):
 class ProfileCorner:
     """A spring's pad passes a corner of its profile, which is a kink of its force."""
 
-    springs: SpringQueries
+    springs: BatchSprings
     k: int
     part: float
     """Of the stroke."""
@@ -203,7 +198,7 @@ class StrokeEnd(ProfileCorner):
 class LiftOff:
     """A pad lifts off its damper, or is met again: the spring does not pull."""
 
-    springs: SpringQueries
+    springs: BatchSprings
     k: int
     latches = False
 
@@ -213,7 +208,7 @@ class LiftOff:
 
     def quantity(self, bodies: BodyState, params: BatchParameters) -> Lanes:
         """Return (..., n) what keeps the pad from its spring, N."""
-        return -self.springs.force(self.k, bodies, params)
+        return -self.springs.stroke_force(self.k, bodies, params)
 
     def happen(self, latched: Latched, now: Lanes, t: Lanes) -> Latched:
         """Leave all as it is."""

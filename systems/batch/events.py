@@ -13,12 +13,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 
 from drakesep.systems.batch import polynomials
-from drakesep.systems.batch.equations import (
-    BatchEquations,
-    BatchParameters,
-    Lanes,
-    Mode,
-)
+from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.event_kinds import (
     Crossing,
     KnownEvents,
@@ -31,8 +26,9 @@ from drakesep.systems.batch.event_kinds import (
     TimedReleases,
     TimedStrokeEnds,
 )
+from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode
 from drakesep.systems.batch.polynomials import Pieces
-from drakesep.systems.batch.spring_queries import SpringQueries
+from drakesep.systems.batch.springs import BatchSprings
 from drakesep.systems.equations.relative_motion import BodyState
 
 
@@ -62,7 +58,7 @@ class Events:
             one_by_one: whether known events at the same time happen in steps of their
                 own, of no length: each has a derivative of its own.
         """
-        self._springs = springs = SpringQueries(equations)
+        self._springs = springs = equations.springs
         self._duration = equations.separation.duration
         self._one_by_one = one_by_one
         self.known: Sequence[KnownEvents] = (
@@ -212,13 +208,13 @@ class Events:
         return jnp.stack([event.watched(held, pushing) for event in self.crossings])
 
 
-def _of_springs(springs: SpringQueries) -> list[Crossing]:
+def _of_springs(springs: BatchSprings) -> list[Crossing]:
     crossings: list[Crossing] = []
     for k in range(springs.count):
         crossings += [ProfileCorner(springs, k, u) for u in springs.corners(k)]
         if not springs.known_end[k]:
             crossings.append(StrokeEnd(springs, k, 1.0))
-        if springs.lifts_off(k):
+        if springs.may_lift(k):
             crossings.append(LiftOff(springs, k))
     return crossings
 

@@ -17,14 +17,10 @@ import jax.numpy as jnp
 from jax import lax
 
 from drakesep.systems.batch import runge_kutta, step_control
-from drakesep.systems.batch.equations import (
-    BatchEquations,
-    BatchParameters,
-    Lanes,
-    Mode,
-)
+from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.event_kinds import Latched
 from drakesep.systems.batch.events import Events
+from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode
 from drakesep.systems.batch.runge_kutta import Weights
 from drakesep.systems.batch.step_control import StepControl
 from drakesep.systems.equations import relative_motion as motion_laws
@@ -293,8 +289,8 @@ class BatchIntegrator:
         began, ended = jnp.full(free.shape[1:], False), jnp.full(free.shape[1:], True)
         for i in self._of_B:
             began, ended = began | free[i], ended & free[i]
-            if i in self._equations.spring_attachments:
-                k = self._equations.spring_attachments.index(i)
+            if i in self._equations.springs.attachments:
+                k = self._equations.springs.attachments.index(i)
                 ended = ended & mode.spent[k]
         return began, ended
 

@@ -10,14 +10,9 @@ from numpy.typing import NDArray
 
 from drakesep.systems.arrays import Array
 from drakesep.systems.batch import lobatto
-from drakesep.systems.batch.equations import (
-    STATES,
-    BatchEquations,
-    BatchParameters,
-    Lanes,
-    pick,
-)
+from drakesep.systems.batch.equations import STATES, BatchEquations
 from drakesep.systems.batch.integrator import Step
+from drakesep.systems.batch.lanes import BatchParameters, Lanes, pick
 from drakesep.systems.batch.polynomials import polynomial
 from drakesep.systems.equations import relative_motion as motion_laws
 from drakesep.systems.equations.relative_motion import RelativeMotion

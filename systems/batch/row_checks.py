@@ -2,19 +2,24 @@
 
 import math
 from collections.abc import Sequence
+from types import SimpleNamespace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drakesep.systems.arrays import Array
-from drakesep.systems.model.inertia import ENTRIES, physical_margin
-from drakesep.systems.model.parameters import parameters, with_values
+from drakesep.systems.equations.pushers import values_of
+from drakesep.systems.equations.springs import law_of
+from drakesep.systems.model.inertia import physical_margin
+from drakesep.systems.model.parameters import (
+    declarations,
+    names_of,
+    parameters,
+    with_values,
+)
 from drakesep.systems.model.separation import Separation
-from drakesep.systems.model.springs import Spring
 
 
-_POSITIVE = ("mass", "force_max", "stroke", "design_mass", "release_angle")
-_NOT_NEGATIVE = ("damping", "release_time", "start")
 _MARGIN = 1e-9
 """Relative: what is nearer to its edge is looked at closely."""
 
@@ -33,18 +38,11 @@ def check_rows(
         values: (n, n_p) in SI.
     """
     doubtful = ~np.isfinite(values).all(axis=1)
+    declared = declarations(separation)
     for name, column in zip(names, values.T, strict=True):
-        quantity = name.rpartition(".")[2]
-        if quantity in _POSITIVE:
-            doubtful |= column <= 0.0
-        if quantity in _NOT_NEGATIVE:
-            doubtful |= column < 0.0
-        if quantity in ("release_time", "start"):
+        doubtful |= ~declared[name].range.holds(column)
+        if declared[name].kind == "time":
             doubtful |= column >= separation.duration - _latest_start(separation)
-        if quantity in ("tilt_y", "tilt_z"):
-            doubtful |= np.abs(column) >= 0.5 * math.pi
-        if quantity == "release_angle":
-            doubtful |= column >= math.pi
     doubtful |= _edge_of_inertia(separation, names, values)
     doubtful |= _late_stroke(separation, names, values)
     failures = {}
@@ -63,21 +61,21 @@ def _latest_start(separation: Separation) -> float:
 def _late_stroke(
     separation: Separation, names: Sequence[str], values: Array
 ) -> NDArray[np.bool_]:
-    """Return (n,) whether a spring driven by time may push beyond the run."""
+    """Return (n,) whether a spring that pushes for a time may do so beyond the run."""
     doubtful = np.full(len(values), False)
-    columns = dict(zip(names, values.T, strict=True))
-    of = {**parameters(separation), **columns}
-    for a in separation.attachments:
-        if isinstance(a.spring, Spring) and math.isfinite(a.release_time):
-            name = a.spring.name
-            force = np.asarray(of[f"{name}.force_max"])
-            inertia = of[f"{name}.design_mass"] * np.asarray(of[f"{name}.stroke"])
-            ratio = np.divide(
-                inertia, force, out=np.zeros(len(values)), where=force > 0
-            )
-            push = 0.5 * math.pi * np.sqrt(np.maximum(ratio, 0.0))  # Eq. 5
-            end = of[f"{a.name}.release_time"] + push
-            doubtful |= end >= (1.0 - _MARGIN) * separation.duration
+    of = {**parameters(separation), **dict(zip(names, values.T, strict=True))}
+    for attachment, spring in separation.pushing:
+        law = law_of(spring)
+        if law.by_time and math.isfinite(attachment.release_time):
+            p = SimpleNamespace()
+            for field in values_of(law, spring)._fields:
+                entries = [of[name] for name in names_of([spring], [field])]
+                setattr(p, field, entries if len(entries) > 1 else entries[0])
+            [release] = names_of([attachment], ["release_time"])
+            # What is out of its range has been found, and makes no number here.
+            with np.errstate(all="ignore"):
+                end = of[release] + law.end(p, np)
+                doubtful |= end >= (1.0 - _MARGIN) * separation.duration
     return doubtful
 
 
@@ -88,7 +86,7 @@ def _edge_of_inertia(
     doubtful = np.full(len(values), False)
     nominal = parameters(separation)
     for body in separation.bodies:
-        keys = [f"{body.name}.inertia_{entry}" for entry in ENTRIES]
+        keys = names_of([body], ["I_BBcm_B"])
         if not any(key in names for key in keys):
             continue
         inertia = np.stack(

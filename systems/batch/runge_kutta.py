@@ -9,12 +9,8 @@ import numpy as np
 from jax import lax
 
 from drakesep.systems.batch import lobatto
-from drakesep.systems.batch.equations import (
-    BatchEquations,
-    BatchParameters,
-    Lanes,
-    Mode,
-)
+from drakesep.systems.batch.equations import BatchEquations
+from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode
 from drakesep.systems.batch.tableaus import DOP853, DOPRI5, Method
 
 

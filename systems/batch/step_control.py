@@ -10,14 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from drakesep.systems.batch.equations import (
-    BatchEquations,
-    BatchParameters,
-    Lanes,
-    Mode,
-    pick,
-)
-from drakesep.systems.batch.spring_queries import SpringQueries
+from drakesep.systems.batch.equations import BatchEquations
+from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode, pick
 from drakesep.systems.batch.tableaus import DOP853, Method
 from drakesep.systems.vectors import TINY
 
@@ -42,7 +36,7 @@ class StepControl:
             tolerance: of the error estimates of all steps of a run together, in SI.
         """
         self._equations = equations
-        self._springs = SpringQueries(equations)
+        self._springs = equations.springs
         self._tolerance = tolerance
         self._share = tolerance / equations.separation.duration
 

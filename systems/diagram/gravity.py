@@ -1,17 +1,37 @@
 """Gravity in the freely falling world."""
 
 import math
+from typing import NamedTuple
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.diagram.wrenches import WrenchSum
 from drakesep.systems.equations import gravity as gravity_laws
+from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
+from drakesep.systems.vectors import Symmetric, Vector
 
 
-_FIELDS = 10
-"""Of a body's parameters: mass, CG and inertia."""
+class OrbitRow(NamedTuple):
+    """The orbit in a Context."""
+
+    mu: float
+    """Gravitational parameter, m^3/s^2."""
+    radius: float
+    """m."""
+
+
+class MassRow(NamedTuple):
+    """A body in a Context."""
+
+    mass: float
+    """kg."""
+    p_BoBcm_B: Vector
+    """CG, m."""
+    I_BBcm_B: Symmetric
+    """Central inertia: xx, yy, zz, xy, xz, yz, kg m^2."""
 
 
 class Gravity(LeafSystem):
@@ -28,8 +48,8 @@ class Gravity(LeafSystem):
             of the m bodies.
 
     Parameters:
-        0: (2,) gravitational parameter, m^3/s^2, and radius of the orbit, m.
-        1: (10 m,) mass, CG and inertia (xx, yy, zz, xy, xz, yz) of each body.
+        0: an `OrbitRow`.
+        1: for each body a `MassRow`.
     """
 
     def __init__(self, separation: Separation, layout: StateLayout):
@@ -37,35 +57,39 @@ class Gravity(LeafSystem):
         self._count = len(separation.bodies)
         self._layout = layout
         self._state = self.DeclareVectorInputPort("plant_state", layout.size)
-        self._orbit = self.DeclareNumericParameter(BasicVector(2))
-        self._mass_properties = self.DeclareNumericParameter(
-            BasicVector(_FIELDS * self._count)
-        )
+        self._orbit = Rows(self, _orbit_rows(separation))
+        self._mass_properties = Rows(self, _mass_rows(separation))
         self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
 
     def set_gravity(self, context: Context, separation: Separation) -> None:
         """Write the orbit and the mass properties into this system's Context."""
-        orbit = separation.orbit
-        assert orbit is not None  # the structure of SeparationForces
-        context.get_mutable_numeric_parameter(self._orbit).SetFromVector(
-            [orbit.mu, orbit.radius]
-        )
-        rows: list[float] = []
-        for body in separation.bodies:
-            rows += [body.mass, *body.p_BoBcm_B, *body.I_BBcm_B]
-        context.get_mutable_numeric_parameter(self._mass_properties).SetFromVector(rows)
+        self._orbit.write(context, _orbit_rows(separation))
+        self._mass_properties.write(context, _mass_rows(separation))
+
+    def parameters_read(self, separation: Separation) -> set[str]:
+        """Return the names of the parameters that the rows are made of."""
+        return {*names_of(separation.bodies, MassRow._fields)}
 
     def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
         total = WrenchSum(self._count)
-        mu, radius = context.get_numeric_parameter(self._orbit).value().tolist()
+        [(mu, radius)] = self._orbit.read(context)
         mean_motion = math.sqrt(mu / radius**3)
         r_W = gravity_laws.orbit_position(context.get_time(), radius, mean_motion, math)
         bodies = self._layout.read(self._state.Eval(context).tolist())
-        rows = context.get_numeric_parameter(self._mass_properties).value().tolist()
-        for i, body in enumerate(bodies):
-            row = rows[_FIELDS * i : _FIELDS * (i + 1)]
-            wrench = gravity_laws.gravity_wrench(
-                body, row[0], row[1:4], row[4:], r_W, mu, math
-            )
+        rows = self._mass_properties.read(context)
+        for i, (body, row) in enumerate(zip(bodies, rows, strict=True)):
+            wrench = gravity_laws.gravity_wrench(body, *row, r_W, mu, math)
             total.add(i, wrench)
         total.write(output)
+
+
+def _orbit_rows(separation: Separation) -> list[OrbitRow]:
+    orbit = separation.orbit
+    assert orbit is not None  # the structure of SeparationForces
+    return [OrbitRow(orbit.mu, orbit.radius)]
+
+
+def _mass_rows(separation: Separation) -> list[MassRow]:
+    return [
+        MassRow(body.mass, body.p_BoBcm_B, body.I_BBcm_B) for body in separation.bodies
+    ]

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from pydrake.common.value import AbstractValue, Value
 from pydrake.systems.framework import BasicVector, Context, LeafSystem, ValueProducer
 
+from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.diagram.wrenches import WrenchSum
 from drakesep.systems.equations import joints as joint_laws
@@ -19,13 +20,35 @@ from drakesep.systems.equations.mated_stack import (
 )
 from drakesep.systems.equations.relative_motion import BodyState, PairState
 from drakesep.systems.model.joints import JointType, holds_all_rotations
+from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import Quaternion, Rotation, Vector, add
 
 
-_FIELDS = 21
-"""Of a joint's parameters: see `CfeBushing`."""
 _ZERO = (0.0, 0.0, 0.0)
+
+
+class JointRow(NamedTuple):
+    """A joint in a Context."""
+
+    K_F: Vector
+    """Gains along x, y and z of the joint's frame, zero where it is free."""
+    D_F: Vector
+    K_T: Vector
+    D_T: Vector
+    p_AoPad_A: Vector
+    """Its place in A, m."""
+    p_BoPad_B: Vector
+    """Its place in B, m."""
+    axis_B: Vector
+    """Its x axis, or y of a universal one, fixed in B."""
+
+
+class MatedRow(NamedTuple):
+    """A pair of attached bodies in a Context."""
+
+    q_AB: Quaternion
+    """Orientation of B in A while mated."""
 
 
 class _Joint(NamedTuple):
@@ -82,10 +105,8 @@ class CfeBushing(LeafSystem):
         energy: (1,) elastic energy of the joints that hold, J.
 
     Parameters:
-        0: (21 n,) for each attachment its gains K_F, D_F, K_T, D_T along x, y and z of
-            the joint's frame, zero where it is free; its place in A and in B; and the
-            joint's x axis, or y of a universal one, fixed in B.
-        1: (4 p,) for each pair of attached bodies the mated orientation q_AB.
+        0: for each attachment a `JointRow`.
+        1: for each pair of attached bodies a `MatedRow`.
     """
 
     def __init__(self, separation: Separation, layout: StateLayout):
@@ -96,8 +117,8 @@ class CfeBushing(LeafSystem):
         self._layout = layout
         self._state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._released = self.DeclareVectorInputPort("released", self._size)
-        self._joints = self.DeclareNumericParameter(BasicVector(_FIELDS * self._size))
-        self._mated = self.DeclareNumericParameter(BasicVector(4 * len(self._pairs)))
+        self._joints = Rows(self, _joint_rows(separation))
+        self._mated = Rows(self, self._mated_rows(separation))
         # Parameters are read once, until an attachment lets go: a quarter of the cost.
         self._held = self.DeclareCacheEntry(
             "held joints",
@@ -110,37 +131,32 @@ class CfeBushing(LeafSystem):
 
     def set_joints(self, context: Context, separation: Separation) -> None:
         """Write the joints of a separation into this system's Context."""
-        rows: list[float] = []
-        for attachment in separation.attachments:
-            joint = attachment.joint
-            rows += joint.held_gains()
-            pad_A = attachment.p_AoPad_A
-            rows += [*pad_A, *pad_on_B(separation, attachment, pad_A)]
-            rows += axis_on_B(separation, attachment)
-        context.get_mutable_numeric_parameter(self._joints).SetFromVector(rows)
+        self._joints.write(context, _joint_rows(separation))
+        self._mated.write(context, self._mated_rows(separation))
+
+    def parameters_read(self, separation: Separation) -> set[str]:
+        """Return the names of the parameters that the rows are made of."""
+        return {*names_of(separation.attachments, JointRow._fields)}
+
+    def _mated_rows(self, separation: Separation) -> list[MatedRow]:
         bodies = separation.bodies
-        orientations: list[float] = []
-        for a, b in self._pairs:
-            orientations += mated_orientation(bodies[a], bodies[b])
-        context.get_mutable_numeric_parameter(self._mated).SetFromVector(orientations)
+        return [
+            MatedRow(mated_orientation(bodies[a], bodies[b])) for a, b in self._pairs
+        ]
 
     def _calc_held(self, context: Context, output: AbstractValue) -> None:
         released = self._released.Eval(context).tolist()
-        rows = context.get_numeric_parameter(self._joints).value().tolist()
-        mated = context.get_numeric_parameter(self._mated).value().tolist()
+        rows, mated = self._joints.read(context), self._mated.read(context)
         pairs = []
-        for i, ((a, b), joints) in enumerate(self._pairs.items()):
+        for ((a, b), joints), (q_AB,) in zip(self._pairs.items(), mated, strict=True):
             held = []
             for joint in joints:
                 if math.isinf(released[joint.attachment]):
-                    start = _FIELDS * joint.attachment
-                    row = rows[start : start + _FIELDS]
-                    vectors = (tuple(row[k : k + 3]) for k in range(0, _FIELDS, 3))
-                    each = HeldJoint(joint.type, joint.R_AJ, *vectors)
+                    row = rows[joint.attachment]._asdict()
+                    each = HeldJoint(type=joint.type, R_AJ=joint.R_AJ, **row)
                     held.append((joint.attachment, each))
             if held:
                 turns = any(holds_all_rotations(each.type) for _, each in held)
-                q_AB = tuple(mated[4 * i : 4 * i + 4])
                 pairs.append(_Held(a, b, q_AB, turns, held))
         output.set_value(pairs)
 
@@ -191,6 +207,21 @@ class CfeBushing(LeafSystem):
         for pair in self._held_pairs(context):
             energy += sum(pull.energy for *_, pull in pair.held)
         output.SetFromVector([energy])
+
+
+def _joint_rows(separation: Separation) -> list[JointRow]:
+    rows = []
+    for attachment in separation.attachments:
+        pad_A = attachment.p_AoPad_A
+        rows.append(
+            JointRow(
+                *attachment.joint.held_gains(),
+                pad_A,
+                pad_on_B(separation, attachment, pad_A),
+                axis_on_B(separation, attachment),
+            )
+        )
+    return rows
 
 
 def _pairs(separation: Separation) -> dict[tuple[int, int], list[_Joint]]:

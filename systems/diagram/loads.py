@@ -1,20 +1,33 @@
 """Thrusters, retro-rockets and disturbances: forces and torques over time."""
 
 from bisect import bisect_right
+from typing import NamedTuple
 
 from pydrake.systems.framework import BasicVector, Context
 
 from drakesep.systems.diagram.event_latch import LatchingSystem
+from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.diagram.wrenches import WrenchSum
 from drakesep.systems.equations import relative_motion as motion_laws
+from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
+from drakesep.systems.vectors import Vector
 
 
-_FIELDS = 5
-"""Of a load's parameters: see `Loads`."""
 _ROUND_OFF = 1e-12
 """Of times that add up to an edge, s."""
+
+
+class LoadRow(NamedTuple):
+    """A load in a Context."""
+
+    p_BoQ_B: Vector
+    """Where it acts in its body, m."""
+    start: float
+    """s."""
+    factor: float
+    """On its table."""
 
 
 class Loads(LatchingSystem):
@@ -35,8 +48,7 @@ class Loads(LatchingSystem):
         (k,) how many rows of its table each load has passed; and the step's start.
 
     Parameters:
-        0: (5 k,) for each load where it acts in its body, m, its start, s, and the
-            factor on its table.
+        0: for each load a `LoadRow`.
     """
 
     def __init__(self, separation: Separation, layout: StateLayout):
@@ -53,26 +65,21 @@ class Loads(LatchingSystem):
         self._layout = layout
         self._state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._released = self.DeclareVectorInputPort("released", len(attachments))
-        self._places = self.DeclareNumericParameter(
-            BasicVector(_FIELDS * len(self._loads))
-        )
+        self._rows = Rows(self, _rows_of(separation))
         self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
 
     def set_loads(self, context: Context, separation: Separation) -> None:
         """Write where, when and how strongly loads act, and that none has begun."""
         self._reset(context)
-        rows: list[float] = []
-        for load in separation.loads:
-            rows += [*load.p_BoQ_B, load.start, load.factor]
-        context.get_mutable_numeric_parameter(self._places).SetFromVector(rows)
+        self._rows.write(context, _rows_of(separation))
 
-    def _row(self, context: Context, k: int) -> list[float]:
-        p = context.get_numeric_parameter(self._places).value().tolist()
-        return p[_FIELDS * k : _FIELDS * (k + 1)]
+    def parameters_read(self, separation: Separation) -> set[str]:
+        """Return the names of the parameters that the rows are made of."""
+        return {*names_of(separation.loads, LoadRow._fields)}
 
     def _elapsed(self, context: Context, k: int, t: float) -> float:
         """Return how long a load's table has run at a time, s; negative before it."""
-        elapsed = t - self._row(context, k)[3]
+        elapsed = t - self._rows.read(context)[k].start
         after = self._after[k]
         return (
             elapsed if after is None else elapsed - self._released.Eval(context)[after]
@@ -92,7 +99,7 @@ class Loads(LatchingSystem):
         ):
             row = int(count) - 1  # the last that was passed
             if row >= 0 and load.acts_after(row):
-                x, y, z, _, factor = self._row(context, k)
+                p_BoQ_B, _, factor = self._rows.read(context)[k]
                 b = self._bodies[k]
                 body = self._layout.read_one(self._state.Eval(context).tolist(), b)
                 elapsed = self._elapsed(context, k, context.get_time())
@@ -104,6 +111,10 @@ class Loads(LatchingSystem):
                 )
                 in_body = load.axes == "body"
                 total.add(
-                    b, motion_laws.load_wrench(body, (x, y, z), force, torque, in_body)
+                    b, motion_laws.load_wrench(body, p_BoQ_B, force, torque, in_body)
                 )
         total.write(output)
+
+
+def _rows_of(separation: Separation) -> list[LoadRow]:
+    return [LoadRow(load.p_BoQ_B, load.start, load.factor) for load in separation.loads]

@@ -10,6 +10,7 @@ from pydrake.systems.framework import (
     LeafSystem,
 )
 
+from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.equations import relative_motion as motion_laws
 from drakesep.systems.equations.mated_stack import place_in_stack
@@ -63,8 +64,7 @@ class MotionAnalysis(LeafSystem):
             N m s (Eq. 7).
 
     Parameters:
-        0: (8,) CG of B in B and, while mated, in A, m; mass, kg, and mean moment of
-            inertia, kg m^2, of B.
+        0: what is known of B, a row `Measured`.
 
     Continuous state:
         (6,) the momentum changes over mass and mean moment of inertia. Integrators
@@ -83,7 +83,7 @@ class MotionAnalysis(LeafSystem):
             "plant_acceleration", 6 * len(names)
         )
         self._springs = self.DeclareVectorInputPort("spring_wrenches", 6 * len(names))
-        self._measured = self.DeclareNumericParameter(BasicVector(8))
+        self._measured = Rows(self, [Measured.of(separation)])
         self.DeclareContinuousState(6)
         # Stated, so that a command or a thrust may depend on the motion, and not on the
         # acceleration, without an algebraic loop.
@@ -105,14 +105,11 @@ class MotionAnalysis(LeafSystem):
     def set_measured(self, context: Context, separation: Separation) -> None:
         """Write what is known of the measured body, and that none has pushed it yet."""
         context.SetContinuousState([0.0] * 6)
-        p_BoBcm_B, mated_p_AoBcm_A, mass, inertia = Measured.of(separation)
-        context.get_mutable_numeric_parameter(self._measured).SetFromVector(
-            [*p_BoBcm_B, *mated_p_AoBcm_A, mass, inertia]
-        )
+        self._measured.write(context, [Measured.of(separation)])
 
     def _get_measured(self, context: Context) -> Measured:
-        p = context.get_numeric_parameter(self._measured).value().tolist()
-        return Measured(tuple(p[:3]), tuple(p[3:6]), p[6], p[7])
+        [measured] = self._measured.read(context)
+        return measured
 
     def _eval_B(self, context: Context) -> BodyState:
         return self._layout.read_one(self._state.Eval(context).tolist(), self._b)

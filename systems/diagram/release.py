@@ -1,20 +1,35 @@
 """The release of the attachments, held as discrete state."""
 
 import math
+from typing import NamedTuple
 
-from pydrake.systems.framework import BasicVector, Context
+from pydrake.systems.framework import Context
 
 from drakesep.systems.diagram.event_latch import LatchingSystem
+from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.equations import joints as joint_laws
 from drakesep.systems.equations.mated_stack import mated_orientation
+from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
+from drakesep.systems.vectors import Quaternion, Vector
 
 
 _UP = 0.5
 """A trigger above this commands the release."""
-_JOINT_FIELDS = 7
-"""Of a joint: the mated orientation q_AB, and its x axis in A."""
+
+
+class ReleaseRow(NamedTuple):
+    """When an attachment lets go, in a Context."""
+
+    release_time: float
+    """s; infinite: not by time."""
+    release_angle: float
+    """rad; infinite: not by angle."""
+    q_AB: Quaternion
+    """Orientation of its B in its A while mated."""
+    x_axis_A: Vector
+    """About which its joint turns."""
 
 
 class Release(LatchingSystem):
@@ -37,10 +52,7 @@ class Release(LatchingSystem):
             while it holds.
 
     Parameters:
-        0: (n,) scheduled times, s; infinite for none.
-        1: (n,) release angles, rad; infinite for none.
-        2: (7 n,) for each attachment the mated orientation q_AB and its joint's x axis
-            in A.
+        0: for each attachment a `ReleaseRow`.
     """
 
     def __init__(self, separation: Separation, layout: StateLayout):
@@ -56,25 +68,17 @@ class Release(LatchingSystem):
         self._state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._trigger = self.DeclareVectorInputPort("trigger", 1)
         self._triggers = self.DeclareVectorInputPort("triggers", n)
-        self._schedule = self.DeclareNumericParameter(BasicVector(n))
-        self._angles = self.DeclareNumericParameter(BasicVector(n))
-        self._joints = self.DeclareNumericParameter(BasicVector(_JOINT_FIELDS * n))
+        self._rows = Rows(self, _rows_of(separation))
         self.DeclareStateOutputPort("released", self._latched)
 
     def set_schedule(self, context: Context, separation: Separation) -> None:
         """Write when a separation's attachments let go, and that none has yet."""
         self._reset(context)
-        attachments = separation.attachments
-        joints: list[float] = []
-        for a in attachments:
-            joints += mated_orientation(separation.body(a.A), separation.body(a.B))
-            joints += a.joint.x_axis_A
-        for parameter, values in (
-            (self._schedule, [a.release_time for a in attachments]),
-            (self._angles, [a.release_angle for a in attachments]),
-            (self._joints, joints),
-        ):
-            context.get_mutable_numeric_parameter(parameter).SetFromVector(values)
+        self._rows.write(context, _rows_of(separation))
+
+    def parameters_read(self, separation: Separation) -> set[str]:
+        """Return the names of the parameters that the rows are made of."""
+        return {*names_of(separation.attachments, ReleaseRow._fields)}
 
     def is_due_by_angle(self, context: Context) -> bool:
         """Return whether an attachment holds that has turned by its release angle."""
@@ -83,9 +87,6 @@ class Release(LatchingSystem):
             math.isinf(released[i]) and self._has_turned(context, i)
             for i in self._hinged
         )
-
-    def _get(self, context: Context, parameter: int) -> list[float]:
-        return context.get_numeric_parameter(parameter).value().tolist()
 
     def _get_command(self, context: Context) -> list[bool] | None:
         """Return which attachments are commanded to let go; None: by schedule."""
@@ -101,20 +102,12 @@ class Release(LatchingSystem):
         return up
 
     def _has_turned(self, context: Context, i: int) -> bool:
-        return abs(self._angle(context, i)) >= self._get(context, self._angles)[i]
-
-    def _angle(self, context: Context, i: int) -> float:
-        """Return by how much an attachment's joint has turned about its x axis, rad."""
+        """Return whether an attachment's joint has turned by its release angle."""
+        row = self._rows.read(context)[i]
         x = self._state.Eval(context).tolist()
-        a, b = self._ends[i]
-        p = self._get(context, self._joints)[_JOINT_FIELDS * i :]
-        return joint_laws.twist_angle(
-            self._layout.read_one(x, a).q_WB,
-            self._layout.read_one(x, b).q_WB,
-            (p[0], p[1], p[2], p[3]),
-            (p[4], p[5], p[6]),
-            math,
-        )
+        A, B = (self._layout.read_one(x, body) for body in self._ends[i])
+        angle = joint_laws.twist_angle(A.q_WB, B.q_WB, row.q_AB, row.x_axis_A, math)
+        return abs(angle) >= row.release_angle
 
     def _needs_age(self, context: Context) -> bool:
         # A command may come from an event of this instant.
@@ -125,17 +118,30 @@ class Release(LatchingSystem):
         if all(map(math.isfinite, released)):
             return released
         command = self._get_command(context)
-        schedule = self._get(context, self._schedule)
+        rows = self._rows.read(context)
         for i, before in enumerate(released):
             if not math.isinf(before):
                 continue
             if command is None:
-                if schedule[i] <= t:
+                scheduled = rows[i].release_time
+                if scheduled <= t:
                     # What was due before the run's start happens at its start.
-                    released[i] = t if self._is_starting(context) else schedule[i]
+                    released[i] = t if self._is_starting(context) else scheduled
             elif command[i]:
                 released[i] = t
             hinged = i in self._hinged and math.isinf(released[i])
             if hinged and self._has_turned(context, i):
                 released[i] = t
         return released
+
+
+def _rows_of(separation: Separation) -> list[ReleaseRow]:
+    return [
+        ReleaseRow(
+            a.release_time,
+            a.release_angle,
+            mated_orientation(separation.body(a.A), separation.body(a.B)),
+            a.joint.x_axis_A,
+        )
+        for a in separation.attachments
+    ]

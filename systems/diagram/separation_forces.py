@@ -13,6 +13,7 @@ from drakesep.systems.diagram.motion_analysis import MotionAnalysis
 from drakesep.systems.diagram.release import Release
 from drakesep.systems.diagram.springs import Springs
 from drakesep.systems.diagram.state_layout import StateLayout
+from drakesep.systems.equations.springs import law_of
 from drakesep.systems.model.separation import Separation
 
 
@@ -158,6 +159,24 @@ class SeparationForces(Diagram):
         if self._gravity is not None:
             self._gravity.set_gravity(of(self._gravity), separation)
 
+    def parameters_read(self, separation: Separation) -> set[str]:
+        """Return the names of the parameters that the systems read.
+
+        Args:
+            separation: with the structure that this system was built for.
+        """
+        names: set[str] = set()
+        for system in (
+            self._release,
+            self._springs,
+            self._bushing,
+            self._loads,
+            self._gravity,
+        ):
+            if system is not None:
+                names |= system.parameters_read(separation)
+        return names
+
     def is_release_due(self, context: Context) -> bool:
         """Return whether an attachment holds that has turned by its release angle.
 
@@ -180,13 +199,7 @@ def _structure(separation: Separation) -> dict[str, object]:
             (a.joint.type, a.joint.x_axis_A, a.joint.y_axis_A) for a in attachments
         ),
         "springs": tuple(
-            a.spring
-            and (
-                type(a.spring).__name__,
-                a.spring.name,
-                getattr(a.spring, "profile", None),
-            )
-            for a in attachments
+            a.spring and (law_of(a.spring), a.spring.name) for a in attachments
         ),
         "loads": tuple(
             (x.name, x.body, x.axes, x.after, x.times, x.forces, x.torques)

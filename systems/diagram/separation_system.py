@@ -15,9 +15,16 @@ from drakesep.systems.diagram.scene import register_contact, register_illustrati
 from drakesep.systems.diagram.separation_forces import SeparationForces
 from drakesep.systems.diagram.state_layout import state_layout
 from drakesep.systems.equations.mated_stack import mated_motion
+from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.part_pairs import owners_of
 from drakesep.systems.model.separation import Body, Separation
 from drakesep.systems.vectors import Vector
+
+
+_OF_BODIES = ("mass", "p_BoBcm_B", "I_BBcm_B")
+"""Fields of bodies that `spatial_inertia` reads."""
+_OF_MOTION = ("rpy_WA", "w_WA_A")
+"""Fields of the mated stack's motion that `set_mated_motion` reads."""
 
 
 class SeparationSystem(Diagram):
@@ -138,6 +145,18 @@ class SeparationSystem(Diagram):
         plant_context = self.GetMutableSubsystemContext(self.plant, context)
         set_mass_properties(self.plant, plant_context, separation)
         set_mated_motion(self.plant, plant_context, separation)
+
+    def parameters_read(self, separation: Separation) -> set[str]:
+        """Return the names of the parameters that the plant and the forces read.
+
+        Args:
+            separation: with the structure that this system was built for.
+        """
+        return {
+            *self.forces.parameters_read(separation),
+            *names_of(separation.bodies, _OF_BODIES),
+            *names_of([separation.initial], _OF_MOTION),
+        }
 
     def contact_forces(self, context: Context) -> dict[tuple[str, str], Vector]:
         """Return the force between each two parts that touch, N, by their names.

@@ -1,34 +1,55 @@
-"""The separation springs."""
+"""The separation springs, and whatever else pushes."""
 
 import math
-from typing import TypeAlias
+from typing import Any, NamedTuple
 
 from pydrake.systems.framework import BasicVector, Context, WitnessFunction
 
 from drakesep.systems.diagram.event_latch import LatchingSystem
+from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.diagram.wrenches import WrenchSum
-from drakesep.systems.equations import springs as spring_laws
-from drakesep.systems.equations.mated_stack import pad_on_B
+from drakesep.systems.equations.pushers import (
+    AXIS,
+    positive_part,
+    push_displacement,
+    push_place,
+    push_wrenches,
+    values_of,
+)
 from drakesep.systems.equations.relative_motion import BodyState
+from drakesep.systems.equations.springs import law_of
+from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
-from drakesep.systems.model.springs import DisplacementSpring, Spring
+from drakesep.systems.vectors import Vector
 
 
-_FIELDS = 13
-"""Of a spring's parameters: see `Springs`."""
-_Profile: TypeAlias = tuple[float, list[tuple[float, float]]]
-"""Where the force over the stroke starts, and its ramps: see `spring_laws`."""
+class PushRow(NamedTuple):
+    """A pusher in a Context."""
+
+    values: Any
+    """Its parameters, as its law takes them."""
+    p_AoPad_A: Vector
+    """Place of its pad in A, while mated, m."""
+    p_BoPad_B: Vector
+    """Place of its pad in B, m."""
+    axis_A: Vector
+
+    @property
+    def axis(self) -> Vector | None:
+        """Its axis in A; None if it is A's x axis."""
+        _, y, z = self.axis_A
+        return self.axis_A if y or z else None
 
 
 class Springs(LatchingSystem):
     """Pushes B from A by the spring of each released attachment.
 
-    A `Spring` is driven by time (Eq. 5), a `DisplacementSpring` by the displacement of
-    its pad along its axis: A's x axis, tilted if it is misaligned. The force acts on B
-    at the pad fixed in B, along that axis; the reaction acts on A at the same point in
-    space. A spring whose stroke was reached has let go of its pad: it does not push
-    again, wherever the bodies go.
+    Its law says how, see `PushLaw`: a `Spring` is driven by time (Eq. 5), a
+    `DisplacementSpring` by the displacement of its pad along its axis: A's x axis,
+    tilted if it is misaligned. The force acts on B at the pad fixed in B, along that
+    axis; the reaction acts on A at the same point in space. A spring whose stroke was
+    reached has let go of its pad: it does not push again, wherever the bodies go.
 
     Input ports:
         plant_state: state of the plant.
@@ -44,71 +65,64 @@ class Springs(LatchingSystem):
         (k,) 1 for each spring that has let go of its pad; and the step's start.
 
     Parameters:
-        0: (13 k,) for each spring its maximum force, N, its frequency, rad/s (0 if
-            driven by displacement), stroke, m, and damping, N s/m, the place of its pad
-            in A, while mated, and in B, m, and its axis in A.
+        0: for each spring a `PushRow`.
     """
 
     def __init__(self, separation: Separation, layout: StateLayout):
-        pushing = [a for a in separation.attachments if a.spring is not None]
-        super().__init__([0.0] * len(pushing))
+        super().__init__([0.0] * len(separation.springs))
         self._count = len(separation.bodies)
-        self._attachments = [separation.attachments.index(a) for a in pushing]
-        self._ends = [separation.ends(a) for a in pushing]
+        attachments = [attachment for attachment, _ in separation.pushing]
+        self._attachments = [separation.attachments.index(a) for a in attachments]
+        self._ends = [separation.ends(attachment) for attachment in attachments]
         self._groups: dict[tuple[int, int], list[int]] = {}
         for k, ends in enumerate(self._ends):
             self._groups.setdefault(ends, []).append(k)
-        self._profiles = [_profile(a.spring) for a in pushing]
         self._layout = layout
         self._state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._released = self.DeclareVectorInputPort(
             "released", len(separation.attachments)
         )
-        self._springs = self.DeclareNumericParameter(
-            BasicVector(_FIELDS * len(self._attachments))
-        )
-        self._by_stroke = [
-            k for k, a in enumerate(pushing) if isinstance(a.spring, DisplacementSpring)
-        ]
+        self._laws = [law_of(spring) for spring in separation.springs]
+        self._by_stroke = [k for k, law in enumerate(self._laws) if not law.by_time]
+        self._rows = Rows(self, self._rows_of(separation))
         # Force that is left at the end of a stroke is a jump, at which a step ends.
-        self._abrupt = any(
-            isinstance(a.spring, DisplacementSpring) and a.spring.profile[-1][1] > 0.0
-            for a in pushing
-        )
+        self._abrupt = any(law.ends_in_jump for law in self._laws)
         self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
-        self.DeclareVectorOutputPort("forces", len(pushing), self._calc_forces)
+        self.DeclareVectorOutputPort("forces", len(self._laws), self._calc_forces)
         self.DeclareVectorOutputPort("energy", 1, self._calc_energy)
 
     def set_springs(self, context: Context, separation: Separation) -> None:
         """Write the springs of a separation, and that none has let go of its pad."""
         self._reset(context)
-        rows: list[float] = []
-        for attachment in separation.attachments:
-            spring = attachment.spring
-            if spring is None:
-                continue
-            if isinstance(spring, Spring):
-                rows += [spring.force_max, spring.frequency, spring.stroke, 0.0]
-            else:
-                rows += [spring.force_max, 0.0, spring.stroke, spring.damping]
-            pad_A = attachment.p_AoPad_A
-            rows += [*pad_A, *pad_on_B(separation, attachment, pad_A)]
-            rows += spring_laws.push_axis(spring.tilt_y, spring.tilt_z, math)
-        context.get_mutable_numeric_parameter(self._springs).SetFromVector(rows)
+        self._rows.write(context, self._rows_of(separation))
 
-    def _rows(self, context: Context) -> list[list[float]]:
-        p = context.get_numeric_parameter(self._springs).value().tolist()
-        return [p[i : i + _FIELDS] for i in range(0, len(p), _FIELDS)]
+    def _rows_of(self, separation: Separation) -> list[PushRow]:
+        return [
+            PushRow(values_of(law, spring), *push_place(separation, attachment, spring))
+            for law, (attachment, spring) in zip(
+                self._laws, separation.pushing, strict=True
+            )
+        ]
+
+    def parameters_read(self, separation: Separation) -> set[str]:
+        """Return the names of the parameters that the rows are made of."""
+        names: set[str] = set()
+        for row, (attachment, spring) in zip(
+            self._rows_of(separation), separation.pushing, strict=True
+        ):
+            names |= {*names_of([attachment], ["p_AoPad_A"])}
+            names |= {*names_of([spring], [*row.values._fields, *AXIS])}
+        return names
 
     def _read_bodies(self, context: Context) -> list[BodyState]:
         return self._layout.read(self._state.Eval(context).tolist())
 
     def _displacement(
-        self, bodies: list[BodyState], k: int, row: list[float]
+        self, bodies: list[BodyState], k: int, row: PushRow
     ) -> tuple[float, float]:
         a, b = self._ends[k]
-        return spring_laws.spring_displacement(
-            bodies[a], bodies[b], row[4:7], row[7:10], _axis(row)
+        return push_displacement(
+            bodies[a], bodies[b], row.p_AoPad_A, row.p_BoPad_B, row.axis
         )
 
     def _pushing(self, context: Context) -> list[int]:
@@ -134,55 +148,40 @@ class Springs(LatchingSystem):
         pushing = self._pushing(context)
         if not pushing:
             return spent
-        rows = self._rows(context)
+        rows = self._rows.read(context)
         released = self._released.Eval(context).tolist()
         bodies: list[BodyState] = []
         for k in pushing:
-            frequency, stroke = rows[k][1:3]
-            if frequency > 0.0:
-                elapsed = t - released[self._attachments[k]]
-                ended = elapsed >= 0.5 * math.pi / frequency
+            if self._laws[k].by_time:
+                at = t - released[self._attachments[k]]
             else:
                 bodies = bodies or self._read_bodies(context)
-                ended = self._displacement(bodies, k, rows[k])[0] >= stroke
-            spent[k] = float(ended)
+                at, _ = self._displacement(bodies, k, rows[k])
+            spent[k] = float(at >= self._laws[k].end(rows[k].values, math))
         return spent
 
-    def _force_over_stroke(
-        self, bodies: list[BodyState], k: int, row: list[float]
-    ) -> float:
-        force_max, _, stroke, damping = row[:4]
-        displacement, speed = self._displacement(bodies, k, row)
-        if displacement >= stroke:
-            return 0.0
-        force = spring_laws.displacement_spring_force(
-            displacement, speed, force_max, stroke, damping, *self._profiles[k]
-        )
-        return spring_laws.positive_part(force)
-
     def _forces(
-        self, context: Context, pushing: list[int], rows: list[list[float]]
+        self, context: Context, pushing: list[int], rows: list[PushRow]
     ) -> tuple[dict[int, float], list[BodyState]]:
-        """Return the forces, and the bodies if they had to be read for them."""
+        """Return the forces before the ends, and the bodies if they had to be read."""
         bodies: list[BodyState] = []
         forces: dict[int, float] = {}
         released, t = self._released.Eval(context).tolist(), context.get_time()
         for k in pushing:
-            force_max, frequency = rows[k][:2]
-            if frequency > 0.0:
-                elapsed = t - released[self._attachments[k]]
-                if 0.0 <= elapsed < 0.5 * math.pi / frequency:
-                    forces[k] = spring_laws.spring_force(
-                        elapsed, force_max, frequency, math
-                    )
+            law, values = self._laws[k], rows[k].values
+            if law.by_time:
+                at, speed = t - released[self._attachments[k]], 0.0
             else:
                 bodies = bodies or self._read_bodies(context)
-                forces[k] = self._force_over_stroke(bodies, k, rows[k])
+                at, speed = self._displacement(bodies, k, rows[k])
+            if at < law.end(values, math):
+                force = law.force(values, at, speed, math)
+                forces[k] = force if law.by_time else positive_part(force)
         return forces, bodies
 
     def _calc_forces(self, context: Context, output: BasicVector) -> None:
         pushing = self._pushing(context)
-        forces, _ = self._forces(context, pushing, self._rows(context))
+        forces, _ = self._forces(context, pushing, self._rows.read(context))
         output.SetFromVector([forces.get(k, 0.0) for k in range(len(self._ends))])
 
     def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
@@ -191,16 +190,16 @@ class Springs(LatchingSystem):
             output.SetZero()
             return
         total = WrenchSum(self._count)
-        rows = self._rows(context)
+        rows = self._rows.read(context)
         forces, bodies = self._forces(context, pushing, rows)
         if forces:
             bodies = bodies or self._read_bodies(context)
             for (a, b), springs in self._groups.items():
-                on_A, on_B = spring_laws.springs_wrenches(
+                on_A, on_B = push_wrenches(
                     bodies[a],
                     bodies[b],
                     [
-                        (forces[k], rows[k][7:10], _axis(rows[k]))
+                        (forces[k], rows[k].p_BoPad_B, rows[k].axis)
                         for k in springs
                         if k in forces
                     ],
@@ -211,25 +210,11 @@ class Springs(LatchingSystem):
 
     def _calc_energy(self, context: Context, output: BasicVector) -> None:
         energy = 0.0
-        bodies, rows = self._read_bodies(context), self._rows(context)
+        bodies, rows = self._read_bodies(context), self._rows.read(context)
         spent = self._get_latched(context)
         for k in self._by_stroke:
+            law, values = self._laws[k], rows[k].values
             displacement, _ = self._displacement(bodies, k, rows[k])
-            force_max, _, stroke = rows[k][:3]
-            if displacement < stroke and not spent[k]:
-                energy += spring_laws.displacement_spring_energy(
-                    displacement, force_max, stroke, *self._profiles[k]
-                )
+            if displacement < law.end(values, math) and not spent[k]:
+                energy += law.energy(values, displacement)
         output.SetFromVector([energy])
-
-
-def _axis(row: list[float]) -> tuple[float, float, float] | None:
-    """Return a spring's axis in A; None if it is A's x axis."""
-    x, y, z = row[10:]
-    return (x, y, z) if y or z else None
-
-
-def _profile(spring: Spring | DisplacementSpring | None) -> _Profile:
-    if not isinstance(spring, DisplacementSpring):
-        return 0.0, []
-    return spring.profile[0][1], spring_laws.ramps(spring.profile)

@@ -135,17 +135,19 @@ class Joint:
         """The same; None where the frame is that of A: nothing to rotate."""
         return None if self.R_AJ == _A_AXES else self.R_AJ
 
-    def held_gains(self) -> tuple[float, ...]:
-        """Return K_F, D_F, K_T, D_T, (12,), with zero along free directions."""
+    def held_gains(self) -> tuple[Vector3, ...]:
+        """Return K_F, D_F, K_T, D_T, (4, 3), with zero along free directions."""
         translation, rotation = self.constraints
-        rows = (
+        held = []
+        for gains, directions in (
             (self.K_F, translation),
             (self.D_F, translation),
             (self.K_T, rotation),
             (self.D_T, rotation),
-        )
-        return tuple(
-            gain if held else 0.0
-            for gains, directions in rows
-            for gain, held in zip(gains, directions, strict=True)  # type: ignore[arg-type]
-        )
+        ):
+            x, y, z = (
+                gain if holds else 0.0
+                for gain, holds in zip(gains, directions, strict=True)  # type: ignore[arg-type]
+            )
+            held.append((x, y, z))
+        return tuple(held)

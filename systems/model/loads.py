@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias, get_args
+from typing import ClassVar, Literal, TypeAlias, get_args
 
 from drakesep.systems.checks import (
     InputError,
@@ -13,6 +13,13 @@ from drakesep.systems.checks import (
     check_not_negative,
     check_unit,
     unknown,
+)
+from drakesep.systems.model.parameter_table import (
+    NOT_NEGATIVE,
+    XYZ,
+    ParameterTable,
+    scalar,
+    vector,
 )
 from drakesep.systems.vectors import scale
 
@@ -54,13 +61,17 @@ class Load:
     factor: float = 1.0
     """On forces and torques."""
 
+    PARAMETERS: ClassVar[ParameterTable] = ParameterTable(
+        *vector("position", "p_BoQ_B", XYZ, "length"),
+        scalar("start", "time", NOT_NEGATIVE),
+        scalar("factor", "factor"),
+    )
+
     def __post_init__(self) -> None:
         """Check the values, and fill in the column that is not given."""
         if self.axes not in AXES:
             raise InputError(f"{self.name}: {unknown('axes', self.axes, AXES)}")
-        check_entries(f"{self.name}: position", self.p_BoQ_B, 3)
-        check_not_negative(f"{self.name}: start", self.start)
-        check_finite(f"{self.name}: factor", self.factor)
+        self.PARAMETERS.check(f"{self.name}: ", self)
         check_finite(f"{self.name}: times", *self.times)
         if len(self.times) < 2 or list(self.times) != sorted(set(self.times)):
             raise InputError(

@@ -1,70 +1,80 @@
-"""Every number of a separation that can be varied, by name.
+"""The parameters of a separation by name: all that records declare, in one walk.
 
 A name is ``owner.quantity``: a body's ``payload.mass``, a spring's
 ``spring_1.stroke``, an attachment's ``attachment_1.release_time``, a load's
 ``thruster_1.factor``, the mated stack's ``before_separation.rate_x``. Values are in SI
-and radians.
+and radians. What a record's parameters are stands in its table; see
+`drakesep.systems.model.parameter_table`.
 """
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import Any, NamedTuple
 
 from drakesep.systems.checks import InputError, check_finite, unknown
-from drakesep.systems.model.inertia import ENTRIES
+from drakesep.systems.model.parameter_table import Parameter, split_axis
 from drakesep.systems.model.separation import STACK, Separation
-from drakesep.systems.model.springs import Spring
 
 
-_Field = tuple[str, int | None]
+class ParameterName(NamedTuple):
+    """A parameter's name, taken apart."""
+
+    owner: str
+    """Name of the body, attachment, spring or load, or the mated stack's."""
+    stem: str
+    axis: str
+    """Empty if it has none."""
+
+    @classmethod
+    def of(cls, name: str) -> "ParameterName":
+        """Return the parts of a name such as ``payload.cg_x``."""
+        owner, _, quantity = name.rpartition(".")
+        return cls(owner, *split_axis(quantity))
 
 
-def _vector(stem: str, field: str, axes: tuple[str, ...]) -> dict[str, _Field]:
-    return {f"{stem}_{axis}": (field, i) for i, axis in enumerate(axes)}
+def owners(separation: Separation) -> Iterator[tuple[str, Any]]:
+    """Yield the name of each record that has parameters, and the record."""
+    for record in (
+        *separation.bodies,
+        *separation.attachments,
+        *separation.springs,
+        *separation.loads,
+        separation.initial,
+    ):
+        yield _owner_of(record), record
 
 
-_XYZ = ("x", "y", "z")
-_RPY = ("roll", "pitch", "yaw")
-_BODY: dict[str, _Field] = {
-    "mass": ("mass", None),
-    **_vector("cg", "p_BoBcm_B", _XYZ),
-    **_vector("inertia", "I_BBcm_B", ENTRIES),
-}
-_ATTACHMENT: dict[str, _Field] = {
-    **_vector("position", "p_AoPad_A", _XYZ),
-    "release_time": ("release_time", None),
-    "release_angle": ("release_angle", None),
-}
-_ANY_SPRING: dict[str, _Field] = {
-    name: (name, None) for name in ("force_max", "stroke", "tilt_y", "tilt_z")
-}
-_SPRING: dict[str, _Field] = {**_ANY_SPRING, "design_mass": ("design_mass", None)}
-_DISPLACEMENT_SPRING: dict[str, _Field] = {**_ANY_SPRING, "damping": ("damping", None)}
-_LOAD: dict[str, _Field] = {
-    **_vector("position", "p_BoQ_B", _XYZ),
-    "start": ("start", None),
-    "factor": ("factor", None),
-}
-_INITIAL: dict[str, _Field] = {
-    **_vector("attitude", "rpy_WA", _RPY),
-    **_vector("rate", "w_WA_A", _XYZ),
-}
+def _owner_of(record: Any) -> str:
+    return getattr(record, "name", STACK)
 
 
-def _owners(
-    separation: Separation,
-) -> Iterator[tuple[str, Any, dict[str, _Field]]]:
-    for body in separation.bodies:
-        yield body.name, body, _BODY
-    for attachment in separation.attachments:
-        yield attachment.name, attachment, _ATTACHMENT
-    for spring in separation.springs:
-        timed = isinstance(spring, Spring)
-        yield spring.name, spring, _SPRING if timed else _DISPLACEMENT_SPRING
-    for load in separation.loads:
-        yield load.name, load, _LOAD
-    yield STACK, separation.initial, _INITIAL
+def names_of(records: Iterable[Any], fields: Collection[str]) -> tuple[str, ...]:
+    """Return the names of the parameters in some fields of records, in their order.
+
+    Args:
+        records: of a separation.
+        fields: of the records; one that holds no parameter adds no name.
+    """
+    return tuple(
+        f"{_owner_of(record)}.{parameter.quantity}"
+        for record in records
+        for parameter in record.PARAMETERS
+        if parameter.field in fields
+    )
+
+
+def declarations(separation: Separation) -> dict[str, Parameter]:
+    """Return what is declared of each parameter of the separation, by name.
+
+    A release by time has no angle, and one by angle no time.
+    """
+    return {
+        f"{owner}.{parameter.quantity}": parameter
+        for owner, record in owners(separation)
+        for parameter in record.PARAMETERS
+        if not (parameter.optional and math.isinf(parameter.of(record)))
+    }
 
 
 def parameters(separation: Separation) -> dict[str, float]:
@@ -72,14 +82,28 @@ def parameters(separation: Separation) -> dict[str, float]:
 
     A release by time has no angle, and one by angle no time.
     """
-    values = {}
-    for name, owner, fields in _owners(separation):
-        for quantity, (field, index) in fields.items():
-            value = getattr(owner, field)
-            value = value if index is None else value[index]
-            if math.isfinite(value):
-                values[f"{name}.{quantity}"] = value
-    return values
+    return {
+        f"{owner}.{parameter.quantity}": value
+        for owner, record in owners(separation)
+        for parameter in record.PARAMETERS
+        if math.isfinite(value := parameter.of(record))
+    }
+
+
+def check_read(names: Iterable[str], read: Collection[str], reader: str) -> None:
+    """Raise InputError if a parameter is named that an engine does not read.
+
+    Args:
+        names: of parameters that vary.
+        read: names of those that the engine reads.
+        reader: the engine, in words.
+    """
+    for name in names:
+        if name not in read:
+            raise InputError(
+                f"{name} must be a parameter that {reader} reads, got one that it does "
+                "not: to vary it would have no effect"
+            )
 
 
 def with_values(separation: Separation, values: Mapping[str, float]) -> Separation:
@@ -102,8 +126,8 @@ def with_values(separation: Separation, values: Mapping[str, float]) -> Separati
         changes.setdefault(owner, {})[quantity] = float(value)
 
     new = {
-        name: _replace(owner, fields, changes.get(name, {}))
-        for name, owner, fields in _owners(separation)
+        owner: _replace(record, changes.get(owner, {}))
+        for owner, record in owners(separation)
     }
     return dataclasses.replace(
         separation,
@@ -120,16 +144,14 @@ def with_values(separation: Separation, values: Mapping[str, float]) -> Separati
     )
 
 
-def _replace(
-    owner: Any, fields: dict[str, _Field], changes: Mapping[str, float]
-) -> Any:
+def _replace(record: Any, changes: Mapping[str, float]) -> Any:
     new: dict[str, Any] = {}
     for quantity, value in changes.items():
-        field, index = fields[quantity]
-        if index is None:
-            new[field] = value
+        parameter = record.PARAMETERS.by_quantity[quantity]
+        if parameter.index is None:
+            new[parameter.field] = value
         else:
-            entries = list(new.get(field, getattr(owner, field)))
-            entries[index] = value
-            new[field] = tuple(entries)
-    return dataclasses.replace(owner, **new) if new else owner
+            entries = list(new.get(parameter.field, getattr(record, parameter.field)))
+            entries[parameter.index] = value
+            new[parameter.field] = tuple(entries)
+    return dataclasses.replace(record, **new) if new else record

@@ -9,22 +9,31 @@ import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from drakesep.systems.checks import (
     InputError,
     Vector3,
     check_entries,
-    check_finite,
-    check_not_negative,
     check_positive,
     unknown,
 )
-from drakesep.systems.model.inertia import Inertia, check_inertia
+from drakesep.systems.model.inertia import ENTRIES, Inertia, check_inertia
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.loads import Load
+from drakesep.systems.model.parameter_table import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    ROLL_PITCH_YAW,
+    TURN,
+    XYZ,
+    ParameterTable,
+    scalar,
+    vector,
+)
 from drakesep.systems.model.parts import Part
+from drakesep.systems.model.pushers import Pusher
 from drakesep.systems.model.recontact import Recontact
-from drakesep.systems.model.springs import DisplacementSpring, Spring
 
 
 STACK = "before_separation"
@@ -60,11 +69,15 @@ class Body:
     parts: tuple[Part, ...] = ()
     """Parts of it that may come near others."""
 
+    PARAMETERS: ClassVar[ParameterTable] = ParameterTable(
+        scalar("mass", "mass", POSITIVE),
+        *vector("cg", "p_BoBcm_B", XYZ, "length", label="CG"),
+        *vector("inertia", "I_BBcm_B", ENTRIES, "inertia"),
+    )
+
     def __post_init__(self) -> None:
         """Check the values."""
-        check_positive(f"{self.name}: mass", self.mass)
-        check_entries(f"{self.name}: CG", self.p_BoBcm_B, 3)
-        check_entries(f"{self.name}: inertia", self.I_BBcm_B, 6)
+        self.PARAMETERS.check(f"{self.name}: ", self)
         check_inertia(f"{self.name}: inertia", self.I_BBcm_B)
         check_entries(f"{self.name}: mated position", self.p_ABo, 3)
         check_entries(f"{self.name}: mated attitude", self.rpy_AB, 3)
@@ -91,31 +104,29 @@ class Attachment:
     p_AoPad_A: Vector3
     """Place in A, m; the pad on B is where it coincides with this while mated."""
     joint: Joint
-    spring: Spring | DisplacementSpring | None = None
+    spring: Pusher | None = None
     release_time: float = 0.0
     """s; infinite: not by time."""
     release_angle: float = math.inf
     """About the joint's x axis, either way, rad; infinite: not by angle."""
 
+    PARAMETERS: ClassVar[ParameterTable] = ParameterTable(
+        *vector("position", "p_AoPad_A", XYZ, "length"),
+        scalar("release_time", "time", NOT_NEGATIVE, optional=True),
+        scalar("release_angle", "angle", TURN, optional=True),
+    )
+
     def __post_init__(self) -> None:
         """Check the values."""
-        check_entries(f"{self.name}: position", self.p_AoPad_A, 3)
-        if self.release_time != math.inf:
-            check_not_negative(f"{self.name}: release time", self.release_time)
+        self.PARAMETERS.check(f"{self.name}: ", self)
         if self.release_angle != math.inf:
-            self._check_release_angle()
+            self._check_hinge()
         if self.A == self.B:
             raise InputError(
                 f"{self.name}: must join two different bodies, got {self.A!r} twice"
             )
 
-    def _check_release_angle(self) -> None:
-        check_finite(f"{self.name}: release angle", self.release_angle)
-        if not 0.0 < self.release_angle < math.pi:
-            raise InputError(
-                f"{self.name}: release angle must be above 0 and below 180 deg, "
-                f"got {math.degrees(self.release_angle):g}"
-            )
+    def _check_hinge(self) -> None:
         constraints = self.joint.constraints
         if constraints.rotation[0] or not constraints.rotation[1]:
             raise InputError(
@@ -161,10 +172,20 @@ class InitialMotion:
     w_WA_A: Vector3 = (0.0, 0.0, 0.0)
     """Angular velocity of A in W, in A, rad/s."""
 
+    PARAMETERS: ClassVar[ParameterTable] = ParameterTable(
+        *vector(
+            "attitude",
+            "rpy_WA",
+            ROLL_PITCH_YAW,
+            "angle",
+            label="attitude before separation",
+        ),
+        *vector("rate", "w_WA_A", XYZ, "angular_rate", label="rate before separation"),
+    )
+
     def __post_init__(self) -> None:
         """Check the values."""
-        check_entries("attitude before separation", self.rpy_WA, 3)
-        check_entries("rate before separation", self.w_WA_A, 3)
+        self.PARAMETERS.check("", self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -287,20 +308,25 @@ class Separation:
         return names.index(attachment.A), names.index(attachment.B)
 
     @property
-    def springs(self) -> tuple[Spring | DisplacementSpring, ...]:
+    def springs(self) -> tuple[Pusher, ...]:
         """The springs, in the order of their attachments."""
-        return tuple(a.spring for a in self.attachments if a.spring is not None)
+        return tuple(spring for _, spring in self.pushing)
+
+    @property
+    def pushing(self) -> tuple[tuple[Attachment, Pusher], ...]:
+        """The attachments that have a spring, each with it."""
+        return tuple((a, a.spring) for a in self.attachments if a.spring is not None)
 
     def timed_stroke_ends(self, releases: Mapping[str, float]) -> dict[str, float]:
-        """Return when the springs driven by time reach their stroke, s, by their names.
+        """Return when the springs that push for a time end, s, by their names.
 
         Args:
             releases: times of release by attachment, s.
         """
         return {
-            a.spring.name: releases[a.name] + a.spring.duration
-            for a in self.attachments
-            if isinstance(a.spring, Spring) and a.name in releases
+            spring.name: releases[attachment.name] + spring.duration
+            for attachment, spring in self.pushing
+            if spring.duration is not None and attachment.name in releases
         }
 
     @property

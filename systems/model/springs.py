@@ -3,14 +3,17 @@
 import itertools
 import math
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
-from drakesep.systems.checks import (
-    InputError,
-    check_finite,
-    check_not_negative,
-    check_positive,
+from drakesep.systems.checks import InputError, check_finite
+from drakesep.systems.model.parameter_table import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    ParameterTable,
+    scalar,
 )
+from drakesep.systems.model.pushers import TILTS
+from drakesep.systems.vectors import Ops, Scalar
 
 
 Profile: TypeAlias = tuple[tuple[float, float], ...]
@@ -18,6 +21,24 @@ Profile: TypeAlias = tuple[tuple[float, float], ...]
 
 LINEAR: Profile = ((0.0, 1.0), (1.0, 0.0))
 """The force falls from its maximum to zero at the stroke."""
+
+_FORCE_MAX = scalar("force_max", "force", POSITIVE, label="maximum force")
+_STROKE = scalar("stroke", "length", POSITIVE)
+
+
+def push_frequency(spring: Any, ops: Ops) -> Scalar:
+    """Return the angular frequency of a spring driven by time, rad/s.
+
+    Args:
+        spring: a `Spring`, or lanes of its parameters.
+        ops: module of the elementary functions.
+    """
+    return ops.sqrt(spring.force_max / (spring.design_mass * spring.stroke))  # Eq. 5
+
+
+def push_duration(spring: Any, ops: Ops) -> Scalar:
+    """Return the time from release to the end of the stroke, s; see above."""
+    return 0.5 * math.pi / push_frequency(spring, ops)  # Eq. 5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,22 +62,26 @@ class Spring:
     tilt_z: float = 0.0
     """About A's z axis, then, rad."""
 
+    PARAMETERS: ClassVar[ParameterTable] = ParameterTable(
+        _FORCE_MAX,
+        _STROKE,
+        *TILTS,
+        scalar("design_mass", "mass", POSITIVE),
+    )
+
     def __post_init__(self) -> None:
         """Check the values."""
-        check_positive(f"{self.name}: maximum force", self.force_max)
-        check_positive(f"{self.name}: stroke", self.stroke)
-        check_positive(f"{self.name}: design mass", self.design_mass)
-        _check_tilts(self.name, self.tilt_y, self.tilt_z)
+        self.PARAMETERS.check(f"{self.name}: ", self)
 
     @property
     def frequency(self) -> float:
         """Angular frequency of the force, rad/s."""
-        return math.sqrt(self.force_max / (self.design_mass * self.stroke))  # Eq. 5
+        return float(push_frequency(self, math))
 
     @property
     def duration(self) -> float:
         """Time from release to the end of the stroke, s."""
-        return 0.5 * math.pi / self.frequency  # Eq. 5
+        return float(push_duration(self, math))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,13 +111,21 @@ class DisplacementSpring:
     tilt_z: float = 0.0
     """About A's z axis, then, rad."""
 
+    PARAMETERS: ClassVar[ParameterTable] = ParameterTable(
+        _FORCE_MAX,
+        _STROKE,
+        *TILTS,
+        scalar("damping", "damping", NOT_NEGATIVE),
+    )
+
     def __post_init__(self) -> None:
         """Check the values."""
-        check_positive(f"{self.name}: maximum force", self.force_max)
-        check_positive(f"{self.name}: stroke", self.stroke)
-        check_not_negative(f"{self.name}: damping", self.damping)
+        self.PARAMETERS.check(f"{self.name}: ", self)
         _check_profile(f"{self.name}: profile", self.profile)
-        _check_tilts(self.name, self.tilt_y, self.tilt_z)
+
+    @property
+    def duration(self) -> None:
+        """None: its stroke ends the push."""
 
     @classmethod
     def from_table(
@@ -158,15 +191,6 @@ class DisplacementSpring:
             for (s0, f0), (s1, f1) in itertools.pairwise(self.profile)
         )
         return self.force_max * self.stroke * area
-
-
-def _check_tilts(name: str, *tilts: float) -> None:
-    check_finite(f"{name}: tilt", *tilts)
-    for tilt in tilts:
-        if abs(tilt) >= 0.5 * math.pi:
-            raise InputError(
-                f"{name}: tilt must be less than 90 deg, got {math.degrees(tilt):g} deg"
-            )
 
 
 def _check_profile(name: str, profile: Profile) -> None:

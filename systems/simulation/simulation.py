@@ -12,10 +12,11 @@ from drakesep.systems.arrays import Array
 from drakesep.systems.diagram.motion_analysis import Measured
 from drakesep.systems.diagram.separation_system import SeparationSystem
 from drakesep.systems.equations import relative_motion as motion_laws
-from drakesep.systems.equations import springs as spring_laws
-from drakesep.systems.equations.mated_stack import pad_on_B
+from drakesep.systems.equations.pushers import push_displacement, push_place
+from drakesep.systems.equations.springs import law_of
 from drakesep.systems.model.integration import Integration
-from drakesep.systems.model.parameters import with_values
+from drakesep.systems.model.parameters import check_read, with_values
+from drakesep.systems.model.pushers import Pusher
 from drakesep.systems.model.run import (
     ContactForces,
     Motion,
@@ -24,7 +25,6 @@ from drakesep.systems.model.run import (
     Trajectory,
 )
 from drakesep.systems.model.separation import Attachment, Separation
-from drakesep.systems.model.springs import DisplacementSpring
 from drakesep.systems.sampling import NANOSECOND, find_breaks, sample_times
 from drakesep.systems.simulation.contact_log import ContactLog
 from drakesep.systems.simulation.recorder import Recorder
@@ -48,6 +48,7 @@ class Simulation:
         self.separation = separation
         self.integration = integration or Integration()
         self._system = SeparationSystem(separation)
+        self._read = self._system.parameters_read(separation)
 
     def run(self, values: Mapping[str, float] | None = None) -> Run:
         """Fly the separation with some of its parameters changed.
@@ -60,9 +61,11 @@ class Simulation:
             The run. One that fails numerically has the status FAILED and says why.
 
         Raises:
-            ValueError: a parameter is unknown, or its value is not physical.
+            ValueError: a parameter is unknown or none that the systems read, or its
+                value is not physical.
         """
         separation = with_values(self.separation, values or {})
+        check_read(values or {}, self._read, "a Drake system")
         context = self._system.CreateDefaultContext()
         self._system.set_separation(context, separation)
         simulator = self._make_simulator(context)
@@ -131,7 +134,7 @@ class Simulation:
             system,
             context,
             kinks_within_steps=separation.recontact is not None
-            or any(isinstance(s, DisplacementSpring) for s in separation.springs),
+            or any(not law_of(spring).by_time for spring in separation.springs),
         )
         by_angle = any(math.isfinite(a.release_angle) for a in separation.attachments)
 
@@ -191,11 +194,13 @@ def _find_stroke_ends(
         # The model knows when scheduled releases are; not those at an angle.
         if end >= separation.duration:
             raise RuntimeError(f"{name} has not reached its stroke")
-    for attachment in separation.attachments:
-        if isinstance(attachment.spring, DisplacementSpring):
+    for attachment, spring in separation.pushing:
+        if not law_of(spring).by_time:
             release = releases[attachment.name]
-            end = _find_stroke_end(system, separation, recorder, attachment, release)
-            ends[attachment.spring.name] = end
+            end = _find_stroke_end(
+                system, separation, recorder, attachment, spring, release
+            )
+            ends[spring.name] = end
     return ends
 
 
@@ -204,6 +209,7 @@ def _find_stroke_end(
     separation: Separation,
     recorder: Recorder,
     attachment: Attachment,
+    spring: Pusher,
     release: float,
 ) -> float:
     """Return when a spring driven by displacement reached its stroke, s.
@@ -211,18 +217,14 @@ def _find_stroke_end(
     Raises:
         RuntimeError: it did not within the run.
     """
-    spring = attachment.spring
-    assert spring is not None  # _find_stroke_ends
     a, b = separation.ends(attachment)
-    pad_B = pad_on_B(separation, attachment, attachment.p_AoPad_A)
-    axis_A = spring_laws.push_axis(spring.tilt_y, spring.tilt_z, math)
+    place = push_place(separation, attachment, spring)
+    stroke = law_of(spring).end(spring, math)
 
     def left(times: Array) -> Array:
         bodies = system.layout.read(recorder.sample(times)[0])
-        displacement, _ = spring_laws.spring_displacement(
-            bodies[a], bodies[b], attachment.p_AoPad_A, pad_B, axis_A
-        )
-        return spring.stroke - np.asarray(displacement)
+        displacement, _ = push_displacement(bodies[a], bodies[b], *place)
+        return stroke - np.asarray(displacement)
 
     times = recorder.step_times()
     times = times[times >= release]

@@ -28,16 +28,22 @@ from drakesep.analysis.engines.jax.compiled import (
 from drakesep.analysis.engines.jax.step_signals import MetricsFold
 from drakesep.analysis.metrics.of_run import METRICS
 from drakesep.systems.arrays import Array
-from drakesep.systems.batch.equations import BatchEquations, Lanes
+from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.integrator import (
     BatchIntegrator,
     FinalState,
     LaneStatus,
 )
+from drakesep.systems.batch.lanes import Lanes
 from drakesep.systems.batch.motion import MotionFold, columns_of, trajectory_of
 from drakesep.systems.batch.row_checks import check_rows
 from drakesep.systems.checks import InputError, check_positive, unknown
-from drakesep.systems.model.parameters import parameters, with_values
+from drakesep.systems.model.parameters import (
+    check_read,
+    declarations,
+    parameters,
+    with_values,
+)
 from drakesep.systems.model.run import Motion, Run, RunStatus
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.sampling import find_breaks, sample_times
@@ -125,8 +131,8 @@ class Batch:
             workers: threads that fly chunks; one per core if None, one on a GPU.
 
         Raises:
-            ValueError: a parameter is unknown or named twice, or a number is not
-                positive.
+            ValueError: a parameter is unknown, named twice or none that the equations
+                read, or a number is not positive.
         """
         if not isinstance(separation, Separation):
             raise InputError(
@@ -158,12 +164,14 @@ class Batch:
         self._nominal = nominal
         self.nominal = np.array([nominal[name] for name in names])
         self._equations = BatchEquations(separation, names)
+        check_read(names, self._equations.read, "the batch engine")
         state = functools.partial(
             BatchIntegrator, self._equations, tolerance=tolerance, max_steps=max_steps
         )
         self._integrator = state()
         # Where times vary, those that coincide must be told apart.
-        timed = any(name.endswith((".release_time", ".start")) for name in names)
+        declared = declarations(separation)
+        timed = any(declared[name].kind == "time" for name in names)
         self._integrator_of_slopes = state(one_by_one=timed)
         self._fold = MetricsFold(self._equations, deviation_limits)
         compiled = functools.partial(

@@ -21,13 +21,9 @@ from jax import lax
 
 from drakesep.analysis.metrics.of_run import ANGLES, AXES, METRICS
 from drakesep.systems.batch import lobatto
-from drakesep.systems.batch.equations import (
-    BatchEquations,
-    BatchParameters,
-    Lanes,
-    pick,
-)
+from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.integrator import Step
+from drakesep.systems.batch.lanes import BatchParameters, Lanes, pick
 from drakesep.systems.batch.polynomials import (
     Pieces,
     first_place,

@@ -19,7 +19,8 @@ from pydrake.multibody.math import SpatialVelocity
 from scipy.spatial.transform import Rotation
 from separations import inertia_of_points
 
-from drakesep.systems.batch.equations import BatchEquations, Mode
+from drakesep.systems.batch.equations import BatchEquations
+from drakesep.systems.batch.lanes import Mode
 from drakesep.systems.diagram.separation_system import SeparationSystem
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.loads import Load

@@ -13,8 +13,10 @@ from drakesep.systems import vectors
 from drakesep.systems.equations import gravity as gravity_laws
 from drakesep.systems.equations import joints as joint_laws
 from drakesep.systems.equations import relative_motion as motion_laws
-from drakesep.systems.equations import springs as spring_laws
+from drakesep.systems.equations.pushers import push_wrenches
+from drakesep.systems.equations.springs import law_of
 from drakesep.systems.model.separation import EARTH_MU
+from drakesep.systems.model.springs import Spring
 
 
 RADIUS = 7.078137e6
@@ -35,10 +37,16 @@ def state(rng):
 def test_spring_impulse_and_end():
     """The force ends at zero; its impulse is F_max / w, Eq. 5's integral."""
     force_max, frequency = 1485.0, 9.58
-    end = 0.5 * math.pi / frequency
+    # Eq. 5: frequency^2 = force_max / (design_mass stroke)
+    spring = Spring(
+        name="s", force_max=force_max, stroke=0.1, design_mass=14850.0 / frequency**2
+    )
+    law = law_of(spring)
+    end = law.end(spring, math)
+    assert end == pytest.approx(0.5 * math.pi / frequency, rel=1e-14)
 
     def force(t):
-        return spring_laws.spring_force(t, force_max, frequency, math)
+        return law.force(spring, t, 0.0, math)
 
     assert force(0.0) == force_max
     assert abs(force(end)) < 1e-12 * force_max
@@ -52,9 +60,7 @@ def test_springs_of_a_pair_are_the_sum_of_each():
     pads = rng.normal(size=(4, 3))
     forces = rng.uniform(0.0, 1500.0, size=4)
     axes = [None, (0.0, 0.6, 0.8), None, (0.8, 0.0, -0.6)]
-    on_A, on_B = spring_laws.springs_wrenches(
-        A, B, list(zip(forces, pads, axes, strict=True))
-    )
+    on_A, on_B = push_wrenches(A, B, list(zip(forces, pads, axes, strict=True)))
 
     R_A, R_B = (np.reshape(body.R_WB, (3, 3)) for body in (A, B))
     points = np.array(B.p_WBo) + pads @ R_B.T

@@ -1,0 +1,106 @@
+"""The joints of a batch, on lanes."""
+
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+
+from drakesep.systems import vectors
+from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode, pick
+from drakesep.systems.batch.wrenches import WrenchSum
+from drakesep.systems.equations import joints as joint_laws
+from drakesep.systems.equations import relative_motion as motion_laws
+from drakesep.systems.equations.joints import NO_TURN, HeldJoint
+from drakesep.systems.equations.mated_stack import axis_on_B, mated_orientation
+from drakesep.systems.equations.relative_motion import BodyState, Wrench
+from drakesep.systems.model.joints import holds_all_rotations
+from drakesep.systems.model.separation import Separation
+
+
+class _Joints(NamedTuple):
+    """Joints of one type and orientation between the same bodies."""
+
+    attachments: list[int]
+    joint: HeldJoint
+    """Gains and axis of (j, 1); its places are parameters."""
+
+
+class BatchJoints:
+    """The wrenches of a separation's joints, on lanes."""
+
+    def __init__(self, separation: Separation):
+        self._bodies = separation.bodies
+        self._pairs = _group_joints(separation)
+
+    def wrenches(
+        self, bodies: BodyState, params: BatchParameters, mode: Mode
+    ) -> Wrench:
+        """Return the wrenches of the joints that hold.
+
+        Args:
+            bodies: of (..., m, n).
+            params: of the batch.
+            mode: what has happened.
+        """
+        total = WrenchSum(bodies)
+        held = jnp.isinf(mode.released)
+        for (a, b), groups in self._pairs.items():
+            A, B = pick(bodies, a), pick(bodies, b)
+            motion = motion_laws.pair_state(A, B)
+            turn = NO_TURN
+            if any(holds_all_rotations(group.joint.type) for group in groups):
+                q_AB = mated_orientation(self._bodies[a], self._bodies[b])
+                turn = joint_laws.rotation_deviation(A, B, q_AB, motion.w_AB, jnp)
+            force = torque = moment = (0.0, 0.0, 0.0)
+            for group in groups:
+                index = jnp.array(group.attachments)
+                joint = group.joint._replace(
+                    p_AoPad_A=pick(params.p_AoPad_A, index),
+                    p_BoPad_B=pick(params.p_BoPad_B, index),
+                )
+                pull = joint_laws.pull_at_origin(
+                    joint, *joint_laws.joint_pull(joint, motion, turn, jnp)
+                )
+                force, torque, moment = (
+                    vectors.add(before, tuple(_sum_held(x, held[index]) for x in each))
+                    for before, each in zip((force, torque, moment), pull, strict=True)
+                )
+            torque = vectors.add(torque, joint_laws.turning_torque(turn, moment))
+            on_A, on_B = motion_laws.wrenches_at_origin(A, motion.p_AoBo, force, torque)
+            total.add(a, on_A)
+            total.add(b, on_B)
+        return total.wrench
+
+
+def _group_joints(separation: Separation) -> dict[tuple[int, int], list[_Joints]]:
+    """Return the joints between each pair of bodies, by the bodies' indices."""
+    alike: dict[Any, list[int]] = {}
+    for i, attachment in enumerate(separation.attachments):
+        joint = attachment.joint
+        key = separation.ends(attachment), joint.type, joint.R_AJ_if_turned
+        alike.setdefault(key, []).append(i)
+    pairs: dict[tuple[int, int], list[_Joints]] = {}
+    for (ends, joint_type, R_AJ), indices in alike.items():
+        attachments = [separation.attachments[i] for i in indices]
+        gains = np.array([a.joint.held_gains() for a in attachments])
+        axes = np.array([axis_on_B(separation, a) for a in attachments])
+        K_F, D_F, K_T, D_T = (
+            tuple(gains[:, c].T[..., None]) for c in range(gains.shape[1])
+        )
+        joint = HeldJoint(
+            type=joint_type,
+            R_AJ=R_AJ,
+            K_F=K_F,
+            D_F=D_F,
+            K_T=K_T,
+            D_T=D_T,
+            p_AoPad_A=(),  # type: ignore[arg-type]
+            p_BoPad_B=(),  # type: ignore[arg-type]
+            axis_B=tuple(axes.T[..., None]),
+        )
+        pairs.setdefault(ends, []).append(_Joints(indices, joint))
+    return pairs
+
+
+def _sum_held(values: Lanes, held: Lanes) -> Lanes:
+    return jnp.where(held, values, 0.0).sum(axis=0)

@@ -1,0 +1,234 @@
+"""What pushers do: the protocol of their laws, and the wrenches that come of it.
+
+A law says which force a pusher gives, what ends its push, and where the force has
+kinks; those of separation springs are in `drakesep.systems.equations.springs`. Where it
+pushes and along which axis is the same for all, and stands here. The form of the
+functions, and the paper whose equations they number, are those of `relative_motion`.
+"""
+
+import functools
+import math
+from abc import ABC, abstractmethod
+from collections import namedtuple
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar, NamedTuple, TypeAlias
+
+from drakesep.systems.equations.mated_stack import pad_on_B
+from drakesep.systems.equations.relative_motion import BodyState, Wrench, velocity_at
+from drakesep.systems.model.pushers import Pusher
+from drakesep.systems.model.separation import Attachment, Separation
+from drakesep.systems.vectors import (
+    Ops,
+    Scalar,
+    Vector,
+    add,
+    cross,
+    dot,
+    negate,
+    rotate,
+    scale,
+    subtract,
+)
+
+
+class PushLaw(ABC):
+    """The law of a pusher: made of its design, which does not vary.
+
+    `p` holds the parameters under the names of the record's fields: the record itself,
+    floats, or lanes. Laws compare by value.
+    """
+
+    by_time: ClassVar[bool]
+    """Whether the force depends on the time since release; if not, on how far, and how
+    fast, the pad has moved along the axis."""
+    dampers: ClassVar[tuple[str, ...]] = ()
+    """Parameters without which, all of them zero, the force is never negative."""
+
+    @classmethod
+    def of(cls, pusher: Any) -> "PushLaw":
+        """Return the law of a record."""
+        return cls()
+
+    @abstractmethod
+    def end(self, p: Any, ops: Ops) -> Scalar:
+        """Return the time since release, s, or the displacement, m, that ends it."""
+
+    @abstractmethod
+    def force(self, p: Any, at: Scalar, speed: Scalar, ops: Ops) -> Scalar:
+        """Return the force before the end, N.
+
+        A pusher by displacement never pulls: where this is negative, it has lifted off.
+
+        Args:
+            p: the parameters.
+            at: time since release, s, or displacement, m.
+            speed: of the displacement, m/s; 0 for a law by time.
+            ops: module of the elementary functions.
+        """
+
+    @abstractmethod
+    def frequency(self, p: Any, count: int, lightness: Scalar, ops: Ops) -> Scalar:
+        """Return how fast the motion is that it drives, rad/s: for a first step.
+
+        Args:
+            p: the parameters.
+            count: of pushers that may push together.
+            lightness: sum of the inverse masses of both bodies, 1/kg.
+            ops: module of the elementary functions.
+        """
+
+    def energy(self, p: Any, displacement: Scalar) -> Scalar:
+        """Return what it stores before the end, J; 0 of a law by time."""
+        return 0.0
+
+    @property
+    def corners(self) -> Sequence[float]:
+        """Parts of the displacement that ends it at which the force has a kink."""
+        return ()
+
+    @property
+    def ends_in_jump(self) -> bool:
+        """Whether force is left at the displacement that ends it."""
+        return False
+
+
+class _Asked:
+    """A record that notes which of its fields are asked for."""
+
+    def __init__(self, record: Any):
+        self._record = record
+        self.fields: set[str] = set()
+
+    def __getattr__(self, field: str) -> Any:
+        self.fields.add(field)
+        return getattr(self._record, field)
+
+
+def values_of(law: PushLaw, pusher: Pusher) -> Any:
+    """Return the parameters of a pusher that its law reads, as a named tuple.
+
+    The law is asked for everything once. What it does not read has no effect: it is
+    none of the engines' parameters, and an error where it is named.
+    """
+    asked = _Asked(pusher)
+    law.end(asked, math)
+    law.force(asked, 0.0, 0.0, math)
+    law.energy(asked, 0.0)
+    fields = tuple(f for f in pusher.PARAMETERS.by_field if f in asked.fields)
+    values = _values_type(type(pusher).__name__, fields)
+    return values(*(getattr(pusher, field) for field in fields))
+
+
+@functools.cache
+def _values_type(name: str, fields: tuple[str, ...]) -> Callable[..., Any]:
+    return namedtuple(name, fields)
+
+
+AXIS = ("tilt_y", "tilt_z")
+"""Fields of a pusher that turn its axis."""
+
+
+class PushPlace(NamedTuple):
+    """Where a pusher stands, while mated, and along which axis it pushes."""
+
+    p_AoPad_A: Vector
+    """Its pad in A, m."""
+    p_BoPad_B: Vector
+    """Its pad in B, m."""
+    axis_A: Vector
+
+
+def push_place(
+    separation: Separation, attachment: Attachment, pusher: Pusher
+) -> PushPlace:
+    """Return where the pusher of an attachment stands."""
+    pad_A = attachment.p_AoPad_A
+    return PushPlace(
+        pad_A,
+        pad_on_B(separation, attachment, pad_A),
+        push_axis(pusher.tilt_y, pusher.tilt_z, math),
+    )
+
+
+def push_axis(tilt_y: Scalar, tilt_z: Scalar, ops: Ops) -> Vector:
+    """Return the axis in A along which a pusher pushes: Rz(tilt_z) Ry(tilt_y) x.
+
+    Args:
+        tilt_y: about A's y axis, rad.
+        tilt_z: about A's z axis, then, rad.
+        ops: module of the elementary functions.
+    """
+    c = ops.cos(tilt_y)
+    return c * ops.cos(tilt_z), c * ops.sin(tilt_z), -ops.sin(tilt_y)
+
+
+def _axis_W(A: BodyState, axis_A: Vector | None) -> Vector:
+    if axis_A is None:
+        return A.R_WB[0], A.R_WB[3], A.R_WB[6]
+    return rotate(A.R_WB, axis_A)
+
+
+def push_displacement(
+    A: BodyState,
+    B: BodyState,
+    p_AoPad_A: Vector,
+    p_BoPad_B: Vector,
+    axis_A: Vector | None = None,
+) -> tuple[Scalar, Scalar]:
+    """Return how far, m, and how fast, m/s, B's pad has moved along the push's axis.
+
+    Args:
+        A: body pushed from.
+        B: body pushed away.
+        p_AoPad_A: mated place of the pad in A, m.
+        p_BoPad_B: the pad, fixed in B, m.
+        axis_A: of the push, in A; A's x axis if None.
+    """
+    r_B = rotate(B.R_WB, p_BoPad_B)
+    r_A = subtract(add(B.p_WBo, r_B), A.p_WBo)
+    v_APad = subtract(velocity_at(B, r_B), velocity_at(A, r_A))
+    axis_W = _axis_W(A, axis_A)
+    mated = p_AoPad_A[0] if axis_A is None else dot(axis_A, p_AoPad_A)
+    return dot(axis_W, r_A) - mated, dot(axis_W, v_APad)
+
+
+def positive_part(x: Scalar) -> Scalar:
+    """Return the larger of x and 0, of floats and of lanes."""
+    return 0.5 * (x + abs(x))
+
+
+Push: TypeAlias = tuple[Scalar, Vector, Vector | None]
+"""A pusher's force, N, its pad, fixed in B, m, and its axis in A; None: A's x axis."""
+
+
+def push_wrenches(
+    A: BodyState, B: BodyState, pushes: Sequence[Push]
+) -> tuple[Wrench, Wrench]:
+    """Return the wrenches on A and B of pushers.
+
+    Each force acts on B at its pad and on A at the same point in space. Those along A's
+    x axis are parallel, so their sum and their first moment in B are all it takes.
+
+    Args:
+        A: body pushed from; it gives the directions.
+        B: body pushed away.
+        pushes: of the pushers.
+    """
+    total = moment_x = moment_y = moment_z = 0.0
+    tilted = []
+    for force, (x, y, z), axis_A in pushes:
+        if axis_A is not None:
+            tilted.append((scale(force, rotate(A.R_WB, axis_A)), (x, y, z)))
+            continue
+        total = total + force
+        moment_x = moment_x + force * x
+        moment_y = moment_y + force * y
+        moment_z = moment_z + force * z
+    e_xA = _axis_W(A, None)
+    force_W = scale(total, e_xA)
+    torque_B = cross(rotate(B.R_WB, (moment_x, moment_y, moment_z)), e_xA)
+    for push_W, pad_B in tilted:
+        force_W = add(force_W, push_W)
+        torque_B = add(torque_B, cross(rotate(B.R_WB, pad_B), push_W))
+    torque_A = add(torque_B, cross(subtract(B.p_WBo, A.p_WBo), force_W))
+    return Wrench(negate(torque_A), negate(force_W)), Wrench(torque_B, force_W)
