@@ -1,11 +1,13 @@
 """Units at the edges: names that carry them, and values to and from SI.
 
 Inside, a parameter is ``payload.cg_x`` in m; in files and tables it is
-``payload.cg_x_mm``. The quantity alone decides the unit.
+``payload.cg_x_mm``. The quantity alone decides the unit, of a metric its kind.
 """
 
 import math
 from typing import NamedTuple
+
+from drakesep.analysis.metrics.registry import Kind, find_metric
 
 
 class Unit(NamedTuple):
@@ -81,31 +83,22 @@ _OF_QUANTITY = {
     "acceleration": "m_s2",
     "linear_momentum_change": "N_s",
     "angular_momentum_change": "N_m_s",
-    # metrics of a run
-    "G_L1": "deg",
-    "G_L2": "deg_per_sqrt_s",
-    "G_Linf": "deg_s",
-    "G_PM": "m_s",
-    "final_rate": "deg_s",
-    "rate_after_separation": "deg_s",
-    "rate_min_after_separation": "deg_s",
-    "rate_max_after_separation": "deg_s",
-    "rate_magnitude_min_after_separation": "deg_s",
-    "deviation_at_separation": "deg",
-    "angle_at_separation": "deg",
-    "deviation_within_limits_until": "s",
-    "longitudinal_speed_max": "m_s",
-    "longitudinal_speed_after_separation": "m_s",
-    "longitudinal_speed_max_after_separation": "m_s",
-    "separation_end": "s",
     # clearances
-    "clearance": "mm",
     "separation": "mm",
     "first_position": "mm",
     "second_position": "mm",
     "contact_time": "s",
     "closing_speed": "m_s",
 }
+_OF_KIND = {
+    Kind.RATE: "deg_s",
+    Kind.ANGLE: "deg",
+    Kind.NORM_OF_RATE: "deg_per_sqrt_s",
+    Kind.SPEED: "m_s",
+    Kind.TIME: "s",
+    Kind.CLEARANCE: "mm",
+}
+"""Of metrics."""
 _AXES = ("x", "y", "z", "roll", "pitch", "yaw", "xx", "yy", "zz", "xy", "xz", "yz")
 
 
@@ -121,6 +114,9 @@ def unit_of(name: str) -> Unit:
     Args:
         name: such as ``payload.cg_x``, ``final_rate_y`` or ``relative_velocity_x``.
     """
+    metric = find_metric(name)
+    if metric is not None:
+        return _UNITS[_OF_KIND[metric[0].kind]]
     quantity, _ = split_axis(name.rpartition(".")[2])
     return _UNITS[_OF_QUANTITY[quantity]]
 
