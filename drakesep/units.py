@@ -1,13 +1,15 @@
 """Units at the edges: names that carry them, and values to and from SI.
 
 Inside, a parameter is ``payload.cg_x`` in m; in files and tables it is
-``payload.cg_x_mm``. The quantity alone decides the unit: of a parameter, what it
-measures.
+``payload.cg_x_mm``. The unit follows from what the parameter measures; of a metric, from
+its kind.
 """
 
 import math
 from typing import Any, NamedTuple
 
+from drakesep.analysis.metrics.registry import Kind as MetricKind
+from drakesep.analysis.metrics.registry import find_metric
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.springs import PUSHERS
 from drakesep.systems.model.loads import Load
@@ -85,31 +87,22 @@ _OF_QUANTITY = {
     "acceleration": "m_s2",
     "linear_momentum_change": "N_s",
     "angular_momentum_change": "N_m_s",
-    # metrics of a run
-    "G_L1": "deg",
-    "G_L2": "deg_per_sqrt_s",
-    "G_Linf": "deg_s",
-    "G_PM": "m_s",
-    "final_rate": "deg_s",
-    "rate_after_separation": "deg_s",
-    "rate_min_after_separation": "deg_s",
-    "rate_max_after_separation": "deg_s",
-    "rate_magnitude_min_after_separation": "deg_s",
-    "deviation_at_separation": "deg",
-    "angle_at_separation": "deg",
-    "deviation_within_limits_until": "s",
-    "longitudinal_speed_max": "m_s",
-    "longitudinal_speed_after_separation": "m_s",
-    "longitudinal_speed_max_after_separation": "m_s",
-    "separation_end": "s",
     # clearances
-    "clearance": "mm",
     "separation": "mm",
     "first_position": "mm",
     "second_position": "mm",
     "contact_time": "s",
     "closing_speed": "m_s",
 }
+_OF_METRIC = {
+    MetricKind.RATE: "deg_s",
+    MetricKind.ANGLE: "deg",
+    MetricKind.NORM_OF_RATE: "deg_per_sqrt_s",
+    MetricKind.SPEED: "m_s",
+    MetricKind.TIME: "s",
+    MetricKind.CLEARANCE: "mm",
+}
+"""Of metrics."""
 
 
 def unit_of(name: str) -> Unit:
@@ -118,6 +111,9 @@ def unit_of(name: str) -> Unit:
     Args:
         name: such as ``payload.cg_x``, ``final_rate_y`` or ``relative_velocity_x``.
     """
+    metric = find_metric(name)
+    if metric is not None:
+        return _UNITS[_OF_METRIC[metric[0].kind]]
     stem, _ = split_axis(name.rpartition(".")[2])
     kind = _kind_of(stem)
     return unit_of_kind(kind) if kind else _UNITS[_OF_QUANTITY[stem]]

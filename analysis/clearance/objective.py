@@ -14,7 +14,13 @@ import numpy as np
 
 from drakesep.analysis.clearance.of_pair import ACCURACY, Clearance
 from drakesep.analysis.clearance.of_run import ClearanceAnalysis
-from drakesep.analysis.metrics.objectives import About, Limits, Objective
+from drakesep.analysis.metrics.objectives import (
+    About,
+    LargestOfParts,
+    Limits,
+    Needs,
+    SignedMetric,
+)
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, check_positive
 from drakesep.systems.geometry.relative_path import RelativePath
@@ -31,14 +37,11 @@ _MOMENTS = 25
 """At which all pairs are looked at, for which of them may come nearest."""
 
 
-class LowestClearance(Objective):
+class LowestClearance(LargestOfParts):
     """Less the smallest distance between parts: 0, the highest, at contact."""
 
-    metric = CLEARANCE
-    sign = -1.0
-    of_metrics_alone = False
-    expensive = True
-    has_parts = True
+    needs = Needs.MEASUREMENT
+    shown_as = SignedMetric(CLEARANCE, -1.0)
 
     def __init__(
         self,
@@ -146,7 +149,7 @@ class LowestClearance(Objective):
             lambda other: -float(n_A @ second_from_first(other)) - rest,
         )
 
-    def parts(self, run: Run, around: Sequence[Run]) -> tuple[Array, Array]:
+    def linearised_parts(self, run: Run, around: Sequence[Run]) -> tuple[Array, Array]:
         """Return less the distances of all pairs at some moments, and their changes.
 
         To first order: those of the nearest points, as for the smallest.

@@ -6,6 +6,7 @@ relative to A from release to the end of the run.
 """
 
 import copy
+import enum
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -14,13 +15,17 @@ from typing import Literal, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
+from drakesep.analysis.metrics.combining_rules import Largest, Rule, WeightedSum
 from drakesep.analysis.metrics.of_run import (
-    ANGLES,
-    AXES,
-    METRICS,
-    WINDOWED,
+    check_windowed,
+    metric_named,
+    metric_of_run,
     metric_within,
-    metrics_of_run,
+)
+from drakesep.analysis.metrics.registry import (
+    METRICS,
+    find_metric,
+    registered_metrics,
 )
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.arrays import Array
@@ -45,6 +50,28 @@ class About(NamedTuple):
     """Of runs all but equal: of the same value there, and the same slope."""
 
 
+class Needs(enum.IntEnum):
+    """What an objective is told from, the cheapest first."""
+
+    METRICS = 0
+    """The metrics of a run: no motion is needed, and derivatives are exact."""
+    RUN = 1
+    """A whole run, with its motion."""
+    MEASUREMENT = 2
+    """A measurement of a run that takes longer than to fly it."""
+
+
+class SignedMetric(NamedTuple):
+    """A metric, or less it."""
+
+    name: str
+    sign: float
+
+    def value(self, objective: float) -> float:
+        """Return the metric where an objective that is this has a value."""
+        return self.sign * objective
+
+
 class Objective(ABC):
     """A number for each run, to be maximised.
 
@@ -52,21 +79,21 @@ class Objective(ABC):
 
     Attributes:
         name: in tables.
-        of_metrics_alone: whether the metrics of a run tell the objective, so that no
-            motion is needed, and its derivatives are exact.
-        metric: that it is, or less it; None if it is something else.
-        sign: 1, or -1 if it is less its metric.
-        expensive: whether it takes longer to tell than its run to fly: searches that
-            fly very many runs leave it out, beside others.
-        has_parts: whether it is the largest of parts that `parts` tells.
+        needs: what it is told from.
+        shown_as: the metric that tables show for it; None: its own value, in SI.
     """
 
     name: str
-    of_metrics_alone: bool
-    metric: str | None = None
-    sign: float = 1.0
-    expensive: bool = False
-    has_parts: bool = False
+    needs: Needs = Needs.RUN
+    shown_as: SignedMetric | None = None
+
+    @property
+    def expensive(self) -> bool:
+        """Whether it takes longer to tell than its run to fly.
+
+        Searches that fly very many runs leave it out, beside others.
+        """
+        return self.needs is Needs.MEASUREMENT
 
     def __call__(self, run: Run) -> float:
         """Return the objective of a completed run, with no limits of deviations."""
@@ -100,8 +127,59 @@ class Objective(ABC):
         """
         return accuracy
 
-    def parts(self, run: Run, around: Sequence[Run]) -> tuple[Array, Array]:
-        """Return what the objective is the largest of, if it `has_parts`.
+    def named(self, name: str) -> Self:
+        """Return the same objective under another name."""
+        new = copy.copy(self)
+        new.name = name
+        return new
+
+    def __add__(self, other: "AnyObjective") -> "Objective":
+        return _sum([self, as_objective(other)], [1.0, 1.0])
+
+    def __radd__(self, other: "AnyObjective | int") -> "Objective":
+        # sum() begins with 0
+        return self if isinstance(other, int) else as_objective(other) + self
+
+    def __mul__(self, factor: float) -> "Objective":
+        return _sum([self], [float(factor)])
+
+    __rmul__ = __mul__
+
+    def __neg__(self) -> "Objective":
+        return _sum([self], [-1.0])
+
+    def __sub__(self, other: "AnyObjective") -> "Objective":
+        return _sum([self, as_objective(other)], [1.0, -1.0])
+
+
+class MetricObjective(Objective):
+    """An objective that the metrics of a run alone tell."""
+
+    needs = Needs.METRICS
+
+    @abstractmethod
+    def of_metrics(self, metrics: Array) -> Array:
+        """Return the objective (...,) of metrics (..., n_m), in the order of METRICS.
+
+        Args:
+            metrics: in SI.
+        """
+
+    @abstractmethod
+    def weights(self, metrics: Array) -> Array:
+        """Return the derivatives (..., n_m) of the objective with the metrics.
+
+        Args:
+            metrics: (..., n_m), in SI.
+        """
+
+
+class LargestOfParts(Objective):
+    """An objective that is the largest of parts, which can be looked at apart."""
+
+    @abstractmethod
+    def linearised_parts(self, run: Run, around: Sequence[Run]) -> tuple[Array, Array]:
+        """Return the parts at some moments of a run, and their changes around it.
 
         Args:
             run: a completed run.
@@ -111,87 +189,49 @@ class Objective(ABC):
             (p, t) values of p parts at t moments; and (p, t, r) their changes, to first
             order.
         """
-        raise TypeError(f"{self.name} has no parts")
-
-    def of_metrics(self, metrics: Array) -> Array:
-        """Return the objective (...,) of metrics (..., n_m), in the order of METRICS.
-
-        Raises:
-            TypeError: it needs the whole run.
-        """
-        raise TypeError(f"{self.name} is a function of a whole run")
-
-    def weights(self, metrics: Array) -> Array:
-        """Return the derivatives (..., n_m) of the objective with the metrics.
-
-        Raises:
-            TypeError: it needs the whole run.
-        """
-        raise TypeError(f"{self.name} is a function of a whole run")
-
-    def named(self, name: str) -> Self:
-        """Return the same objective under another name."""
-        new = copy.copy(self)
-        new.name = name
-        return new
-
-    def __add__(self, other: "AnyObjective") -> "Objective":
-        return _Sum([self, as_objective(other)], [1.0, 1.0])
-
-    def __radd__(self, other: "AnyObjective | int") -> "Objective":
-        # sum() begins with 0
-        return self if isinstance(other, int) else as_objective(other) + self
-
-    def __mul__(self, factor: float) -> "Objective":
-        return _Sum([self], [float(factor)])
-
-    __rmul__ = __mul__
-
-    def __neg__(self) -> "Objective":
-        return _Sum([self], [-1.0])
-
-    def __sub__(self, other: "AnyObjective") -> "Objective":
-        return _Sum([self, as_objective(other)], [1.0, -1.0])
 
 
 AnyObjective: TypeAlias = Objective | str | Callable[[Run], float]
 """An objective, its name, or a function of a run; see `as_objective`."""
 
 
-class _OfMetric(Objective):
+class _OfMetric(MetricObjective):
     """A metric of a run, or less it."""
 
-    def __init__(self, metric: str, sign: float, name: str, window: Window | None):
-        if metric not in METRICS:
-            raise InputError(unknown("metric", metric, METRICS))
-        if window is not None and metric not in WINDOWED:
-            raise InputError(
-                f"window: must be of one of {', '.join(WINDOWED)}, got {metric}"
-            )
+    def __init__(self, metric: str, sign: float, name: str):
+        metric_named(metric)
         self.name = name
-        self.of_metrics_alone = window is None
-        self.metric, self.sign, self._window = metric, sign, window
+        self.shown_as = SignedMetric(metric, sign)
+        self._metric, self._sign = metric, sign
         self._column = METRICS.index(metric)
 
     def of_run(self, run: Run, limits: Limits) -> float:
-        metric = str(self.metric)
-        if self._window is not None:
-            return self.sign * metric_within(run, metric, self._window)
-        return self.sign * metrics_of_run(run, limits)[metric]
+        return self._sign * metric_of_run(run, self._metric, limits)
 
     def of_metrics(self, metrics: Array) -> Array:
-        return self.sign * metrics[..., self._column]
+        return self._sign * metrics[..., self._column]
 
     def weights(self, metrics: Array) -> Array:
         weights = np.zeros_like(metrics)
-        weights[..., self._column] = self.sign
+        weights[..., self._column] = self._sign
         return weights
+
+
+class _OfWindow(Objective):
+    """A metric of a part of a run, or less it."""
+
+    def __init__(self, metric: str, sign: float, name: str, window: Window):
+        check_windowed(metric_named(metric), metric)
+        self.name = name
+        self.shown_as = SignedMetric(metric, sign)
+        self._metric, self._sign, self._window = metric, sign, window
+
+    def of_run(self, run: Run, limits: Limits) -> float:
+        return self._sign * metric_within(run, self._metric, self._window)
 
 
 class _OfRun(Objective):
     """Any function of a run."""
-
-    of_metrics_alone = False
 
     def __init__(self, function: Callable[[Run], float], name: str):
         self.name = name
@@ -201,84 +241,64 @@ class _OfRun(Objective):
         return float(self._function(run))
 
 
-class _Together(Objective):
-    """Something made of several objectives."""
+class _Composite(Objective):
+    """What a rule makes of several objectives."""
 
-    def __init__(self, terms: Sequence[Objective], name: str):
+    def __init__(self, terms: Sequence[Objective], rule: Rule, name: str):
         self.name = name
-        self._terms = tuple(terms)
-        self.of_metrics_alone = all(term.of_metrics_alone for term in terms)
-        self.expensive = any(term.expensive for term in terms)
-
-    def _each_of_metrics(self, metrics: Array) -> Array:
-        return np.stack([term.of_metrics(metrics) for term in self._terms], axis=-1)
-
-    def _each_of_run(self, run: Run, limits: Limits) -> list[float]:
-        return [term.of_run(run, limits) for term in self._terms]
-
-    def _each_weights(self, metrics: Array) -> Array:
-        return np.stack([term.weights(metrics) for term in self._terms], axis=-2)
-
-
-class _Sum(_Together):
-    """A weighted sum of objectives."""
-
-    def __init__(
-        self, terms: Sequence[Objective], factors: Sequence[float], name: str = ""
-    ):
-        factors = [float(factor) for factor in factors]
-        if not np.isfinite(factors).all():
-            raise InputError(f"factors of a sum must be finite, got {factors}")
-        super().__init__(terms, name or _written(terms, factors))
-        self._factors = np.array(factors)
+        self.needs = max(term.needs for term in terms)
+        self._terms, self._rule = tuple(terms), rule
 
     def resolution(self, accuracy: float) -> float:
         each = [term.resolution(accuracy) for term in self._terms]
-        return float(np.abs(self._factors) @ each)
+        return self._rule.resolution(np.array(each))
 
     def of_run(self, run: Run, limits: Limits) -> float:
-        return float(self._factors @ self._each_of_run(run, limits))
+        each = [term.of_run(run, limits) for term in self._terms]
+        return float(self._rule.value(np.array(each)))
 
     def about(self, run: Run, limits: Limits) -> About:
         each = [term.about(run, limits) for term in self._terms]
+        values = np.array([one.value for one in each])
+        slopes = self._rule.slopes(values)
+        felt = np.flatnonzero(slopes)  # what is not the largest need not be told
 
         def near(other: Run) -> float:
-            return float(self._factors @ [one.near(other) for one in each])
+            return float(slopes[felt] @ [each[i].near(other) for i in felt])
 
-        return About(float(self._factors @ [one.value for one in each]), near)
-
-    def of_metrics(self, metrics: Array) -> Array:
-        return np.asarray(self._each_of_metrics(metrics) @ self._factors)
-
-    def weights(self, metrics: Array) -> Array:
-        each = self._each_weights(metrics)
-        return np.asarray(np.einsum("...tm,t->...m", each, self._factors))
+        return About(float(self._rule.value(values)), near)
 
 
-class _Largest(_Together):
-    """The largest of objectives; where two are as large, the slope of the first."""
+class _CompositeOfMetrics(_Composite, MetricObjective):
+    """What a rule makes of objectives that metrics alone tell."""
 
-    def __init__(self, terms: Sequence[Objective], name: str):
-        super().__init__(terms, name)
+    def __init__(self, terms: Sequence[MetricObjective], rule: Rule, name: str):
+        super().__init__(terms, rule, name)
+        self._told = tuple(terms)
 
-    def resolution(self, accuracy: float) -> float:
-        return max(term.resolution(accuracy) for term in self._terms)
-
-    def of_run(self, run: Run, limits: Limits) -> float:
-        return max(self._each_of_run(run, limits))
-
-    def about(self, run: Run, limits: Limits) -> About:
-        each = [term.about(run, limits) for term in self._terms]
-        return max(each, key=lambda one: one.value)
+    def _each(self, metrics: Array) -> Array:
+        return np.stack([term.of_metrics(metrics) for term in self._told], axis=-1)
 
     def of_metrics(self, metrics: Array) -> Array:
-        return np.asarray(self._each_of_metrics(metrics).max(axis=-1))
+        return self._rule.value(self._each(metrics))
 
     def weights(self, metrics: Array) -> Array:
-        which = self._each_of_metrics(metrics).argmax(axis=-1)
-        each = self._each_weights(metrics)
-        picked = np.take_along_axis(each, which[..., None, None], axis=-2)
-        return np.asarray(picked[..., 0, :])
+        each = np.stack([term.weights(metrics) for term in self._told], axis=-2)
+        slopes = self._rule.slopes(self._each(metrics))
+        return np.asarray(np.einsum("...tm,...t->...m", each, slopes))
+
+
+def _composite(terms: Sequence[Objective], rule: Rule, name: str) -> Objective:
+    of_metrics = [term for term in terms if isinstance(term, MetricObjective)]
+    if len(of_metrics) == len(terms):
+        return _CompositeOfMetrics(of_metrics, rule, name)
+    return _Composite(terms, rule, name)
+
+
+def _sum(terms: Sequence[Objective], factors: Sequence[float]) -> Objective:
+    if not np.isfinite(factors).all():
+        raise InputError(f"factors of a sum must be finite, got {factors}")
+    return _composite(terms, WeightedSum(np.array(factors)), _written(terms, factors))
 
 
 def _written(terms: Iterable[Objective], factors: Iterable[float]) -> str:
@@ -300,7 +320,7 @@ def highest(metric: str, *, window: Window | None = None) -> Objective:
     Raises:
         ValueError: the metric is unknown, or takes no window.
     """
-    return _OfMetric(metric, 1.0, f"highest_{metric}{_suffix(window)}", window)
+    return _of_metric(metric, 1.0, "highest", window)
 
 
 def lowest(metric: str, *, window: Window | None = None) -> Objective:
@@ -313,7 +333,7 @@ def lowest(metric: str, *, window: Window | None = None) -> Objective:
     Raises:
         ValueError: the metric is unknown, or takes no window.
     """
-    return _OfMetric(metric, -1.0, f"lowest_{metric}{_suffix(window)}", window)
+    return _of_metric(metric, -1.0, "lowest", window)
 
 
 def of_run(function: Callable[[Run], float], name: str = "") -> Objective:
@@ -345,12 +365,19 @@ def largest(*objectives: AnyObjective, name: str = "") -> Objective:
         raise InputError("largest: must have an objective or more, got none")
     terms = [as_objective(objective) for objective in objectives]
     listed = ", ".join(term.name for term in terms)
-    return _Largest(terms, name or f"largest({listed})")
+    return _composite(terms, Largest(), name or f"largest({listed})")
 
 
-def _suffix(window: Window | None) -> str:
+def _of_metric(
+    metric: str, sign: float, which: str, window: Window | None
+) -> Objective:
+    name = f"{which}_{metric}"
     if window is None:
-        return ""
+        return _OfMetric(metric, sign, name)
+    return _OfWindow(metric, sign, f"{name}{_suffix(window)}", window)
+
+
+def _suffix(window: Window) -> str:
     if np.shape(window) != (2,) or not (
         math.isfinite(window[0]) and window[0] < window[1]
     ):
@@ -361,27 +388,12 @@ def _suffix(window: Window | None) -> str:
 
 OBJECTIVES: Mapping[str, Objective] = MappingProxyType(
     {
-        name.removeprefix("G_"): _OfMetric(name, 1.0, name.removeprefix("G_"), None)
-        for name in METRICS
-        if name.startswith("G_")
+        metric.objective: _OfMetric(metric.stem, 1.0, metric.objective)
+        for metric in registered_metrics()
+        if metric.objective
     }
 )
 """The paper's objectives by name: L1, L2, Linf, PM."""
-
-TWO_SIDED = {
-    **{
-        f"rate_after_separation_{axis}": (
-            f"rate_max_after_separation_{axis}",
-            f"rate_min_after_separation_{axis}",
-        )
-        for axis in AXES
-    },
-    **{
-        f"deviation_at_separation_{angle}": (f"angle_at_separation_{angle}",) * 2
-        for angle in ANGLES
-    },
-}
-"""Metrics that are magnitudes, with the metrics of their two directions."""
 
 
 def towards(requirement: Requirement) -> tuple[Objective, ...]:
@@ -389,17 +401,21 @@ def towards(requirement: Requirement) -> tuple[Objective, ...]:
 
     A limit on a magnitude has two, one for each direction; each is smooth where the
     magnitude has a kink, and finds the other side from the wrong one.
+
+    Args:
+        requirement: on a metric of every run.
+
+    Raises:
+        ValueError: there is no such metric.
     """
-    metric = requirement.judged_by
+    name = requirement.judged_by
     if requirement.sense == ">=":
-        return (lowest(metric),)
-    if metric not in TWO_SIDED:
-        return (highest(metric),)
-    up, down = TWO_SIDED[metric]
-    return (
-        highest(up).named(f"{metric}_up"),
-        lowest(down).named(f"{metric}_down"),
-    )
+        return (lowest(name),)
+    metric, axis = find_metric(name) or (None, "")
+    if metric is None or metric.directions is None:
+        return (highest(name),)
+    up, down = (f"{stem}_{axis}" if axis else stem for stem in metric.directions)
+    return highest(up).named(f"{name}_up"), lowest(down).named(f"{name}_down")
 
 
 def as_objective(objective: AnyObjective, also: Iterable[str] = ()) -> Objective:

@@ -3,25 +3,9 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
-from drakesep.analysis.metrics.of_run import ANGLES, AXES
+from drakesep.analysis.metrics.registry import DEVIATION, Sense, find_metric
 from drakesep.systems.checks import InputError, check_finite
-
-
-_OTHER_EXTREME = {
-    ("longitudinal_speed_after_separation", "<="): (
-        "longitudinal_speed_max_after_separation"
-    ),
-    **{
-        (f"rate_after_separation_{axis}", ">="): (
-            f"rate_magnitude_min_after_separation_{axis}"
-        )
-        for axis in AXES
-    },
-}
-"""Metrics that hold only one of the extremes of what they look at over some time: where
-the other one breaks a limit, that is looked at."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,8 +17,8 @@ class Requirement:
     """
 
     metric: str
-    """Name of the metric; see `drakesep.analysis.metrics.of_run`."""
-    sense: Literal["<=", ">="]
+    """Name of the metric; see `drakesep.analysis.metrics.registry`."""
+    sense: Sense
     limit: float
     """In SI."""
     condition: str = ""
@@ -51,7 +35,18 @@ class Requirement:
     @property
     def judged_by(self) -> str:
         """The metric that tells whether the limit is kept at all times."""
-        return _OTHER_EXTREME.get((self.metric, self.sense), self.metric)
+        found = find_metric(self.metric)
+        if found is None:
+            return self.metric
+        metric, axis = found
+        stem = metric.judged_by(self.sense)
+        return f"{stem}_{axis}" if axis else stem
+
+    @property
+    def measured_apart(self) -> bool:
+        """Whether its metric is measured apart, of some runs only."""
+        found = find_metric(self.metric)
+        return found is not None and not found[0].of_every_run
 
     def margin(self, value: float) -> float:
         """Return how far a value lies inside the limit; negative if it is beyond."""
@@ -117,6 +112,6 @@ def assess(
 def deviation_limits(requirements: Sequence[Requirement]) -> tuple[float, ...]:
     """Return the limits of roll, pitch and yaw, rad; infinite where there is none."""
     limits = {r.metric: r.limit for r in requirements if r.sense == "<="}
-    return tuple(
-        limits.get(f"deviation_at_separation_{angle}", math.inf) for angle in ANGLES
-    )
+    found = find_metric(DEVIATION)
+    assert found is not None
+    return tuple(limits.get(name, math.inf) for name in found[0].names)

@@ -4,6 +4,7 @@ A signal is a scipy PPoly: cubic splines between the kinks of a run, so that
 integrals, peaks and crossings do not depend on where the samples happen to lie.
 """
 
+import functools
 import itertools
 from collections.abc import Sequence
 
@@ -75,6 +76,7 @@ def integral_of_square(signal: PPoly) -> float:
     return float((values**2 @ _WEIGHTS) @ half)
 
 
+@functools.lru_cache(maxsize=32)  # several functionals ask for those of one signal
 def extremes(signal: PPoly) -> tuple[float, float]:
     """Return the smallest and the largest value."""
     turning = _crossings(signal.derivative(), 0.0)
@@ -86,6 +88,12 @@ def peak(signal: PPoly) -> float:
     """Return the largest |signal|."""
     lowest, highest = extremes(signal)
     return max(-lowest, highest)
+
+
+def smallest_magnitude(signal: PPoly) -> float:
+    """Return the smallest |signal|."""
+    lowest, highest = extremes(signal)
+    return max(0.0, lowest, -highest)
 
 
 def time_within(signal: PPoly, limit: float) -> float:

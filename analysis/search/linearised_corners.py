@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drakesep.analysis.metrics.objectives import LargestOfParts
 from drakesep.analysis.search.problem import Problem
 from drakesep.systems.arrays import Array
 from drakesep.systems.model.run import RunStatus
@@ -32,12 +33,14 @@ def linearised_corners(problem: Problem, k: int) -> list[Array]:
         k: which of the objectives.
     """
     set_, objective = problem.tolerances, problem.evaluator.objectives[k]
+    if not isinstance(objective, LargestOfParts):
+        return []
     n = len(set_)
     around = set_.draw_back(np.vstack([np.zeros(n), _STEP * np.eye(n)]))
-    runs = problem.evaluator.runs(set_.rows(around)) if objective.has_parts else []
-    if not runs or any(run.status is RunStatus.FAILED for run in runs):
+    runs = problem.evaluator.runs(set_.rows(around))
+    if any(run.status is RunStatus.FAILED for run in runs):
         return []
-    values, changes = objective.parts(runs[0], runs[1:])
+    values, changes = objective.linearised_parts(runs[0], runs[1:])
     slopes = changes / np.diag(around[1:])
     rises = np.abs(slopes).sum(axis=2)
     at = (values + rises).argmax(axis=1)

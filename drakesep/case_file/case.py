@@ -99,17 +99,21 @@ class Case(Section):
         for quantity in quantities:
             if quantities.count(quantity) > 1:
                 raise CaseError(f"requirements: {quantity} must stand once")
-        if "clearance_mm" in quantities and not self.has_clearance:
+        apart = any(not section.metric.of_every_run for section in self.requirements)
+        if apart and not self.has_clearance:
             raise CaseError(
                 "requirements: clearance_mm needs geometry on two bodies that does not "
                 "touch while mated, got none"
             )
-        for limit in self.limits:
-            if limit.sense == "<=" and limit.limit < 0.0:
-                raise CaseError(
-                    f"requirements: {with_unit(limit.metric)}: at_most must be >= 0, "
-                    f"got {unit_of(limit.metric).from_si(limit.limit):g}"
-                )
+        for section in self.requirements:
+            for limit in (
+                section.requirements() if section.metric.never_negative else ()
+            ):
+                if limit.sense == "<=" and limit.limit < 0.0:
+                    raise CaseError(
+                        f"requirements: {with_unit(limit.metric)}: at_most must be >= "
+                        f"0, got {unit_of(limit.metric).from_si(limit.limit):g}"
+                    )
 
     def _check_published(self) -> None:
         labels = [published.label for published in self.published]
@@ -178,7 +182,7 @@ class Case(Section):
 
     def towards(self, requirement: Requirement) -> tuple[Objective, ...]:
         """Return the objectives that lead out of a requirement."""
-        if requirement.metric == "clearance":  # no figure of every run
+        if requirement.measured_apart:
             return (self.lowest_clearance(),)
         return towards(requirement)
 
@@ -193,7 +197,7 @@ class Case(Section):
         window = [
             section.until_separation_mm
             for section in self.requirements
-            if section.quantity == "clearance_mm"
+            if not section.metric.of_every_run
         ]
         until = window[0] if window else None
         return LowestClearance(

@@ -1,17 +1,17 @@
 """The other sections of a case file: pair, orbit, requirements, run, publications."""
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Strict, model_validator
+from pydantic import AfterValidator, BeforeValidator, Strict, model_validator
 
 from drakesep.analysis.metrics.objectives import ObjectiveName
-from drakesep.analysis.metrics.of_run import ANGLES, AXES
+from drakesep.analysis.metrics.registry import Metric, Sense, registered_metrics
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.case_file.section import Name, Positive, Section, Vector, to_si
 from drakesep.systems.model.integration import Integration, Scheme
 from drakesep.systems.model.separation import EARTH_RADIUS, InitialMotion, Orbit
-from drakesep.units import unit_of
+from drakesep.units import unit_of, with_unit
 
 
 def _as_limits(value: Any) -> Any:
@@ -24,6 +24,28 @@ def _check_mark(value: Any) -> Any:
     return value
 
 
+def _limited() -> dict[str, Metric]:
+    """Return the metrics that may be limited by their names with units.
+
+    First those that requirements are usually on: a limit of theirs holds at all times,
+    in both directions, or of what is measured apart.
+    """
+
+    def unusual(metric: Metric) -> bool:
+        of_all_times = metric.at_most or metric.at_least or metric.directions
+        return metric.of_every_run and not of_all_times
+
+    return {with_unit(m.stem): m for m in sorted(registered_metrics(), key=unusual)}
+
+
+def _check_quantity(value: str) -> str:
+    *known, last = map(repr, _limited())
+    if repr(value) not in (*known, last):
+        raise ValueError(f"must be {', '.join(known)} or {last}, got {value!r}")
+    return value
+
+
+Quantity = Annotated[str, AfterValidator(_check_quantity)]
 Mark = Annotated[str | float, BeforeValidator(_check_mark)]
 Limits = Annotated[tuple[float, ...], Strict(False), BeforeValidator(_as_limits)]
 
@@ -79,14 +101,10 @@ class CorrelationSection(Section):
 
 
 class RequirementSection(Section):
-    """Limits on one quantity, one for each axis that it has."""
+    """Limits on one metric, one for each axis that it has."""
 
-    quantity: Literal[
-        "rate_after_separation_deg_s",
-        "deviation_at_separation_deg",
-        "longitudinal_speed_after_separation_m_s",
-        "clearance_mm",
-    ]
+    quantity: Quantity
+    """Name of the metric, with its unit."""
     at_most: Limits | None = None
     at_least: Limits | None = None
     until_separation_mm: Positive | None = None
@@ -97,7 +115,7 @@ class RequirementSection(Section):
         if (self.at_most is None) == (self.at_least is None):
             got = "none" if self.at_most is None else "both"
             raise ValueError(f"must have one of 'at_most' and 'at_least', got {got}")
-        of_clearance = _requirement_stem(self.quantity) == "clearance"
+        of_clearance = not self.metric.of_every_run
         if of_clearance and self.at_least is None:
             raise ValueError("a clearance must have 'at_least', got 'at_most'")
         if of_clearance and min(self._limits, default=0.0) <= 0.0:
@@ -106,7 +124,7 @@ class RequirementSection(Section):
             )
         if not of_clearance and self.until_separation_mm is not None:
             raise ValueError("until_separation_mm must stand with clearance_mm")
-        axes = len(_requirement_axes(self.quantity))
+        axes = len(self.metric.axes)
         if len(self._limits) != axes:
             raise ValueError(
                 f"must have {axes} limits, got {', '.join(map(str, self._limits))}"
@@ -119,27 +137,26 @@ class RequirementSection(Section):
         assert limits is not None  # _check_limits
         return limits
 
+    @property
+    def metric(self) -> Metric:
+        """That is limited."""
+        return _limited()[self.quantity]
+
     def requirements(self) -> list[Requirement]:
         """Return the requirements in SI, one for each axis."""
-        sense: Literal["<=", ">="] = "<=" if self.at_least is None else ">="
-        stem = _requirement_stem(self.quantity)
+        sense: Sense = "<=" if self.at_least is None else ">="
         condition = ""
         if self.until_separation_mm is not None:
             condition = f"until {self.until_separation_mm:g} mm of separation"
-        requirements = []
-        for axis, value in zip(
-            _requirement_axes(self.quantity), self._limits, strict=True
-        ):
-            metric = f"{stem}_{axis}" if axis else stem
-            requirements.append(
-                Requirement(
-                    metric=metric,
-                    sense=sense,
-                    limit=unit_of(metric).to_si(value),
-                    condition=condition,
-                )
+        return [
+            Requirement(
+                metric=name,
+                sense=sense,
+                limit=unit_of(name).to_si(value),
+                condition=condition,
             )
-        return requirements
+            for name, value in zip(self.metric.names, self._limits, strict=True)
+        ]
 
 
 class RunSection(Section):
@@ -173,15 +190,3 @@ class PublishedSection(Section):
     objectives: list[ObjectiveName]
     values: dict[str, Mark]
     printed: PrintedSection
-
-
-def _requirement_stem(quantity: str) -> str:
-    for suffix in ("_deg_s", "_deg", "_m_s", "_mm"):
-        quantity = quantity.removesuffix(suffix)
-    return quantity
-
-
-def _requirement_axes(quantity: str) -> tuple[str, ...]:
-    return {"rate_after_separation": AXES, "deviation_at_separation": ANGLES}.get(
-        _requirement_stem(quantity), ("",)
-    )

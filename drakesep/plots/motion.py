@@ -8,8 +8,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drakesep.analysis.metrics.objectives import TWO_SIDED
-from drakesep.analysis.metrics.of_run import ANGLES, AXES
+from drakesep.analysis.metrics.of_run import time_of
+from drakesep.analysis.metrics.registry import (
+    ANGLES,
+    AXES,
+    Metric,
+    Moment,
+    find_metric,
+)
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.plots.style import COLOURS, DASHES, LIMIT
 from drakesep.tables.labelled_run import LabelledRun
@@ -20,23 +26,16 @@ class _Row(NamedTuple):
     quantity: str
     title: str
     axes: tuple[str, ...]
-    figure: str | None = None
-    """Stem of the figure that a requirement limits here."""
 
 
 _TRANSLATION = (
-    _Row(
-        "relative_velocity",
-        "relative velocity",
-        AXES,
-        "longitudinal_speed_after_separation",
-    ),
+    _Row("relative_velocity", "relative velocity", AXES),
     _Row("acceleration", "acceleration of the CG", AXES),
     _Row("linear_momentum_change", "linear momentum change", AXES),
 )
 _ROTATION = (
-    _Row("angle", "angle", ANGLES, "deviation_at_separation"),
-    _Row("rate", "rate", AXES, "rate_after_separation"),
+    _Row("angle", "angle", ANGLES),
+    _Row("rate", "rate", AXES),
     _Row("angular_momentum_change", "angular momentum change", AXES),
 )
 _PUBLISHED = ("#757575", "#A6A6A6", "#CCCCCC")
@@ -72,17 +71,14 @@ def _figure(
 ) -> Figure:
     figure = Figure(figsize=(12, 9), layout="constrained")
     panels = figure.subplots(len(rows), 3, sharex=True, squeeze=False)
-    by_metric = {requirement.metric: requirement for requirement in limits}
     for row, line in zip(rows, panels, strict=True):
         for i, axes in enumerate(line):
             _draw(axes, row, i, runs)
             axes.set_title(f"{row.title}, {row.axes[i]}", fontsize=10)
-            name = f"{row.figure}_{row.axes[i]}"
-            requirement = by_metric.get(name) or (
-                by_metric.get(str(row.figure)) if i == 0 else None
-            )
-            if requirement is not None:
-                _draw_limit(axes, requirement)
+            for requirement in limits:
+                metric = _of_component(requirement, row.quantity, i)
+                if metric is not None:
+                    _draw_limit(axes, requirement, metric, runs)
     for axes in panels[-1]:
         axes.set_xlabel("time (s)")
     handles, labels = panels[0][0].get_legend_handles_labels()
@@ -123,16 +119,33 @@ def _draw(axes: Axes, row: _Row, i: int, runs: Sequence[LabelledRun]) -> None:
     axes.grid(alpha=0.3)
 
 
-def _draw_limit(axes: Axes, requirement: Requirement) -> None:
-    limit = unit_of(requirement.metric).from_si(requirement.limit)
-    data = np.concatenate([np.asarray(line.get_ydata()) for line in axes.lines[:-1]])
+def _of_component(requirement: Requirement, quantity: str, i: int) -> Metric | None:
+    """Return the metric that is limited, if it is a value of a component itself."""
+    found = find_metric(requirement.metric)
+    if found is None:
+        return None
+    metric, axis = found
+    signal = metric.signal
+    if signal is None or signal.quantity != quantity or not metric.is_of_signal_itself:
+        return None
+    return metric if signal.components[metric.axes.index(axis)] == i else None
+
+
+def _draw_limit(
+    axes: Axes, requirement: Requirement, metric: Metric, runs: Sequence[LabelledRun]
+) -> None:
+    limit = metric.sign * unit_of(requirement.metric).from_si(requirement.limit)
+    curves = axes.lines[: len(runs)]
+    data = np.concatenate([np.asarray(line.get_ydata()) for line in curves])
     sides = [limit]
-    if requirement.metric in TWO_SIDED and data.min() < -0.2 * limit:
+    if metric.is_magnitude and data.min() < -0.2 * limit:
         sides.append(-limit)
-    start, end = axes.get_xlim()
-    separated = float(np.asarray(axes.lines[-1].get_xdata())[0])
-    # What holds at separation is drawn until then, what holds after it from then on.
-    span = (start, separated) if "_at_" in requirement.metric else (separated, end)
+    # What holds at a moment is drawn until then.
+    when = metric.when
+    start, end = (
+        (Moment.START, when) if isinstance(when, Moment) else (when.start, when.end)
+    )
+    span = [time_of(moment, runs[0].run) for moment in (start, end)]
     for side in sides:
         axes.plot(span, (side, side), color=LIMIT, linestyle=(0, (8, 3)), linewidth=1.2)
     axes.set_gid("limited")

@@ -16,12 +16,14 @@ if TYPE_CHECKING:  # JAX comes with them
 
 def unit_of_objective(objective: Objective) -> Unit:
     """Return the unit of an objective: of its metric, or SI."""
-    return SI if objective.metric is None else unit_of(objective.metric)
+    return SI if objective.shown_as is None else unit_of(objective.shown_as.name)
 
 
 def shown(objective: Objective, value: float) -> float:
     """Return the value of an objective as tables show it: its metric, in its unit."""
-    return objective.sign * unit_of_objective(objective).from_si(value)
+    metric = objective.shown_as
+    in_si = value if metric is None else metric.value(value)
+    return unit_of_objective(objective).from_si(in_si)
 
 
 def write_csv(frame: pd.DataFrame, path: Path) -> None:

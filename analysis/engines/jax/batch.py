@@ -25,8 +25,8 @@ from drakesep.analysis.engines.jax.compiled import (
     compiler_options,
     keep_programs,
 )
-from drakesep.analysis.engines.jax.step_signals import MetricsFold
-from drakesep.analysis.metrics.of_run import METRICS
+from drakesep.analysis.engines.jax.metrics_fold import MetricsFold
+from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.systems.arrays import Array
 from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.integrator import (
@@ -95,11 +95,11 @@ class _Flown(NamedTuple):
 class Batch:
     """Flies a separation for whole arrays of parameter values.
 
-    Programs are compiled at first use, for a separation and the names of the parameters
-    that vary, and kept on disk across processes: in JAX's cache, which is put into the
-    user's cache folder unless JAX has been told of another. Rows are flown in chunks,
-    on all cores: memory does not grow with their number, and no result depends on the
-    number of workers.
+    It tells the metrics that are registered when it is made. Programs are compiled at
+    first use, for a separation and the names of the parameters that vary, and kept on
+    disk across processes: in JAX's cache, which is put into the user's cache folder
+    unless JAX has been told of another. Rows are flown in chunks, on all cores: memory
+    does not grow with their number, and no result depends on the number of workers.
 
     Attributes:
         separation: that is flown.
@@ -173,7 +173,9 @@ class Batch:
         declared = declarations(separation)
         timed = any(declared[name].kind == "time" for name in names)
         self._integrator_of_slopes = state(one_by_one=timed)
-        self._fold = MetricsFold(self._equations, deviation_limits)
+        self._fold = MetricsFold(
+            self._equations, deviation_limits, registered_metrics()
+        )
         compiled = functools.partial(
             jax.jit, compiler_options=compiler_options(platform)
         )
@@ -205,7 +207,7 @@ class Batch:
 
         They are exact: those of the integration itself, in forward mode. At a kink of a
         metric they lie between both sides'; see
-        `drakesep.analysis.engines.jax.step_signals`.
+        `drakesep.analysis.engines.jax.metrics_fold`.
 
         Args:
             values: (n, n_p) of the parameters, in SI, in their order; or a frame with
@@ -274,7 +276,7 @@ class Batch:
         failures = check_rows(self.separation, self.names, rows)
         flyable, unflown = rows.copy(), list(failures)
         flyable[unflown] = self.nominal
-        metrics = np.empty((len(rows), len(METRICS)))
+        metrics = np.empty((len(rows), len(self._fold.names)))
         steps = np.zeros(len(rows), dtype=np.int64)
         jacobian = None
         if program is self._metrics_and_slopes:
@@ -295,7 +297,7 @@ class Batch:
         index = values.index if isinstance(values, pd.DataFrame) else None
         return BatchResult(
             names=self.names,
-            metrics=pd.DataFrame(metrics, index=index, columns=list(METRICS)),
+            metrics=pd.DataFrame(metrics, index=index, columns=list(self._fold.names)),
             failures=dict(sorted(failures.items())),
             steps=steps,
             jacobian=jacobian,

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from drakesep.analysis.engines.evaluator import Evaluated, Progress
 from drakesep.analysis.engines.jax.batch import Batch, BatchResult
 from drakesep.analysis.engines.run_evaluator import RunEvaluator
-from drakesep.analysis.metrics.objectives import Limits, Objective
+from drakesep.analysis.metrics.objectives import Limits, MetricObjective, Objective
 from drakesep.systems.arrays import Array
 from drakesep.systems.model.run import Run
 
@@ -45,11 +45,16 @@ class BatchEvaluator:
         self._batch = batch
         self.names = batch.names
         self.objectives = tuple(objectives)
+        self._by_metrics = {
+            k: objective
+            for k, objective in enumerate(self.objectives)
+            if isinstance(objective, MetricObjective)
+        }
         self._of_runs = RunEvaluator(batch.runs, batch.names, objectives, limits)
 
     def exact(self, k: int) -> bool:
         """Return whether derivatives are to be had: of what metrics alone tell."""
-        return self._derivatives and self.objectives[k].of_metrics_alone
+        return self._derivatives and k in self._by_metrics
 
     def all(
         self,
@@ -65,15 +70,15 @@ class BatchEvaluator:
             of: which objectives; all if None.
         """
         asked = range(len(self.objectives)) if of is None else of
-        of_metrics = [k for k in asked if self.objectives[k].of_metrics_alone]
-        others = [k for k in asked if not self.objectives[k].of_metrics_alone]
+        by_metrics = [k for k in asked if k in self._by_metrics]
+        others = [k for k in asked if k not in self._by_metrics]
         values = np.full((len(rows), len(self.objectives)), np.nan)
         failures: dict[int, str] = {}
-        if of_metrics:
+        if by_metrics:
             result = self._batch.run(rows, on_progress=on_progress)
             metrics = result.metrics.to_numpy()
-            for k in of_metrics:
-                values[:, k] = self.objectives[k].of_metrics(metrics)
+            for k in by_metrics:
+                values[:, k] = self._by_metrics[k].of_metrics(metrics)
             failures |= result.failures
         if others:
             told = self._of_runs.all(rows, on_progress, others)
@@ -83,21 +88,19 @@ class BatchEvaluator:
 
     def one(self, rows: Array, which: Sequence[int]) -> Evaluated:
         """Return one objective at each row: the which[i]-th at row i."""
-        of_metrics = np.array(
-            [self.objectives[k].of_metrics_alone for k in which], dtype=bool
-        )
+        by_metrics = np.array([k in self._by_metrics for k in which], dtype=bool)
         values = np.full(len(rows), np.nan)
         failures: dict[int, str] = {}
         parts: list[tuple[NDArray[np.intp], Evaluated]] = []
-        if of_metrics.any():
-            index = np.flatnonzero(of_metrics)
+        if by_metrics.any():
+            index = np.flatnonzero(by_metrics)
             result = self._batch.run(rows[index])
             told = self._tell(
                 result.metrics.to_numpy(), [which[i] for i in index.tolist()]
             )
             parts.append((index, Evaluated(told, dict(result.failures))))
-        if not of_metrics.all():
-            index = np.flatnonzero(~of_metrics)
+        if not by_metrics.all():
+            index = np.flatnonzero(~by_metrics)
             parts.append(
                 (
                     index,
@@ -111,7 +114,7 @@ class BatchEvaluator:
 
     def near(self, rows: Array, k: int) -> Evaluated:
         """Return an objective at the first row, and about it at the others."""
-        if self.objectives[k].of_metrics_alone:
+        if k in self._by_metrics:
             return self.one(rows, [k] * len(rows))
         return self._of_runs.near(rows, k)
 
@@ -125,11 +128,11 @@ class BatchEvaluator:
         # What goes wrong here goes wrong again where it is told of. No daemons: a
         # process that ends within the compiler does so with a crash.
         pool = futures.ThreadPoolExecutor(_COMPILERS)
-        if any(objective.of_metrics_alone for objective in self.objectives):
+        if self._by_metrics:
             pool.submit(self._batch.run, nominal)
         if any(map(self.exact, range(len(self.objectives)))):
             self._preparing = pool.submit(self._batch.jacobian, nominal)
-        if not all(objective.of_metrics_alone for objective in self.objectives):
+        if len(self._by_metrics) < len(self.objectives):
             pool.submit(self._batch.runs, nominal)
         pool.shutdown(wait=False)
 
@@ -141,7 +144,7 @@ class BatchEvaluator:
         assert result.jacobian is not None
         metrics = result.metrics.to_numpy()
         weights = np.stack(
-            [self.objectives[k].weights(metrics[i]) for i, k in enumerate(which)]
+            [self._by_metrics[k].weights(metrics[i]) for i, k in enumerate(which)]
         )
         # A metric of weight 0 counts for nothing, even where its slope is undefined.
         terms = np.where(weights[..., None] == 0.0, 0.0, result.jacobian)
@@ -152,7 +155,7 @@ class BatchEvaluator:
     def _tell(self, metrics: Array, which: Sequence[int]) -> Array:
         return np.array(
             [
-                float(self.objectives[k].of_metrics(row))
+                float(self._by_metrics[k].of_metrics(row))
                 for k, row in zip(which, metrics, strict=True)
             ]
         )

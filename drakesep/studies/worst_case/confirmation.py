@@ -9,7 +9,7 @@ from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.engines.jax.batch import TOLERANCE
-from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
+from drakesep.analysis.metrics.objectives import OBJECTIVES, MetricObjective, Objective
 from drakesep.analysis.metrics.of_run import METRICS
 from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.analysis.search.judge import WorstCase
@@ -130,7 +130,7 @@ def _accuracy(case: Case) -> float:
 
 
 def _value(study: WorstCases, objective: Objective, labelled: LabelledRun) -> float:
-    if objective.of_metrics_alone:
+    if isinstance(objective, MetricObjective):
         metrics_ = np.array([labelled.metrics[name] for name in METRICS])
         return float(objective.of_metrics(metrics_))
     if objective is study.clearance:

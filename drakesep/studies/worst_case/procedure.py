@@ -15,7 +15,7 @@ from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
 from drakesep.analysis.engines.run_evaluator import RunEvaluator
-from drakesep.analysis.metrics.objectives import Objective
+from drakesep.analysis.metrics.objectives import Needs, Objective
 from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.analysis.search.expensive_objectives import check_expensive
@@ -224,7 +224,7 @@ def _affordable(
     if all(o.expensive for o in objectives):
         chosen: Effort = _EXPENSIVE | effort
         return SearchSettings.affordable(steps, **chosen)
-    whole_runs = any(not (o.of_metrics_alone or o.expensive) for o in objectives)
+    whole_runs = any(o.needs is Needs.RUN for o in objectives)
     return SearchSettings.affordable(
         max(steps, _WHOLE_RUN if whole_runs else 0), **effort
     )

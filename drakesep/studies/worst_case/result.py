@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
+from drakesep.analysis.clearance.objective import LowestClearance
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.search.judge import WorstCase
 from drakesep.analysis.search.problem import Candidate, Searched
@@ -165,7 +165,7 @@ class WorstCases:
     @property
     def pictures(self) -> Pictures:
         """What shows the runs."""
-        clearances = [r.limit for r in self.case.limits if r.metric == CLEARANCE]
+        clearances = [r.limit for r in self.case.limits if r.measured_apart]
         return Pictures(
             runs=[f for f in self.runs if f.run.motion is not None and _shown(f)],
             limits=self.case.limits,
