@@ -1,8 +1,8 @@
 """Units at the edges: names that carry them, and values to and from SI.
 
 Inside, a parameter is ``payload.cg_x`` in m; in files and tables it is
-``payload.cg_x_mm``. The unit follows from what the parameter measures; of a metric, from
-its kind.
+``payload.cg_x_mm``. The unit follows from what the parameter measures; of a metric,
+from its kind.
 """
 
 import math
