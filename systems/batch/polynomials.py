@@ -7,7 +7,7 @@ import numpy as np
 from jax import lax
 
 from drakesep.systems.batch import lobatto
-from drakesep.systems.batch.equations import Lanes
+from drakesep.systems.batch.lanes import Lanes
 
 
 _NEWTONS = 3

@@ -13,7 +13,7 @@ import numpy as np
 from jax import lax
 
 from drakesep.systems.arrays import Array
-from drakesep.systems.batch.equations import Lanes
+from drakesep.systems.batch.lanes import Lanes
 
 
 _CHUNKS, _LANES = 8, 1024
