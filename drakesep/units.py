@@ -5,6 +5,7 @@ Inside, a parameter is ``payload.cg_x`` in m; in files and tables it is
 from its kind.
 """
 
+import functools
 import math
 from typing import Any, NamedTuple
 
@@ -13,7 +14,8 @@ from drakesep.analysis.metrics.registry import find_metric
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.springs import PUSHERS
 from drakesep.systems.model.loads import Load
-from drakesep.systems.model.parameter_table import Kind, split_axis
+from drakesep.systems.model.parameter_table import Kind
+from drakesep.systems.model.parameter_table import split_axis as split_axis
 from drakesep.systems.model.separation import Attachment, Body, InitialMotion
 
 
@@ -115,30 +117,27 @@ def unit_of(name: str) -> Unit:
     if metric is not None:
         return _UNITS[_OF_METRIC[metric[0].kind]]
     stem, _ = split_axis(name.rpartition(".")[2])
-    kind = _kind_of(stem)
+    kind = _kinds(records()).get(stem)
     return unit_of_kind(kind) if kind else _UNITS[_OF_QUANTITY[stem]]
 
 
-def _kind_of(stem: str) -> Kind | None:
-    """Return what parameters measure whose names have a stem; None if none has."""
-    kinds: set[Kind] = {
-        parameter.kind
-        for record in records()
-        for parameter in record.PARAMETERS
-        if parameter.stem == stem
-    }
-    if len(kinds) > 1:
-        raise InputError(
-            f"parameters named {stem!r} must be of one kind, which gives their unit, "
-            f"got {' and '.join(sorted(kinds))}"
-        )
-    return kinds.pop() if kinds else None
-
-
-def records() -> list[type[Any]]:
+def records() -> tuple[type[Any], ...]:
     """Return the kinds of records that have parameters."""
     pushers = dict.fromkeys(kind.record for kind in PUSHERS.values())
-    return [Body, Attachment, *pushers, Load, InitialMotion]
+    return Body, Attachment, *pushers, Load, InitialMotion
+
+
+@functools.cache
+def _kinds(records: tuple[type[Any], ...]) -> dict[str, Kind]:
+    """Return what the parameters of records measure, by the stems of their names."""
+    kinds: dict[str, Kind] = {}
+    for parameter in (p for record in records for p in record.PARAMETERS):
+        if kinds.setdefault(parameter.stem, parameter.kind) != parameter.kind:
+            raise InputError(
+                f"parameters named {parameter.stem!r} must be of one kind, which gives "
+                f"their unit, got {kinds[parameter.stem]} and {parameter.kind}"
+            )
+    return kinds
 
 
 def unit_of_kind(kind: Kind) -> Unit:

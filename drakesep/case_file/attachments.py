@@ -124,7 +124,7 @@ def _read_spring(data: Any, info: ValidationInfo) -> SpringSection:
             raise ValueError(unknown("key", key, known))
     law = given.get("law", "time")
     if law not in sections:
-        laws = Literal[tuple(sections)]  # type: ignore[valid-type]
+        laws: Any = Literal[tuple(sections)]
         create_model("Law", law=(laws, ...)).model_validate({"law": law})
     kind, section = PUSHERS[law], sections[law]
     for argument, needed in kind.arguments.items():

@@ -87,7 +87,7 @@ def _group_joints(separation: Separation) -> dict[tuple[int, int], list[_Joints]
         K_F, D_F, K_T, D_T = (
             tuple(gains[:, c].T[..., None]) for c in range(gains.shape[1])
         )
-        joint = HeldJoint(
+        held = HeldJoint(
             type=joint_type,
             R_AJ=R_AJ,
             K_F=K_F,
@@ -98,7 +98,7 @@ def _group_joints(separation: Separation) -> dict[tuple[int, int], list[_Joints]
             p_BoPad_B=(),  # type: ignore[arg-type]
             axis_B=tuple(axes.T[..., None]),
         )
-        pairs.setdefault(ends, []).append(_Joints(indices, joint))
+        pairs.setdefault(ends, []).append(_Joints(indices, held))
     return pairs
 
 

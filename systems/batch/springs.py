@@ -109,11 +109,13 @@ class BatchSprings:
             fields = []
             for field in group.values._fields:
                 entries = reader.vector(table, springs, field)
-                alone = table.by_field[field][0].index is None
+                alone = table.by_field[field][0].entry is None
                 fields.append(entries[0] if alone else entries)
             groups.append(group.values(*fields))
-        tilts = (reader.number(TILT_TABLE, self._springs, field) for field in AXIS)
-        return tuple(groups), push_axis(*tilts, jnp)
+        tilt_y, tilt_z = (
+            reader.number(TILT_TABLE, self._springs, field) for field in AXIS
+        )
+        return tuple(groups), push_axis(tilt_y, tilt_z, jnp)
 
     def _values(self, k: int, params: BatchParameters) -> Any:
         """Return what the law of a spring reads, of (n,)."""

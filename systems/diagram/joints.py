@@ -212,15 +212,11 @@ class CfeBushing(LeafSystem):
 def _joint_rows(separation: Separation) -> list[JointRow]:
     rows = []
     for attachment in separation.attachments:
+        K_F, D_F, K_T, D_T = attachment.joint.held_gains()
         pad_A = attachment.p_AoPad_A
-        rows.append(
-            JointRow(
-                *attachment.joint.held_gains(),
-                pad_A,
-                pad_on_B(separation, attachment, pad_A),
-                axis_on_B(separation, attachment),
-            )
-        )
+        pad_B = pad_on_B(separation, attachment, pad_A)
+        axis_B = axis_on_B(separation, attachment)
+        rows.append(JointRow(K_F, D_F, K_T, D_T, pad_A, pad_B, axis_B))
     return rows
 
 

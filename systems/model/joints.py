@@ -135,19 +135,20 @@ class Joint:
         """The same; None where the frame is that of A: nothing to rotate."""
         return None if self.R_AJ == _A_AXES else self.R_AJ
 
-    def held_gains(self) -> tuple[Vector3, ...]:
+    def held_gains(self) -> tuple[Vector3, Vector3, Vector3, Vector3]:
         """Return K_F, D_F, K_T, D_T, (4, 3), with zero along free directions."""
         translation, rotation = self.constraints
-        held = []
-        for gains, directions in (
-            (self.K_F, translation),
-            (self.D_F, translation),
-            (self.K_T, rotation),
-            (self.D_T, rotation),
-        ):
-            x, y, z = (
-                gain if holds else 0.0
-                for gain, holds in zip(gains, directions, strict=True)  # type: ignore[arg-type]
-            )
-            held.append((x, y, z))
-        return tuple(held)
+        return (
+            _held(self.K_F, translation),
+            _held(self.D_F, translation),
+            _held(self.K_T, rotation),
+            _held(self.D_T, rotation),
+        )
+
+
+def _held(gains: Gains, directions: tuple[bool, bool, bool]) -> Vector3:
+    assert not isinstance(gains, float | int)  # since Joint's own check
+    x, y, z = (
+        gain if held else 0.0 for gain, held in zip(gains, directions, strict=True)
+    )
+    return x, y, z

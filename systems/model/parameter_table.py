@@ -74,8 +74,8 @@ class Parameter(NamedTuple):
     """Empty if it has none."""
     field: str
     """Of the record."""
-    index: int | None
-    """Of its entry in the field; None: the field is a number."""
+    entry: int | None
+    """Which of the field's; None: the field is a number."""
     kind: Kind
     range: Range
     label: str
@@ -91,7 +91,7 @@ class Parameter(NamedTuple):
     def of(self, record: Any) -> float:
         """Return its value in a record."""
         value = getattr(record, self.field)
-        return float(value if self.index is None else value[self.index])
+        return float(value if self.entry is None else value[self.entry])
 
     def check(self, prefix: str, value: float) -> None:
         """Raise InputError unless its range holds a value.
@@ -167,7 +167,7 @@ class ParameterTable:
         """
         for field, parameters in self.by_field.items():
             value, first = getattr(record, field), parameters[0]
-            if first.index is not None:
+            if first.entry is not None:
                 check_entries(prefix + first.label, value, len(parameters))
             elif not (first.optional and value == math.inf):
                 first.check(prefix, value)

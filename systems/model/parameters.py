@@ -148,10 +148,10 @@ def _replace(record: Any, changes: Mapping[str, float]) -> Any:
     new: dict[str, Any] = {}
     for quantity, value in changes.items():
         parameter = record.PARAMETERS.by_quantity[quantity]
-        if parameter.index is None:
+        if parameter.entry is None:
             new[parameter.field] = value
         else:
             entries = list(new.get(parameter.field, getattr(record, parameter.field)))
-            entries[parameter.index] = value
+            entries[parameter.entry] = value
             new[parameter.field] = tuple(entries)
     return dataclasses.replace(record, **new) if new else record
