@@ -121,6 +121,7 @@ class BatchEquations:
             release_angle=reader.number(of_attachments, attachments, "release_angle"),
             springs=springs,
             push_axis_A=push_axis_A,
+            push_time=self.springs.push_time(springs, n),
             p_BoQ_B=reader.vector(of_loads, loads, "p_BoQ_B"),
             load_start=reader.number(of_loads, loads, "start"),
             load_factor=reader.number(of_loads, loads, "factor"),

@@ -43,6 +43,11 @@ class BatchParameters(NamedTuple):
     """Of each group of `BatchSprings` what its law reads, of (k_g, n)."""
     push_axis_A: Vector
     """Of (k, n)."""
+    push_time: Lanes
+    """(k, n) how long each spring that pushes for a time does so, s; 0 for others.
+
+    Computed once: where it is wanted twice, round-off may differ, and an event that is
+    stepped to would not be there."""
     p_BoQ_B: Vector
     """Where the loads act, of (l, n), m."""
     load_start: Lanes

@@ -14,6 +14,7 @@ from drakesep.systems.batch.lanes import (
     Mode,
     ParameterReader,
     pick,
+    rows,
 )
 from drakesep.systems.batch.wrenches import WrenchSum
 from drakesep.systems.equations.pushers import (
@@ -130,14 +131,23 @@ class BatchSprings:
 
     def stroke_end(self, params: BatchParameters, mode: Mode) -> Lanes:
         """Return (k, n) when springs that push for a time end, s."""
-        released = self._released(mode)
-        after = list(jnp.zeros_like(released))
-        for g, group in enumerate(self._groups):
+        return self._released(mode) + params.push_time
+
+    def push_time(self, groups: Sequence[Any], n: int) -> Lanes:
+        """Return (k, n) how long springs that push for a time do so, s; 0 for others.
+
+        Args:
+            groups: what their laws read, as `read` returns it.
+            n: of samples.
+        """
+        times = [jnp.zeros(n)] * self.count
+        for group, values in zip(self._groups, groups, strict=True):
             if group.law.by_time:
-                ends = group.law.end(params.springs[g], jnp)
-                for i, k in enumerate(group.springs):
-                    after[k] = ends[i]
-        return released + jnp.stack(after) if after else released
+                for k, time in zip(
+                    group.springs, group.law.end(values, jnp), strict=True
+                ):
+                    times[k] = time
+        return rows(times, n)
 
     def stroke(self, k: int, params: BatchParameters) -> Lanes:
         """Return (n,) the displacement that ends a spring's push, m."""
