@@ -12,7 +12,7 @@ class Tumbling:
     B's attitude in A is a turn about an axis that itself turns about another.
     """
 
-    def __init__(self, seed, *, distance=1.0):
+    def __init__(self, seed, *, distance=1.0, tumbles=True):
         rng = np.random.default_rng(seed)
         self._start = distance * unit(rng)
         # Toward A and back, and to and fro.
@@ -20,7 +20,7 @@ class Tumbling:
         self._swing = np.array([toward, 0.2 * distance * rng.normal(size=3)])
         self._rates = rng.uniform(2.0, 5.0, size=2)
         self._axes = np.array([unit(rng), unit(rng)])
-        self._spins = rng.uniform(-5.0, 5.0, size=2)
+        self._spins = tumbles * rng.uniform(-5.0, 5.0, size=2)
         self._axis_A, self._spin_A = unit(rng), rng.uniform(0.2, 1.0)
         self._v_A = rng.normal(size=3)
 

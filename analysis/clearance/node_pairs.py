@@ -39,8 +39,8 @@ class _Known(NamedTuple):
 
     @classmethod
     def with_room(cls, n: int) -> "_Known":
-        three = np.empty((3, n, 3))
-        return cls(np.empty(n), *three, np.empty(n), np.empty((n, 4)))
+        n_A, centre_A, centre_B = np.empty((3, n, 3))
+        return cls(np.empty(n), n_A, centre_A, centre_B, np.empty(n), np.empty((n, 4)))
 
     def with_twice_the_room(self) -> "_Known":
         return _Known(*(np.concatenate([x, np.empty_like(x)]) for x in self))
