@@ -39,8 +39,8 @@ class _Known(NamedTuple):
 
     @classmethod
     def with_room(cls, n: int) -> "_Known":
-        three = np.empty((3, n, 3))
-        return cls(np.empty(n), *three, np.empty(n), np.empty((n, 4)))
+        n_A, centre_A, centre_B = np.empty((3, n, 3))
+        return cls(np.empty(n), n_A, centre_A, centre_B, np.empty(n), np.empty((n, 4)))
 
     def with_twice_the_room(self) -> "_Known":
         return _Known(*(np.concatenate([x, np.empty_like(x)]) for x in self))
@@ -55,7 +55,7 @@ class NodePairs:
     def __init__(self, roots: Pair):
         """Begin with the pair of both parts' roots, of which nothing is known."""
         self._pairs: list[Pair] = []
-        self._known = _Known.with_room(_ROOM)
+        self._room = _Known.with_room(_ROOM)
         self.add(roots)
 
     def __len__(self) -> int:
@@ -67,8 +67,9 @@ class NodePairs:
     def add(self, pair: Pair) -> int:
         """Add a pair of which nothing is known, and return where it stands."""
         k = len(self._pairs)
-        if k == len(self._known.low):
-            self._known = self._known.with_twice_the_room()
+        if k == len(self._room.low):
+            self._room = self._room.with_twice_the_room()
+        self._known = self._room.first(k + 1)
         self._pairs.append(pair)
         self.replace(k, pair)
         return k
@@ -98,7 +99,7 @@ class NodePairs:
 
         Of what overlapped when it was measured nothing is known: -inf.
         """
-        known = self._known.first(len(self))
+        known = self._known
         moved = known.centre_B @ pose.R_AB.T + pose.p_AoBo_A - known.centre_A
         along = np.einsum("ki,ki->k", moved, known.n_A)
         cosine = np.minimum(np.abs(known.q_AB @ pose.q_AB), 1.0)
@@ -117,7 +118,7 @@ class NodePairs:
             bounds: on the motion in that time before and after.
             duration: s.
         """
-        known = self._known.first(len(self))
+        known = self._known
         arms = known.centre_B @ pose.R_AB.T
         # Not with np.cross, which takes longer than all the rest.
         turned = np.stack(cross(tuple(pose.w_AB_A), tuple(arms.T)), axis=1)

@@ -83,7 +83,8 @@ def support(node: Node, n_B: Array) -> float:
     """Return how far a node reaches, m, along a direction (3,) in its body."""
     if node.corners is None:
         return float(n_B @ support_point(node, n_B))
-    return float((node.corners @ n_B).max())
+    # Which `max` calls too, after half a microsecond of Python: twice a measurement.
+    return float(np.maximum.reduce(node.corners @ n_B))
 
 
 # Trees.

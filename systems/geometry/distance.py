@@ -89,17 +89,15 @@ class Proximity:
 
         The same whatever was measured before; any number of threads may ask at once.
         """
-        told = self._scenes.measure(pair, pose)
+        distance, n_A, p_GCa, p_GCb = self._scenes.measure(pair, pose)
         # Between shapes that touch, the normal may be no number.
-        if told.distance <= TOUCHING or not math.isfinite(told.n_A @ told.n_A):
-            return DistanceBound(told.distance, -np.inf, *told[1:], is_certified=True)
+        if distance <= TOUCHING or not math.isfinite(n_A @ n_A):
+            return DistanceBound(distance, -np.inf, n_A, p_GCa, p_GCb, True)
         first, second = pair
-        n_A = told.n_A
         to_second = float(n_A @ pose.p_AoBo_A) - support(second, -n_A @ pose.R_AB)
         low = to_second - support(first, n_A)
-        return DistanceBound(
-            told.distance, low, *told[1:], is_certified=told.distance - low <= _LOOSE
-        )
+        is_certified = distance - low <= _LOOSE
+        return DistanceBound(distance, low, n_A, p_GCa, p_GCb, is_certified)
 
 
 def certify(pair: Pair, pose: Pose, bound: DistanceBound) -> DistanceBound:

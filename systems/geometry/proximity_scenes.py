@@ -49,23 +49,37 @@ class ProximityScenes:
         self._instances: dict[Node, Any] = {}
         # Of what has been measured: the many pieces that never come near cost nothing.
         self._scenes: list[_Scene] = []
-        self._scene_of: dict[Pair, _Scene] = {}
-        nodes = [
-            [n for root in roots for n in nodes_of(root)] for roots in (on_B, on_A)
-        ]
-        for node in min(nodes, key=len):
+        self._known: dict[Pair, _KnownPair] = {}
+        of_A, of_B = (
+            [node for root in roots for node in nodes_of(root)]
+            for roots in (on_A, on_B)
+        )
+        self._A_is_first = len(of_A) < len(of_B)
+        for node in of_A if self._A_is_first else of_B:
             self._instance(node)
 
     def measure(self, pair: Pair, pose: Pose) -> SignedDistance:
         """Return what Drake tells of two nodes where B is at a pose in A."""
         with self._lock:
-            if pair not in self._scene_of:
-                if not self._scenes or self._scenes[-1].is_full:
-                    self._scenes.append(_Scene())
-                scene = self._scene_of[pair] = self._scenes[-1]
-                scene.add(pair[0], self._instance(pair[0]), on_A=True)
-                scene.add(pair[1], self._instance(pair[1]), on_A=False)
-            return self._scene_of[pair].measure(pair, pose)
+            scene, a, b = self._known.get(pair) or self._add(pair)
+            found = scene.query(pose).ComputeSignedDistancePairClosestPoints(a, b)
+        distance, n_W, p, q = found.distance, found.nhat_BA_W, found.p_ACa, found.p_BCb
+        # What Drake calls A is the first in its order.
+        if self._A_is_first:
+            return SignedDistance(distance, -n_W, p, q)
+        return SignedDistance(distance, n_W, q, p)
+
+    def _add(self, pair: Pair) -> "_KnownPair":
+        """Find a pair a scene."""
+        if not self._scenes or self._scenes[-1].is_full:
+            self._scenes.append(_Scene())
+        scene = self._scenes[-1]
+        a, b = (
+            scene.id_of(node, self._instance(node), on_A=on_A)
+            for node, on_A in zip(pair, (True, False), strict=True)
+        )
+        self._known[pair] = _KnownPair(scene, a, b)
+        return self._known[pair]
 
     def _instance(self, node: Node) -> Any:
         """Return the geometry of a node, which has its id from now on."""
@@ -96,30 +110,33 @@ class _Scene:
     def is_full(self) -> bool:
         return len(self._ids) >= _ROOM
 
-    def add(self, node: Node, instance: Any, *, on_A: bool) -> None:
-        """Let Drake know a node, if it does not."""
+    def id_of(self, node: Node, instance: Any, *, on_A: bool) -> Any:
+        """Return the id of a node, which Drake knows from now on."""
         if node not in self._ids:
             # A stands still: what is anchored costs nothing when B moves.
             frame = self._scene.world_frame_id() if on_A else self._B
             self._ids[node] = self._scene.RegisterGeometry(
                 self._context, self._source, frame, instance
             )
+        return self._ids[node]
 
-    def measure(self, pair: Pair, pose: Pose) -> SignedDistance:
-        a, b = self._ids[pair[0]], self._ids[pair[1]]
+    def query(self, pose: Pose) -> Any:
+        """Return what answers where B is at a pose in A, until it is at another."""
         if pose is not self._placed:
-            self._place(pose)
-        found = self._query.ComputeSignedDistancePairClosestPoints(a, b)
-        if found.id_A == a:
-            return SignedDistance(
-                found.distance, -found.nhat_BA_W, found.p_ACa, found.p_BCb
-            )
-        return SignedDistance(found.distance, found.nhat_BA_W, found.p_BCb, found.p_ACa)
+            X_AB = RigidTransform(RotationMatrix(pose.R_AB), pose.p_AoBo_A)
+            poses = drake.FramePoseVector()
+            poses.set_value(self._B, X_AB)
+            self._pose_port.FixValue(self._context, poses)
+            self._query = self._query_port.Eval(self._context)
+            self._placed = pose
+        return self._query
 
-    def _place(self, pose: Pose) -> None:
-        poses = drake.FramePoseVector()
-        X_AB = RigidTransform(RotationMatrix(pose.R_AB), pose.p_AoBo_A)
-        poses.set_value(self._B, X_AB)
-        self._pose_port.FixValue(self._context, poses)
-        self._query = self._query_port.Eval(self._context)
-        self._placed = pose
+
+class _KnownPair(NamedTuple):
+    """A pair of nodes in a scene."""
+
+    scene: _Scene
+    a: Any
+    """Drake's id of the first."""
+    b: Any
+    """Drake's id of the second."""

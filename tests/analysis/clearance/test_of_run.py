@@ -1,6 +1,7 @@
 """How near parts come, against motions whose clearance is known in closed form."""
 
 import math
+import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -9,6 +10,7 @@ import trimesh
 from flights import run_of, straight, trajectory
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tumbling import Tumbling
 
 from drakesep.analysis.clearance.of_pair import ACCURACY
 from drakesep.analysis.clearance.of_run import ClearanceAnalysis
@@ -352,6 +354,38 @@ def test_threads_that_measure_at_once_do_not_disturb_each_other():
     with ThreadPoolExecutor(2) as pool:
         for _ in range(3):
             assert list(pool.map(shared.of, runs)) == alone
+
+
+@pytest.fixture
+def hasty():
+    """Threads that take turns after a few microseconds, within any measurement."""
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-5)
+    yield
+    sys.setswitchinterval(interval)
+
+
+def test_two_threads_get_what_one_gets(hasty):
+    """Bit for bit, of walls on both bodies that tumble past each other."""
+    wall = Cone(radius_aft=0.05, radius_fore=0.04, length=0.02, thickness=0.005)
+    parts = [Part(name="ring", shape=wall)], [Part(name="payload_ring", shape=wall)]
+    time = np.linspace(0.0, 1.0, 41)
+    runs = [run_of(Tumbling(k, distance=0.3).trajectory(time), *parts) for k in (1, 2)]
+
+    def told(analysis, run):
+        return repr(
+            [
+                analysis.of(run),
+                analysis.smallest(run),
+                analysis.at_times(run, time[::8]).tolist(),
+                analysis.nearest(run, [0.1, 0.5, 0.9]),
+            ]
+        )
+
+    alone = [told(ClearanceAnalysis(run.separation), run) for run in runs]
+    shared = ClearanceAnalysis(runs[0].separation)
+    with ThreadPoolExecutor(2) as pool:
+        assert list(pool.map(told, [shared] * 4, 2 * runs)) == 2 * alone
 
 
 def test_parts_that_all_but_touch_are_measured():
