@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
+from drakesep.analysis.metrics.objectives import Needs, highest
+from drakesep.analysis.metrics.registry import forget_metric
 from drakesep.case_file.case import Case
 from drakesep.case_file.reader import builtin_cases
 
@@ -15,6 +17,7 @@ DOCS = Path(__file__).parent.parent / "docs"
 GUIDE = DOCS / "guide.md"
 WORST_CASES = DOCS / "worst_cases.md"
 CLEARANCE = DOCS / "clearance.md"
+METRICS_PAGE = DOCS / "metrics.md"
 
 
 def blocks(page, language):
@@ -22,7 +25,8 @@ def blocks(page, language):
     return re.findall(rf"^```{language}\n(.*?)^```", text, re.M | re.S)
 
 
-BLOCKS = [b for page in (GUIDE, WORST_CASES, CLEARANCE) for b in blocks(page, "python")]
+PAGES = (GUIDE, WORST_CASES, CLEARANCE, METRICS_PAGE)
+BLOCKS = [b for page in PAGES for b in blocks(page, "python")]
 
 
 def run(block, capsys):
@@ -95,6 +99,20 @@ def test_objectives_of_the_page_on_worst_cases(capsys):
     assert len(rows) == 4
     for *_, worst, in_drake in rows:
         assert float(worst) == pytest.approx(float(in_drake), rel=1e-5)
+
+
+def test_metrics_of_the_page_on_metrics(capsys):
+    """A metric of one's own is registered; the requirements shown can be read."""
+    try:
+        run(containing("register_metric"), capsys)
+        assert highest("relative_rate_after_separation_y").needs is Needs.METRICS
+    finally:
+        forget_metric("relative_rate_after_separation")
+    [block] = blocks(METRICS_PAGE, "yaml")
+    data = YAML(typ="safe").load(builtin_cases()["vega"])
+    data |= YAML(typ="safe").load(block)
+    limits = Case.model_validate(data).limits
+    assert [limit.metric for limit in limits][2:] == ["rate_after_separation_z", "G_PM"]
 
 
 def test_clearance_from_python(capsys):

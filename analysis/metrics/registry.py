@@ -35,13 +35,13 @@ class Kind(enum.Enum):
 class Moment(enum.Enum):
     """A time of a run."""
 
-    START = "at the start"
-    RELEASE = "at the first release"
+    START = "the start"
+    RELEASE = "the first release"
     """When the first attachment of B lets go."""
-    SEPARATION = "at separation"
+    SEPARATION = "separation"
     """When all attachments of B have let go, and the last spring has reached its
     stroke."""
-    END = "at the end"
+    END = "the end"
 
 
 class Window(NamedTuple):
@@ -68,7 +68,7 @@ class Functional(enum.Enum):
     LARGEST_MAGNITUDE = "largest magnitude"
     INTEGRAL_OF_MAGNITUDE = "integral of the magnitude"
     INTEGRAL_OF_SQUARE = "integral of the square"
-    TIME_WITHIN = "time until which it stays within its limits"
+    TIME_WITHIN = "time within limits"
     TIME = "time"
     """Of a moment, without a signal."""
     DISTANCE = "smallest distance between parts"
@@ -199,13 +199,18 @@ class Metric:
     @property
     def words(self) -> str:
         """What it is, in words."""
-        when = self.when.value if isinstance(self.when, Moment) else self.when.words
+        when = (
+            f"at {self.when.value}"
+            if isinstance(self.when, Moment)
+            else self.when.words
+        )
+        if self.functional is Functional.DISTANCE:
+            return self.functional.value
         if self.signal is None:
-            text = self.functional.value
-            return f"{text} of separation" if self.functional in AT_A_MOMENT else text
-        of_all = self.combined is Combined.EACH
+            return f"{self.functional.value} {when}"
         text = f"{self.functional.value} of the {self.signal.words}, {when}"
-        text = text if of_all else f"{self.combined.value} over the axes: {text}"
+        if self.combined is not Combined.EACH:
+            text = f"{self.combined.value} over the axes: {text}"
         return text if self.sign > 0.0 else f"less the {text}"
 
     def judged_by(self, sense: Sense) -> str:
