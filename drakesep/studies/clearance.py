@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.clearance.of_run import PARTED, ClearanceAnalysis
-from drakesep.case_file.case import Case
 from drakesep.studies.output import writable_folder
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
@@ -25,7 +25,7 @@ from drakesep.units import unit_of, with_unit
 class Clearances:
     """How near the parts of a case come in one run."""
 
-    case: Case
+    case: AnalysisCase
     run: Run
     values: Mapping[str, float]
     """What was changed, by parameter name with unit."""
@@ -151,7 +151,7 @@ class Clearances:
         }
 
 
-def check_geometry(case: Case) -> None:
+def check_geometry(case: AnalysisCase) -> None:
     """Raise InputError unless two bodies of a case have geometry."""
     if len({*owners_of(case.separation).values()}) < 2:
         raise InputError("bodies: a clearance needs geometry on two of them")

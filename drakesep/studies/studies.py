@@ -8,13 +8,15 @@ from typing import Unpack
 
 import pandas as pd
 
+from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.objectives import AnyObjective
 from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.analysis.search.problem import OnProgress as Tell
 from drakesep.analysis.search.problem import Problem
 from drakesep.case_file.case import Case
 from drakesep.case_file.objectives import choose_objectives, the_clearance
-from drakesep.case_file.reader import load_case
+from drakesep.case_file.reader import analysis_case_of
+from drakesep.case_file.values import values_in_si
 from drakesep.studies.clearance import Clearances, check_geometry
 from drakesep.studies.output import writable_folder
 from drakesep.studies.verification import Verification
@@ -33,7 +35,7 @@ from drakesep.tables.run_tables import motion_table, runs_table
 class Simulated:
     """One run of a case."""
 
-    case: Case
+    case: AnalysisCase
     labelled: LabelledRun
     values: Mapping[str, float]
     """What was changed, by parameter name with unit."""
@@ -46,7 +48,7 @@ class Simulated:
     @functools.cached_property
     def summary(self) -> pd.DataFrame:
         """One row, as in `WorstCases.table`, with what was changed."""
-        names = (*self.case.box.names, *self.case.values_in_si(self.values))
+        names = (*self.case.box.names, *values_in_si(self.case.separation, self.values))
         return runs_table([self.labelled], list(dict.fromkeys(names)))
 
     @functools.cached_property
@@ -80,11 +82,11 @@ class Simulated:
             # Half a second to import, where something is drawn.
             from drakesep.plots.motion import save_motion
 
-            save_motion([self.labelled], self.case.limits, folder)
+            save_motion([self.labelled], self.case.requirements, folder)
 
 
 def simulate(
-    case: Case | str | Path, values: Mapping[str, float] | None = None
+    case: Case | AnalysisCase | str | Path, values: Mapping[str, float] | None = None
 ) -> Simulated:
     """Fly a case once.
 
@@ -95,9 +97,9 @@ def simulate(
     Raises:
         ValueError: the case or a value is wrong.
     """
-    case = _as_case(case)
+    case = analysis_case_of(case)
     run = Simulation(case.separation, case.integration).run(
-        case.values_in_si(values or {})
+        values_in_si(case.separation, values or {})
     )
     label = "run" if values else NOMINAL
     return Simulated(
@@ -106,7 +108,7 @@ def simulate(
 
 
 def clearance(
-    case: Case | str | Path, values: Mapping[str, float] | None = None
+    case: Case | AnalysisCase | str | Path, values: Mapping[str, float] | None = None
 ) -> Clearances:
     """Fly a case once, and measure how near its bodies' geometry comes.
 
@@ -119,10 +121,10 @@ def clearance(
             of it overlaps while mated.
         RuntimeError: the run fails.
     """
-    case = _as_case(case)
+    case = analysis_case_of(case)
     check_geometry(case)
     run = Simulation(case.separation, case.integration).run(
-        case.values_in_si(values or {})
+        values_in_si(case.separation, values or {})
     )
     if run.motion is None:
         raise RuntimeError(f"the run failed: {run.message}")
@@ -132,7 +134,7 @@ def clearance(
 
 
 def animate(
-    case: Case | str | Path,
+    case: Case | AnalysisCase | str | Path,
     runs: Mapping[str, Mapping[str, float]] | None = None,
     *,
     output: str | Path,
@@ -152,24 +154,24 @@ def animate(
         ValueError: the case or a value is wrong, or no two bodies have geometry.
         RuntimeError: a run fails.
     """
-    case = _as_case(case)
+    case = analysis_case_of(case)
     check_geometry(case)
     simulation = Simulation(case.separation, case.integration)
-    values: dict[str, dict[str, float]] = {NOMINAL: {}}
+    values: dict[str, Mapping[str, float]] = {NOMINAL: {}}
     values |= (
-        {p.label: case.published_values(p) for p in case.published}
+        {p.label: p.values for p in case.published}
         if runs is None
-        else {label: case.values_in_si(run) for label, run in runs.items()}
+        else {label: values_in_si(case.separation, run) for label, run in runs.items()}
     )
     flown = {label: simulation.run(run) for label, run in values.items()}
     from drakesep.plots.animation import animation
 
-    chosen = case.clearance
+    chosen, separation = case.clearance, case.separation
     page = animation(
         flown,
         chosen.pairs,
         touching=chosen.touching,
-        title=f"{case.name}: separation of {case.pair.B} from {case.pair.A}",
+        title=f"{case.name}: separation of {separation.B} from {separation.A}",
     )
     file = Path(output)
     writable_folder(file.parent)
@@ -178,7 +180,7 @@ def animate(
 
 
 def worst_case(
-    case: Case | str | Path,
+    case: Case | AnalysisCase | str | Path,
     objectives: Sequence[AnyObjective] | AnyObjective | None = None,
     *,
     searches: Sequence[str] | None = None,
@@ -207,8 +209,8 @@ def worst_case(
             be written.
         RuntimeError: the nominal run fails.
     """
-    study = WorstCases(case=_as_case(case))
-    if not study.case.dispersions:
+    study = WorstCases(case=analysis_case_of(case))
+    if not study.case.tolerances:
         raise InputError("dispersions: a worst case needs some, got none")
     folder = None if output is None else writable_folder(output)
     search(
@@ -224,7 +226,7 @@ def worst_case(
 
 
 def verify(
-    case: Case | str | Path,
+    case: Case | AnalysisCase | str | Path,
     *,
     searches: Sequence[str] | None = None,
     growth: bool | None = None,
@@ -252,8 +254,8 @@ def verify(
             folder cannot be written.
         RuntimeError: the nominal run fails.
     """
-    study = Verification(case=_as_case(case))
-    if not study.case.limits:
+    study = Verification(case=analysis_case_of(case))
+    if not study.case.requirements:
         raise InputError("requirements: a case to verify must have some, got none")
     folder = None if output is None else writable_folder(output)
     objectives = choose_objectives(study.case, None)
@@ -267,7 +269,7 @@ def verify(
     search(
         study,
         # Without dispersions, the nominal and the published runs are all there is.
-        objectives if study.case.dispersions else (),
+        objectives if study.case.tolerances else (),
         searches=searches,
         effort=effort,
         output=folder,
@@ -280,7 +282,3 @@ def verify(
 
 _GROWABLE = 2000
 """Steps of the nominal run in Drake up to which growth is looked for unasked."""
-
-
-def _as_case(case: Case | str | Path) -> Case:
-    return case if isinstance(case, Case) else load_case(case)

@@ -32,7 +32,7 @@ class Verification(WorstCases):
     def findings(self) -> list[Finding]:
         """How each requirement fares over all runs."""
         runs = {f.label: f.metrics for f in self.runs if f.metrics}
-        return assess(self.case.limits, runs, NOMINAL)
+        return assess(self.case.requirements, runs, NOMINAL)
 
     @property
     def requirements(self) -> pd.DataFrame:
@@ -51,7 +51,7 @@ class Verification(WorstCases):
         super().save_tables(directory)
         folder = Path(directory)
         # No verdict before the worst cases are known.
-        if self.worst or (self.runs and not self.case.dispersions):
+        if self.worst or (self.runs and not self.case.tolerances):
             write_csv(self.requirements, folder / "requirements.csv")
             write_csv(self.table_4, folder / "table_4.csv")
         if self.single_growths:
@@ -69,7 +69,7 @@ class Verification(WorstCases):
         worst = {case.name: case for case in self.worst}
         limits = [
             (requirement, limit)
-            for requirement in self.case.limits
+            for requirement in self.case.requirements
             for objective in self.case.towards(requirement)
             if objective.name in worst and not objective.expensive
             for limit in _limits(

@@ -3,12 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from drakesep.analysis.analysis_case import AnalysisCase, PublishedCase
 from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.of_run import metrics_of_run
-from drakesep.analysis.metrics.requirements import deviation_limits
-from drakesep.case_file.case import Case
-from drakesep.case_file.others import PublishedSection
 from drakesep.systems.model.run import Run
 
 
@@ -31,7 +29,7 @@ class LabelledRun:
     evaluations: int = 1
     """Runs flown for it; of a worst case, by all searches for all objectives."""
     status: str = "completed"
-    published: PublishedSection | None = field(default=None, repr=False)
+    published: PublishedCase | None = field(default=None, repr=False)
     """The publication that it comes from."""
     objective_in_drake: float | None = None
     """Of the objective whose worst case it is, in SI; None if the run failed."""
@@ -42,7 +40,7 @@ class LabelledRun:
 def labelled_run(
     label: str,
     run: Run,
-    case: Case,
+    case: AnalysisCase,
     clearance: LowestClearance | None = None,
     **found: object,
 ) -> LabelledRun:
@@ -51,8 +49,7 @@ def labelled_run(
     if run.motion is None:
         found["status"] = f"failed: {run.message}"
     else:
-        limits = deviation_limits(case.limits)
-        metrics_ |= metrics_of_run(run, limits)
+        metrics_ |= metrics_of_run(run, case.deviation_limits)
         if clearance is not None:
             found["nearest"] = nearest = clearance.nearest(run)
             metrics_[CLEARANCE] = nearest.minimum
@@ -60,7 +57,7 @@ def labelled_run(
 
 
 def references(
-    case: Case, runs: Sequence[Run], clearance: LowestClearance | None
+    case: AnalysisCase, runs: Sequence[Run], clearance: LowestClearance | None
 ) -> list[LabelledRun]:
     """Return the nominal run of a case, and the published ones after it."""
     nominal, *others = runs

@@ -39,10 +39,14 @@ def table_4(runs: Sequence[LabelledRun], box: ToleranceBox) -> pd.DataFrame:
         printed = labelled.published and labelled.published.printed
         cells = _conditions(labelled)
         if printed:
+            in_si = (
+                *printed.rate,
+                printed.deviation_within_limits_until,
+                printed.longitudinal_speed,
+            )
             numbers = [
-                *printed.rate_deg_s,
-                printed.deviation_within_limits_until_s,
-                printed.longitudinal_speed_m_s,
+                unit_of(name).from_si(value)
+                for name, value in zip(_CONDITIONS, in_si, strict=True)
             ]
             cells = [
                 f"{cell} ({number:g})"
@@ -68,13 +72,19 @@ def table_4(runs: Sequence[LabelledRun], box: ToleranceBox) -> pd.DataFrame:
     return pd.DataFrame({"condition or property": labels, **columns})
 
 
+_CONDITIONS = (
+    *(f"final_rate_{axis}" for axis in AXES),
+    "deviation_within_limits_until",
+    "longitudinal_speed_max",
+)
+"""Metrics after separation, in the order of the table."""
+
+
 def _conditions(labelled: LabelledRun) -> list[str]:
-    names = [f"final_rate_{axis}" for axis in AXES]
-    names += ["deviation_within_limits_until", "longitudinal_speed_max"]
     metrics = labelled.metrics
     return [
         f"{unit_of(name).from_si(metrics[name]):.2f}" if metrics else "failed"
-        for name in names
+        for name in _CONDITIONS
     ]
 
 

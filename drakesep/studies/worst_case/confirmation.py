@@ -5,17 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.engines.jax.batch import TOLERANCE
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.metrics.of_run import METRICS
-from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.analysis.search.judge import WorstCase
 from drakesep.analysis.search.problem import OnProgress, SearchProgress
 from drakesep.analysis.search.sqp import SearchStatus
-from drakesep.case_file.case import Case
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.systems.model.run import Run, RunStatus
 from drakesep.tables.labelled_run import LabelledRun, labelled_run
@@ -123,7 +122,7 @@ def _confirmed(
     return replace(labelled, status=status, objective_in_drake=in_drake)
 
 
-def _accuracy(case: Case) -> float:
+def _accuracy(case: AnalysisCase) -> float:
     """Return that of the motion of runs, in SI: what steps err adds up over a run."""
     steps = case.integration.accuracy * max(1.0, case.separation.duration)
     return max(steps, TOLERANCE)
@@ -135,4 +134,4 @@ def _value(study: WorstCases, objective: Objective, labelled: LabelledRun) -> fl
         return float(objective.of_metrics(metrics_))
     if objective is study.clearance:
         return -labelled.metrics[CLEARANCE]
-    return objective.of_run(labelled.run, deviation_limits(study.case.limits))
+    return objective.of_run(labelled.run, study.case.deviation_limits)

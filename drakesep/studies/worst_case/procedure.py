@@ -11,12 +11,12 @@ from typing import TypeAlias
 
 import numpy as np
 
+from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
 from drakesep.analysis.engines.run_evaluator import RunEvaluator
 from drakesep.analysis.metrics.objectives import Objective
-from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.analysis.search.expensive_objectives import check_expensive
 from drakesep.analysis.search.judge import WorstCase, find_worst_cases
@@ -24,7 +24,6 @@ from drakesep.analysis.search.problem import OnProgress as Tell
 from drakesep.analysis.search.problem import Problem, Searched, SearchProgress
 from drakesep.analysis.search.registry import check_search
 from drakesep.analysis.search.sqp import Start, slopes_at
-from drakesep.case_file.case import Case
 from drakesep.case_file.objectives import the_clearance
 from drakesep.plots.pictures import Tornado
 from drakesep.studies.background_process import beside, submitted
@@ -125,7 +124,7 @@ def search(
                 case.separation, case.integration, workers=1 if flown_here else workers
             )
         )
-        published = pool.fly([case.published_values(p) for p in case.published])
+        published = pool.fly([p.values for p in case.published])
         # Its programs are compiled beside what comes next.
         batch = _batch(case, objectives, derivatives=light) if on_batch else None
         study.runs += _told(study, [nominal, *published], aside)
@@ -271,20 +270,20 @@ def _find(
 
 
 def _drake(
-    case: Case, objectives: Sequence[Objective], pool: DrakePool
+    case: AnalysisCase, objectives: Sequence[Objective], pool: DrakePool
 ) -> RunEvaluator:
     names = case.box.names
 
     def fly(rows: np.ndarray) -> list[Run]:
         return pool.fly([dict(zip(names, row.tolist(), strict=True)) for row in rows])
 
-    return RunEvaluator(fly, names, objectives, deviation_limits(case.limits))
+    return RunEvaluator(fly, names, objectives, case.deviation_limits)
 
 
 def _batch(
-    case: Case, objectives: Sequence[Objective], *, derivatives: bool
+    case: AnalysisCase, objectives: Sequence[Objective], *, derivatives: bool
 ) -> BatchEvaluator:
-    limits = deviation_limits(case.limits)
+    limits = case.deviation_limits
     batch = Batch(case.separation, case.box.names, deviation_limits=limits)
     evaluator = BatchEvaluator(batch, objectives, limits, derivatives=derivatives)
     evaluator.prepare()

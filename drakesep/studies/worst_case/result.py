@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.search.judge import WorstCase
 from drakesep.analysis.search.problem import Candidate, Searched
 from drakesep.analysis.search.sqp import Iteration
-from drakesep.case_file.case import Case
 from drakesep.plots.pictures import Approach, Pictures, Tornado
 from drakesep.studies.output import writable_folder
 from drakesep.tables.columns import write_csv
@@ -33,7 +33,7 @@ from drakesep.tables.table_4 import table_4
 class WorstCases:
     """The nominal run, the published worst cases, and the worst found."""
 
-    case: Case
+    case: AnalysisCase
     objectives: tuple[Objective, ...] = ()
     runs: list[LabelledRun] = field(default_factory=list)
     searched: list[Searched] = field(default_factory=list)
@@ -45,10 +45,10 @@ class WorstCases:
     clearance: LowestClearance | None = field(default=None, repr=False)
     """That tells how near the nominal and published runs come; None if not asked."""
 
-    @functools.cached_property
+    @property
     def share_unphysical(self) -> float:
         """The share of the tolerances whose inertias no body can have."""
-        return self.case.tolerance_set.share_unphysical()
+        return self.case.share_unphysical
 
     @property
     def table(self) -> pd.DataFrame:
@@ -117,8 +117,8 @@ class WorstCases:
         """Sensitivities of the paper's objectives, and in each worse direction."""
         left_out = set()
         values = {case.name: case.value for case in self.worst}
-        for requirement in self.case.limits:
-            names = [o.name for o in self.case.towards(requirement)]
+        for requirement in self.case.requirements:
+            names = self.case.names_towards(requirement)
             known = [name for name in names if name in values]
             left_out |= set(known) - {max(known, key=values.__getitem__, default="")}
         frame = self.sensitivities
@@ -165,10 +165,10 @@ class WorstCases:
     @property
     def pictures(self) -> Pictures:
         """What shows the runs."""
-        clearances = [r.limit for r in self.case.limits if r.metric == CLEARANCE]
+        clearances = [r.limit for r in self.case.requirements if r.metric == CLEARANCE]
         return Pictures(
             runs=[f for f in self.runs if f.run.motion is not None and _shown(f)],
-            limits=self.case.limits,
+            limits=self.case.requirements,
             approaches=self._approaches,
             clearance_limit=clearances[0] if clearances else None,
         )

@@ -159,7 +159,7 @@ def test_requirement_on_clearance(write, tmp_path):
     [limit] = case.limits
     assert (limit.metric, limit.sense, limit.limit) == ("clearance", ">=", 0.03)
     assert limit.condition == "until 500 mm of separation"
-    assert [o.name for o in case.requirement_objectives] == ["lowest_clearance"]
+    assert [o.name for o in case.in_si().requirement_objectives] == ["lowest_clearance"]
     with pytest.raises(CaseError, match="a clearance must have 'at_least'"):
         load(at_most=30)
     with pytest.raises(CaseError, match="at_least of a clearance must be > 0, got 0"):
@@ -326,7 +326,7 @@ def test_pictures_that_fail_do_not_take_the_study_with_them(tmp_path, monkeypatc
     def fail(*_):
         raise OSError("disk full")
 
-    monkeypatch.setattr("drakesep.plots.motion.save_tornado", fail)
+    monkeypatch.setattr("drakesep.plots.tornado.save_tornado", fail)
     with pytest.raises(OSError, match="disk full"):
         drakesep.verify(boom_in_guide(), samples=100, output=tmp_path, workers=1)
     assert (tmp_path / "requirements.csv").exists()
