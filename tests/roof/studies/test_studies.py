@@ -8,7 +8,7 @@ import pytest
 import drakesep
 from drakesep.analysis.metrics.objectives import OBJECTIVES, highest
 from drakesep.analysis.search.effort import SearchSettings
-from drakesep.studies.worst_case.procedure import default_searches
+from drakesep.studies.worst_case.searches import default_searches
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.run import RunStatus
 from drakesep.systems.simulation.simulation import Simulation
