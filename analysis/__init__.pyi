@@ -1,3 +1,7 @@
+from .analysis_case import AnalysisCase as AnalysisCase
+from .analysis_case import ClearancePairs as ClearancePairs
+from .analysis_case import PrintedResult as PrintedResult
+from .analysis_case import PublishedCase as PublishedCase
 from .clearance.contact import Contact as Contact
 from .clearance.objective import LowestClearance as LowestClearance
 from .clearance.of_pair import Clearance as Clearance

@@ -97,7 +97,7 @@ def row(separation: Separation, pair, simulation: Simulation, run) -> dict:
         "query (us)": round(1e6 * query(separation, pair), 1),
         "moment (us)": round(1e6 * statistics.median(moments), 1),
         "smallest of a run (ms)": round(1e3 * statistics.median(whole), 1),
-        "over its labelled in Drake": round(ratio, 2),
+        "over its run in Drake": round(ratio, 2),
     }
 
 

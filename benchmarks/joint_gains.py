@@ -215,7 +215,7 @@ def draw(results: dict[tuple[JointType, float], list[Result]], path: str) -> Non
     right.plot(K, 0.04 * np.cbrt(K), "k:", label="slope of $K^{1/3}$")
     right.plot(K[-4:], 1e-5 * np.sqrt(K[-4:]), "k-.", label="slope of $K^{1/2}$")
     left.set(ylabel="largest error of B's CG (m)")
-    right.set(ylabel=f"run time for {DURATION:g} s of labelled (s)")
+    right.set(ylabel=f"run time for {DURATION:g} s of flight (s)")
     for axes in (left, right):
         axes.set(xscale="log", yscale="log", xlabel="stiffness K (N/m and N m/rad)")
         axes.grid(alpha=0.3)

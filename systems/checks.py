@@ -1,9 +1,10 @@
 """Checks of input: each error names the field, what was wanted and what was got."""
 
+import contextlib
 import difflib
 import math
 import numbers
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeAlias
 
 
@@ -64,3 +65,12 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> str:
     nearest = difflib.get_close_matches(str(name), names, n=1, cutoff=0.5)
     hint = f"did you mean {nearest[0]!r}?" if nearest else f"known: {', '.join(names)}"
     return f"unknown {kind} {name!r}; {hint}"
+
+
+@contextlib.contextmanager
+def named(name: str) -> Iterator[None]:
+    """Say in errors what they are about."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from error

@@ -1,5 +1,7 @@
 """What several test files share."""
 
+from pathlib import Path
+
 import hypothesis
 import pytest
 
@@ -7,8 +9,7 @@ from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.case_file.case import Case
 from drakesep.case_file.reader import load_case
-from drakesep.studies.studies import verify
-from drakesep.studies.verification import Verification
+from drakesep.studies.verification import Verification, verify
 
 
 # A busy machine is not a failure.
@@ -17,12 +18,15 @@ hypothesis.settings.load_profile("drakesep")
 
 
 @pytest.fixture(scope="session")
-def vega_verification(tmp_path_factory: pytest.TempPathFactory) -> Verification:
-    """The main job, done once; its folder is in `folder`."""
-    folder = tmp_path_factory.mktemp("vega")
-    study = verify("vega", output=folder)
-    study.folder = folder
-    return study
+def vega_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """That `vega_verification` writes into."""
+    return tmp_path_factory.mktemp("vega")
+
+
+@pytest.fixture(scope="session")
+def vega_verification(vega_folder: Path) -> Verification:
+    """The main job, done once."""
+    return verify("vega", output=vega_folder)
 
 
 @pytest.fixture(scope="session")

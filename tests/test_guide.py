@@ -75,6 +75,17 @@ def test_case_files_of_the_guide():
     assert [load.name for load in loads] == ["retro_rocket", "gust"]
 
 
+def test_a_case_in_python(capsys):
+    """The heaviest payload is the slowest, and its mass is at the wider bound."""
+    run_ = compile(containing("AnalysisCase("), str(GUIDE), "exec")
+    exec(run_, {"__name__": "__main__"})
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "['nominal']"
+    _, label, role, mass = lines[-1].split()
+    assert (label, role) == ("worst_PM", "worst")
+    assert float(mass) == pytest.approx(1860.0 + 40.0)
+
+
 def test_many_runs(capsys):
     rates = run(containing("batch.jacobian"), capsys)[-3:]
     # deg/s to the digits printed

@@ -267,6 +267,10 @@ def _end(run: Run, until: float | None) -> float:
     return end
 
 
+class DoubtfulScale(UserWarning):
+    """A mesh is of another size than its body."""
+
+
 def _warn_of_scale(body: Body, part: Part) -> None:
     """Warn of a mesh that does not go with the size of its body."""
     mesh = part.shape
@@ -280,5 +284,6 @@ def _warn_of_scale(body: Body, part: Part) -> None:
             f"{part.name}: mesh is {extent:.3g} m across on a body of radius of "
             f"gyration {size:.3g} m; check scale, metres in a unit of the file, now "
             f"{mesh.scale:g} (0.001 for a file in mm)",
+            DoubtfulScale,
             stacklevel=3,
         )

@@ -205,7 +205,7 @@ class Metric:
             else self.when.words
         )
         if self.functional is Functional.DISTANCE:
-            return self.functional.value
+            return str(self.functional.value)
         if self.signal is None:
             return f"{self.functional.value} {when}"
         text = f"{self.functional.value} of the {self.signal.words}, {when}"

@@ -48,6 +48,12 @@ class Requirement:
         found = find_metric(self.metric)
         return found is not None and not found[0].of_every_run
 
+    @property
+    def never_negative(self) -> bool:
+        """Whether its metric cannot be below zero, so that no limit is."""
+        found = find_metric(self.metric)
+        return found is not None and found[0].never_negative
+
     def margin(self, value: float) -> float:
         """Return how far a value lies inside the limit; negative if it is beyond."""
         return self.limit - value if self.sense == "<=" else value - self.limit

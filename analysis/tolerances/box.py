@@ -30,6 +30,22 @@ class Dispersion:
         check_positive(f"{self.name}: tolerance", self.tolerance)
 
 
+class UnphysicalTolerance(InputError):
+    """A tolerance that reaches a value that is not physical.
+
+    Attributes:
+        name: of the parameter.
+        reason: what is wrong with it at its bound.
+    """
+
+    def __init__(self, name: str, bound: float, reason: str):
+        super().__init__(
+            f"{name}: tolerance must keep to physical values, got {bound:g} "
+            f"at its bound ({reason})"
+        )
+        self.name, self.reason = name, reason
+
+
 class ToleranceBox:
     """The set of all values within their tolerances.
 
@@ -108,7 +124,4 @@ def _check_reach(separation: Separation, name: str, bound: float) -> None:
     try:
         with_values(separation, {name: bound})
     except ValueError as error:
-        raise InputError(
-            f"{name}: tolerance must keep to physical values, got {bound:g} "
-            f"at its bound ({error})"
-        ) from error
+        raise UnphysicalTolerance(name, bound, str(error)) from error

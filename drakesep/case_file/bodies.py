@@ -12,7 +12,6 @@ from drakesep.case_file.section import (
     Section,
     Vector,
     check_one,
-    named,
     to_si,
 )
 from drakesep.case_file.shapes import (
@@ -23,7 +22,7 @@ from drakesep.case_file.shapes import (
     MeshSection,
     SphereSection,
 )
-from drakesep.systems.checks import Vector3
+from drakesep.systems.checks import Vector3, named
 from drakesep.systems.model.inertia import Inertia
 from drakesep.systems.model.separation import Body
 from drakesep.units import unit_of

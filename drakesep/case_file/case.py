@@ -3,18 +3,18 @@
 Keys carry their units; a `Case` hands everything on in SI and radians.
 """
 
-import math
 from collections.abc import Mapping
-from typing import Self
+from typing import TYPE_CHECKING, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
-from drakesep.analysis.metrics.objectives import Objective, lowest, towards
-from drakesep.analysis.metrics.requirements import Requirement, deviation_limits
-from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.analysis.analysis_case import AnalysisCase, ClearancePairs
+from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.analysis.tolerances.box import ToleranceBox, UnphysicalTolerance
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.case_file.attachments import AttachmentSection, LoadSection
 from drakesep.case_file.bodies import BodySection
+from drakesep.case_file.errors import CaseError, explained
 from drakesep.case_file.geometry import ClearanceSection, RecontactSection
 from drakesep.case_file.others import (
     BeforeSeparationSection,
@@ -25,22 +25,25 @@ from drakesep.case_file.others import (
     RequirementSection,
     RunSection,
 )
-from drakesep.case_file.section import Name, Positive, Section, named
-from drakesep.systems.checks import InputError, check_finite, unknown
+from drakesep.case_file.section import Name, Positive, Section
+from drakesep.case_file.values import parameter_of, values_in_si
+from drakesep.systems.checks import named
 from drakesep.systems.model.integration import Integration
-from drakesep.systems.model.parameters import parameters, with_values
-from drakesep.systems.model.part_pairs import pairs_apart, part_pairs
-from drakesep.systems.model.recontact import Recontact
+from drakesep.systems.model.part_pairs import pairs_apart
 from drakesep.systems.model.separation import Separation
+from drakesep.tables.roles import check_labels
 from drakesep.units import unit_of, with_unit
 
 
-class CaseError(InputError):
-    """A case cannot be read; the message names the key, what was wanted and got."""
+if TYPE_CHECKING:  # imports Drake
+    from drakesep.analysis.clearance.objective import LowestClearance
 
 
 class Case(Section):
-    """A separation with its tolerances and requirements, as a case file holds it."""
+    """A separation with its tolerances and requirements, as a case file holds it.
+
+    It is turned into SI once, when it is read or made; `in_si` returns that.
+    """
 
     name: Name
     description: str = ""
@@ -63,72 +66,49 @@ class Case(Section):
     run: RunSection
     published: list[PublishedSection] = Field(default_factory=list)
 
+    _record: AnalysisCase = PrivateAttr()
+
     @model_validator(mode="after")
-    def _check_meaning(self) -> Self:
-        _ = self.separation, self.integration
-        self._check_clearance()
-        self._check_dispersions()
-        self._check_ellipsoids()
-        self._check_requirements()
-        self._check_published()
+    def _turn_into_si(self) -> Self:
+        self._record = self._in_si()
         return self
 
-    def _check_clearance(self) -> None:
-        with named("clearance"):
-            part_pairs(self.separation, self.clearance.pairs)
-            part_pairs(self.separation, self.clearance.touching)
-
-    def _check_dispersions(self) -> None:
-        for key, tolerance in self.dispersions.items():
-            try:
-                ToleranceBox.around(
-                    self.separation, self.values_in_si({key: tolerance})
-                )
-            except InputError as error:
-                bound = f"{key} ± {tolerance:g}: " if error.__cause__ else ""
-                raise CaseError(
-                    f"dispersions: {bound}{error.__cause__ or error}"
-                ) from error
-
-    def _check_ellipsoids(self) -> None:
+    def _in_si(self) -> AnalysisCase:
+        separation = self._separation()
+        with named("dispersions"):
+            tolerances = values_in_si(separation, self.dispersions)
         with named("ellipsoids"):
-            _ = self.tolerance_set
-
-    def _check_requirements(self) -> None:
-        quantities = [section.quantity for section in self.requirements]
-        for quantity in quantities:
-            if quantities.count(quantity) > 1:
-                raise CaseError(f"requirements: {quantity} must stand once")
-        apart = any(not section.metric.of_every_run for section in self.requirements)
-        if apart and not self.has_clearance:
-            raise CaseError(
-                "requirements: clearance_mm needs geometry on two bodies that does not "
-                "touch while mated, got none"
+            ellipsoids = [
+                section.in_si(
+                    tuple(parameter_of(separation, key) for key in section.parameters)
+                )
+                for section in self.ellipsoids
+            ]
+        self._check_requirements(separation)
+        published = []
+        for section in self.published:
+            with named(f"published: {section.label}"):
+                published.append(section.in_si(separation, tolerances))
+        try:
+            record = AnalysisCase(
+                name=self.name,
+                separation=separation,
+                integration=self.run.in_si(),
+                tolerances=tolerances,
+                ellipsoids=tuple(ellipsoids),
+                requirements=self._limits,
+                clearance=self._clearance_pairs(),
+                published=tuple(published),
             )
-        for section in self.requirements:
-            for limit in (
-                section.requirements() if section.metric.never_negative else ()
-            ):
-                if limit.sense == "<=" and limit.limit < 0.0:
-                    raise CaseError(
-                        f"requirements: {with_unit(limit.metric)}: at_most must be >= "
-                        f"0, got {unit_of(limit.metric).from_si(limit.limit):g}"
-                    )
+        except UnphysicalTolerance as error:
+            key = with_unit(error.name)
+            got = f"{key} ± {self.dispersions[key]:g}"
+            raise CaseError(f"dispersions: {got}: {error.reason}") from error
+        check_labels(record, record.objective_names)
+        return record
 
-    def _check_published(self) -> None:
-        labels = [published.label for published in self.published]
-        for published in self.published:
-            label = published.label
-            if labels.count(label) > 1:
-                raise CaseError(f"published: label {label!r} must stand once")
-            if label == "nominal" or label.startswith(("worst_", "sqp_")):
-                raise CaseError(f"published: label {label!r} is taken by our own runs")
-            with named(f"published: {label}"):
-                with_values(self.separation, self.published_values(published))
-
-    @property
-    def separation(self) -> Separation:
-        """The separation, in SI."""
+    def _separation(self) -> Separation:
+        touching, recontact = self.clearance.touching, self.recontact
         return Separation(
             bodies=tuple(body.in_si(name) for name, body in self.bodies.items()),
             attachments=tuple(a.in_si(name) for name, a in self.attachments.items()),
@@ -137,88 +117,109 @@ class Case(Section):
             loads=tuple(load.in_si(name) for name, load in self.loads.items()),
             initial=self.before_separation.in_si(),
             orbit=None if self.orbit is None else self.orbit.in_si(),
-            recontact=self._recontact,
+            recontact=None if recontact is None else recontact.in_si(touching),
             duration=self.run.duration_s,
         )
 
-    @property
-    def _recontact(self) -> Recontact | None:
-        if self.recontact is None:
-            return None
-        return self.recontact.in_si(self.clearance.touching)
-
-    @property
-    def integration(self) -> Integration:
-        """How runs are integrated."""
-        return self.run.in_si()
-
-    @property
-    def box(self) -> ToleranceBox:
-        """The tolerances, in SI."""
-        return ToleranceBox.around(self.separation, self.values_in_si(self.dispersions))
-
-    @property
-    def tolerance_set(self) -> ToleranceSet:
-        """What the tolerances admit, and can exist."""
-        ellipsoids = [
-            section.in_si(
-                tuple(
-                    name
-                    for key in section.parameters
-                    for name in self.values_in_si({key: 0.0})
-                )
-            )
-            for section in self.ellipsoids
-        ]
-        return ToleranceSet(self.separation, self.box, ellipsoids)
-
-    @property
-    def requirement_objectives(self) -> tuple[Objective, ...]:
-        """What leads out of each requirement, and the time to a deviation's limit."""
-        objectives = [o for limit in self.limits for o in self.towards(limit)]
-        if any(math.isfinite(limit) for limit in deviation_limits(self.limits)):
-            objectives.append(lowest("deviation_within_limits_until"))
-        return tuple(objectives)
-
-    def towards(self, requirement: Requirement) -> tuple[Objective, ...]:
-        """Return the objectives that lead out of a requirement."""
-        if requirement.measured_apart:
-            return (self.lowest_clearance(),)
-        return towards(requirement)
-
-    def lowest_clearance(self) -> Objective:
-        """Return the objective that makes the smallest distance small.
-
-        Over the time for which there is a requirement on it, else over the whole run.
-        """
-        # Here, since it takes long: a case is read without Drake.
-        from drakesep.analysis.clearance.objective import LowestClearance
-
-        window = [
-            section.until_separation_mm
-            for section in self.requirements
-            if not section.metric.of_every_run
-        ]
-        until = window[0] if window else None
-        return LowestClearance(
-            self.separation,
-            self.clearance.pairs,
-            touching=self.clearance.touching,
+    def _clearance_pairs(self) -> ClearancePairs:
+        pairs = self.clearance.pairs
+        window = [s.until_separation_mm for s in self.requirements]
+        until = next((mm for mm in window if mm is not None), None)
+        return ClearancePairs(
+            pairs=None if pairs is None else tuple(pairs),
+            touching=tuple(self.clearance.touching),
             until_separation=(
                 None if until is None else unit_of("separation").to_si(until)
             ),
         )
 
+    def _check_requirements(self, separation: Separation) -> None:
+        """Check what only a file can say of them: its keys, and limits in its units."""
+        quantities = [section.quantity for section in self.requirements]
+        for quantity in quantities:
+            if quantities.count(quantity) > 1:
+                raise CaseError(f"requirements: {quantity} must stand once")
+        if any(limit.measured_apart for limit in self._limits):
+            with named("clearance"):
+                of = self.clearance
+                apart = pairs_apart(separation, of.pairs, of.touching)
+            if not apart:
+                raise CaseError(
+                    "requirements: clearance_mm needs geometry on two bodies that does "
+                    "not touch while mated, got none"
+                )
+        for limit in self._limits:
+            if limit.never_negative and limit.sense == "<=" and limit.limit < 0.0:
+                raise CaseError(
+                    f"requirements: {with_unit(limit.metric)}: at_most must be >= 0, "
+                    f"got {unit_of(limit.metric).from_si(limit.limit):g}"
+                )
+
     @property
-    def has_clearance(self) -> bool:
-        """Whether parts of two bodies may come near each other."""
-        of = self.clearance
-        return bool(pairs_apart(self.separation, of.pairs, of.touching))
+    def _limits(self) -> tuple[Requirement, ...]:
+        return tuple(r for section in self.requirements for r in section.requirements())
+
+    def in_si(self) -> AnalysisCase:
+        """Return the case in SI and radians, as studies take it."""
+        return self._record
+
+    def replaced(self, **sections: Any) -> Self:
+        """Return the case with some of its sections changed, checked as a file is.
+
+        Args:
+            sections: new ones by their keys, as a case file or a `Case` has them.
+
+        Raises:
+            CaseError: the changed case is wrong.
+        """
+        kept = {key: getattr(self, key) for key in self.model_fields_set}
+        try:
+            return type(self).model_validate(kept | sections)
+        except ValidationError as error:
+            raise explained(error) from error
+
+    def model_copy(
+        self, *, update: Mapping[str, Any] | None = None, deep: bool = False
+    ) -> Self:
+        """Return what `replaced` does: no copy is left unchecked."""
+        return self.replaced(**(update or {}))
+
+    @property
+    def separation(self) -> Separation:
+        """The separation, in SI."""
+        return self._record.separation
+
+    @property
+    def integration(self) -> Integration:
+        """How runs are integrated."""
+        return self._record.integration
+
+    @property
+    def box(self) -> ToleranceBox:
+        """The tolerances, in SI."""
+        return self._record.box
+
+    @property
+    def tolerance_set(self) -> ToleranceSet:
+        """What the tolerances admit, and can exist."""
+        return self._record.tolerance_set
 
     @property
     def limits(self) -> tuple[Requirement, ...]:
         """The requirements, in SI, one for each axis."""
-        return tuple(r for section in self.requirements for r in section.requirements())
+        return self._record.requirements
+
+    @property
+    def has_clearance(self) -> bool:
+        """Whether parts of two bodies may come near each other."""
+        return self._record.has_clearance
+
+    def lowest_clearance(self) -> "LowestClearance":
+        """Return a new objective that makes the smallest distance small.
+
+        Over the time for which there is a requirement on it, else over the whole run.
+        """
+        return self._record.lowest_clearance()
 
     def values_in_si(self, values: Mapping[str, float]) -> dict[str, float]:
         """Return parameter values in SI.
@@ -229,28 +230,4 @@ class Case(Section):
         Raises:
             CaseError: a name is unknown.
         """
-        names = {with_unit(name): name for name in parameters(self.separation)}
-        in_si = {}
-        for name, value in values.items():
-            if name not in names:
-                raise CaseError(unknown("parameter", name, names))
-            check_finite(name, value)
-            in_si[names[name]] = unit_of(names[name]).to_si(value)
-        return in_si
-
-    def published_values(self, published: PublishedSection) -> dict[str, float]:
-        """Return the parameter values of a published worst case, in SI."""
-        marks = {"M": 1.0, "m": -1.0}
-        box = {d.name: d for d in self.box.dispersions}
-        values = {}
-        for key, mark in published.values.items():
-            [(name, value)] = self.values_in_si({key: 0.0}).items()
-            if isinstance(mark, str):
-                if name not in box:
-                    known = map(with_unit, box)
-                    raise CaseError(unknown("dispersed parameter", key, known))
-                value = box[name].nominal + marks[mark] * box[name].tolerance
-            else:
-                value = unit_of(name).to_si(mark)
-            values[name] = value
-        return values
+        return values_in_si(self._record.separation, values)

@@ -11,7 +11,6 @@ from drakesep.case_file.section import (
     Section,
     Vector,
     check_one,
-    named,
     to_si,
 )
 from drakesep.case_file.shapes import (
@@ -20,6 +19,7 @@ from drakesep.case_file.shapes import (
     MeshSection,
     SphereSection,
 )
+from drakesep.systems.checks import named
 from drakesep.systems.model.parts import (
     Box,
     Capsule,

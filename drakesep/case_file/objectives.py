@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.objective import LOWEST, LowestClearance
 from drakesep.analysis.metrics.objectives import (
     OBJECTIVES,
@@ -13,14 +14,15 @@ from drakesep.case_file.case import Case
 from drakesep.systems.checks import InputError
 
 
-def case_objectives(case: Case) -> dict[str, Objective]:
+def case_objectives(case: Case | AnalysisCase) -> dict[str, Objective]:
     """Return the objectives of a case by name: the paper's, and each requirement's."""
-    objectives = [*OBJECTIVES.values(), *case.requirement_objectives]
+    record = case.in_si() if isinstance(case, Case) else case
+    objectives = [*OBJECTIVES.values(), *record.requirement_objectives]
     return {objective.name: objective for objective in objectives}
 
 
 def choose_objectives(
-    case: Case, wanted: Sequence[AnyObjective] | AnyObjective | None
+    case: AnalysisCase, wanted: Sequence[AnyObjective] | AnyObjective | None
 ) -> tuple[Objective, ...]:
     """Return the objectives that are wanted; all of the case if None.
 

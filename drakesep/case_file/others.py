@@ -1,16 +1,27 @@
 """The other sections of a case file: pair, orbit, requirements, run, publications."""
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BeforeValidator, Strict, model_validator
 
+from drakesep.analysis.analysis_case import PrintedResult, PublishedCase
 from drakesep.analysis.metrics.objectives import ObjectiveName
 from drakesep.analysis.metrics.registry import Metric, Sense, registered_metrics
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
+from drakesep.case_file.errors import CaseError
 from drakesep.case_file.section import Name, Positive, Section, Vector, to_si
+from drakesep.case_file.values import parameter_of
+from drakesep.systems.checks import unknown
 from drakesep.systems.model.integration import Integration, Scheme
-from drakesep.systems.model.separation import EARTH_RADIUS, InitialMotion, Orbit
+from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.separation import (
+    EARTH_RADIUS,
+    InitialMotion,
+    Orbit,
+    Separation,
+)
 from drakesep.units import unit_of, with_unit
 
 
@@ -182,6 +193,15 @@ class PrintedSection(Section):
     longitudinal_speed_m_s: float
     iterations: int
 
+    def in_si(self) -> PrintedResult:
+        """Return it."""
+        return PrintedResult(
+            rate=to_si("rate", self.rate_deg_s),
+            deviation_within_limits_until=self.deviation_within_limits_until_s,
+            longitudinal_speed=self.longitudinal_speed_m_s,
+            iterations=self.iterations,
+        )
+
 
 class PublishedSection(Section):
     """A published worst case: M and m for the bounds of a tolerance, or a value."""
@@ -190,3 +210,38 @@ class PublishedSection(Section):
     objectives: list[ObjectiveName]
     values: dict[str, Mark]
     printed: PrintedSection
+
+    def in_si(
+        self, separation: Separation, tolerances: Mapping[str, float]
+    ) -> PublishedCase:
+        """Return it.
+
+        Args:
+            separation: gives the nominal values.
+            tolerances: by parameter name, in SI, which M and m stand for.
+
+        Raises:
+            CaseError: a parameter is unknown, or is marked and not dispersed.
+        """
+        return PublishedCase(
+            label=self.label,
+            values=self._values(separation, tolerances),
+            objectives=tuple(self.objectives),
+            printed=self.printed.in_si(),
+        )
+
+    def _values(
+        self, separation: Separation, tolerances: Mapping[str, float]
+    ) -> dict[str, float]:
+        nominal, signs = parameters(separation), {"M": 1.0, "m": -1.0}
+        values = {}
+        for key, mark in self.values.items():
+            name = parameter_of(separation, key)
+            if not isinstance(mark, str):
+                values[name] = unit_of(name).to_si(mark)
+            elif name in tolerances:
+                values[name] = nominal[name] + signs[mark] * tolerances[name]
+            else:
+                known = map(with_unit, tolerances)
+                raise CaseError(unknown("dispersed parameter", key, known))
+        return values

@@ -8,7 +8,9 @@ from pydantic import ValidationError
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
-from drakesep.case_file.case import Case, CaseError
+from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.case_file.case import Case
+from drakesep.case_file.errors import CaseError, explained, shown
 
 
 _CASES = Path(__file__).parents[1] / "cases"
@@ -48,7 +50,7 @@ def load_case(source: str | Path) -> Case:
             f"{source}: must be YAML, got: {_in_one_line(error)}"
         ) from error
     if not isinstance(data, dict):
-        raise CaseError(f"{source}: must be a mapping of keys, got {_shown(data)}")
+        raise CaseError(f"{source}: must be a mapping of keys, got {shown(data)}")
     empty = list(_empty(data))
     if empty:
         wanted = "must have a value, got none"
@@ -56,8 +58,22 @@ def load_case(source: str | Path) -> Case:
     try:
         return Case.model_validate(data, context={"folder": path.parent})
     except ValidationError as error:
-        lines = (f"{source}: {_explain(dict(e))}" for e in error.errors())
-        raise CaseError("\n".join(lines)) from error
+        raise explained(error, f"{source}: ") from error
+
+
+def analysis_case_of(case: Case | AnalysisCase | str | Path) -> AnalysisCase:
+    """Return what a study works on.
+
+    Args:
+        case: a case, in SI or as a file holds it, a case file, or the name of a
+            built-in case.
+
+    Raises:
+        CaseError: a file cannot be read.
+    """
+    if isinstance(case, AnalysisCase):
+        return case
+    return (case if isinstance(case, Case) else load_case(case)).in_si()
 
 
 def _in_one_line(error: YAMLError) -> str:
@@ -77,40 +93,3 @@ def _empty(data: Any, place: str = "") -> Iterator[str]:
             yield from _empty(value, f"{place} (entry {number})")
     elif data is None:
         yield place
-
-
-def _shown(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
-
-
-def _explain(error: dict[str, Any]) -> str:
-    place = "".join(
-        f" (entry {part + 1})" if isinstance(part, int) else f".{part}"
-        for part in error["loc"]
-    ).lstrip(".")
-    context = error.get("ctx", {})
-    got = f", got {_shown(error['input'])}"
-    match error["type"]:
-        case "missing":
-            return f"{place}: missing"
-        case "greater_than":
-            message = f"must be > {context['gt']:g}{got}"
-        case "greater_than_equal":
-            message = f"must be >= {context['ge']:g}{got}"
-        case "finite_number":
-            message = f"must be finite{got}"
-        case "float_type" | "int_type":
-            message = f"must be a number{got}"
-        case "string_type":
-            message = f"must be text{got}"
-        case "string_pattern_mismatch":
-            message = f"must be made of letters, digits, _ and -{got}"
-        case "model_type" | "dict_type":
-            message = f"must be a mapping of keys{got}"
-        case "value_error":
-            message = str(context["error"])
-        case _:
-            wanted = error["msg"].replace("Input should be", "must be")
-            message = f"{wanted[0].lower()}{wanted[1:]}{got}"
-    return f"{place}: {message}" if place else message

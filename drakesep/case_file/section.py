@@ -1,7 +1,5 @@
 """What all sections of a case file are made of."""
 
-import contextlib
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,7 +14,8 @@ from pydantic import (
     model_validator,
 )
 
-from drakesep.systems.checks import InputError, Vector3, unknown
+from drakesep.systems.checks import Vector3, unknown
+from drakesep.systems.checks import named as named
 from drakesep.units import unit_of
 
 
@@ -84,15 +83,6 @@ def check_one(section: Section, keys: tuple[str, ...]) -> None:
         raise ValueError(
             f"must have one of {', '.join(keys)}, got {' and '.join(got) or 'none'}"
         )
-
-
-@contextlib.contextmanager
-def named(name: str) -> Iterator[None]:
-    """Say in errors what they are about."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(f"{name}: {error}") from error
 
 
 def to_si(quantity: str, vector: Vector3) -> Vector3:

@@ -4,7 +4,7 @@ import contextlib
 import signal
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn, TextIO, cast
 
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from drakesep.analysis.search.effort import Effort
-    from drakesep.studies.worst_case.procedure import Progress
-    from drakesep.studies.worst_case.result import WorstCases
 
 
 app = typer.Typer(
@@ -106,22 +104,19 @@ def simulate(
     """Fly a case once: motion.csv, summary.csv, plots; contacts.csv if any."""
     values = _parse_changes(changes or [])
     from drakesep.case_file.reader import load_case
-    from drakesep.cli.console import print_frame
-    from drakesep.studies import studies
-    from drakesep.tables.run_tables import metrics_table
+    from drakesep.cli.results import print_simulated
+    from drakesep.studies import simulate
 
     console = _console()
     loaded = load_case(case)
     folder = _folder(output, loaded.name, "simulate")
     with console.status("flying"):
-        result = studies.simulate(loaded, values)
+        result = simulate.simulate(loaded, values)
         result.save(folder)
     if not result.completed:
         _fail(FAILED, result.labelled.status)
-    print_frame(console, "Metrics of the run", metrics_table(result.labelled))
-    if len(result.contacts):
-        print_frame(console, "Parts that touch again", result.contacts)
-    console.print(f"Tables and plots are in {folder}", markup=False)
+    print_simulated(console, result)
+    _say_where(console, folder)
 
 
 @app.command()
@@ -136,19 +131,17 @@ def clearance(
     """
     values = _parse_changes(changes or [])
     from drakesep.case_file.reader import load_case
-    from drakesep.cli.console import print_frame
-    from drakesep.studies import studies
+    from drakesep.cli.results import print_clearances
+    from drakesep.studies import clearance
 
     console = _console()
     loaded = load_case(case)
     folder = _folder(output, loaded.name, "clearance")
     with console.status("flying and measuring"):
-        study = studies.clearance(loaded, values)
+        study = clearance.clearance(loaded, values)
         study.save(folder)
-    summary = study.summary
-    shown = [name for name in _CLEARANCE if name in summary]
-    print_frame(console, "Smallest clearances of the run", summary[shown])
-    console.print(f"Tables and plots are in {folder}", markup=False)
+    print_clearances(console, study)
+    _say_where(console, folder)
     if not study.clear:
         _fail(FAILED, "there is contact; see clearance_summary.csv")
 
@@ -181,7 +174,7 @@ def animate(
 ) -> None:
     """Animate the nominal run and worst cases in one HTML page, for a browser."""
     from drakesep.case_file.reader import load_case
-    from drakesep.studies import studies
+    from drakesep.studies import animate
     from drakesep.tables.run_tables import read_runs
 
     console = _console()
@@ -191,16 +184,10 @@ def animate(
     chosen = None if runs is None else read_runs(runs, labels)
     file = output or Path("results") / loaded.name / "animate.html"
     with console.status("flying and measuring"):
-        shown = studies.animate(loaded, chosen, output=file)
+        shown = animate.animate(loaded, chosen, output=file)
     console.print(f"The animation is {file}: open it in a browser", markup=False)
     console.print(f"It shows {', '.join(shown)}", markup=False)
 
-
-_CLEARANCE = (
-    *("first", "second", "clearance_mm", "time_s", "separation_mm"),
-    *("contact_time_s", "closing_speed_m_s", "status"),
-)
-"""Columns that are printed; the others are in the file."""
 
 SearchOption = Annotated[
     list[str] | None,
@@ -243,13 +230,15 @@ def worst_case(
 ) -> None:
     """Find the worst cases: worst_cases.csv, evidence.csv, plots and more."""
     from drakesep.case_file.reader import load_case
-    from drakesep.studies import studies
+    from drakesep.cli.progress import progress_bar
+    from drakesep.cli.results import print_worst_cases
+    from drakesep.studies.worst_case import procedure
 
     console = _console()
     loaded = load_case(case)
     folder = _folder(output, loaded.name, "worst-case")
-    with _progress(console, folder) as on_progress:
-        study = studies.worst_case(
+    with _interruptible(folder), progress_bar(console) as on_progress:
+        study = procedure.worst_case(
             loaded,
             objectives,
             searches=search,
@@ -258,8 +247,8 @@ def worst_case(
             on_progress=on_progress,
             **_given(starts=starts, samples=samples, vertices=vertices, seed=seed),
         )
-    _print_worst_cases(console, study)
-    console.print(f"Tables and plots are in {folder}", markup=False)
+    print_worst_cases(console, study)
+    _say_where(console, folder)
     if not study.completed:
         _fail(FAILED, _WHAT_FAILED)
 
@@ -294,122 +283,51 @@ def verify(
     Exits with 1 if a requirement is not met.
     """
     from drakesep.case_file.reader import load_case
-    from drakesep.studies.background_process import beside
+    from drakesep.studies.background_process import BackgroundProcess
+    from drakesep.studies.worst_case.searches import WantedSearches
 
     console = _console()
     loaded = load_case(case)
     folder = _folder(output, loaded.name, "verify")
-    searched = loaded.dispersions and search != ["drake"]
-    # It imports what it needs while this process does.
-    with beside(workers if searched else 1):
-        from drakesep.studies import studies
+    alone = WantedSearches.named(search).drake_alone or not loaded.dispersions
+    # It is started now, to import what it draws with while we import the engines.
+    with BackgroundProcess(1 if alone else workers) as background:
+        from drakesep.cli.progress import progress_bar
+        from drakesep.studies import verification
 
-        with _progress(console, folder) as on_progress:
-            study = studies.verify(
+        with _interruptible(folder), progress_bar(console) as on_progress:
+            study = verification.verify(
                 loaded,
                 searches=search,
                 growth=growth,
                 output=folder,
                 workers=workers,
                 on_progress=on_progress,
+                background=background,
                 **_given(starts=starts, samples=samples, vertices=vertices, seed=seed),
             )
-    from drakesep.cli.console import print_frame
+    from drakesep.cli.results import print_requirements, print_verdict
 
-    _print_worst_cases(console, study)
-    print_frame(
-        console, "Requirements over the tolerances", study.requirements, index=2
-    )
-    console.print(f"Tables and plots are in {folder}", markup=False)
+    print_requirements(console, study)
+    _say_where(console, folder)
     if not study.completed:
         _fail(FAILED, _WHAT_FAILED)
-    if loaded.has_clearance and study.clearance is None:
-        console.print(
-            "There is geometry, and no requirement of clearance_mm: whether anything "
-            "touches was not looked at."
-        )
-    if study.worst and not study.growths:
-        console.print("How far tolerances may grow was not looked for: see --growth.")
+    print_verdict(console, study)
     if not study.passed:
-        console.print("[bold red]Not every requirement is met.[/]")
         raise typer.Exit(FAILED)
-    console.print(
-        "[bold green]Every requirement is met[/] in all "
-        f"{len(study.runs)} runs flown in Drake, the worst cases of each among them."
-    )
-
-
-_EVIDENCE = (
-    *("objective", "unit", "worst", "difference", "found_by", "sqp", "vertices"),
-    *("samples", "starts", "ended_there", "at_bounds", "optimality_residual"),
-)
-"""Columns that are printed; the others are in the file."""
-
-
-def _print_worst_cases(console: "Console", study: "WorstCases") -> None:
-    from drakesep.cli.console import print_frame
-
-    if not study.comparison.empty:
-        print_frame(console, "The paper's objectives", study.comparison)
-    print_frame(
-        console,
-        "Runs in the form of the paper's Table 4: M maximum, m minimum, Nom nominal"
-        + ("; published values in parentheses" if study.case.published else ""),
-        study.table_4,
-    )
-    if study.worst:
-        print_frame(console, "Searches", study.searches)
-        evidence = study.evidence
-        shown = [name for name in _EVIDENCE if name in evidence]
-        print_frame(console, "Worst cases, with the evidence", evidence[shown])
-        if study.share_unphysical:
-            console.print(
-                f"{study.share_unphysical:.1%} of the tolerances are inertias that no "
-                "body can have; no search goes there."
-            )
-    for labelled in study.runs:
-        if labelled.status not in ("completed", "converged", "confirmed"):
-            console.print(f"{labelled.label}: {labelled.status}", markup=False)
 
 
 @contextlib.contextmanager
-def _progress(
-    console: "Console", folder: Path
-) -> "Iterator[Callable[[Progress], None]]":
-    from rich import progress as rich_progress
-
-    from drakesep.tables.columns import shown, unit_of_objective
-
-    bar = rich_progress.Progress(
-        rich_progress.TextColumn("{task.description}"),
-        rich_progress.BarColumn(),
-        rich_progress.TimeElapsedColumn(),
-        console=console,
-        transient=True,
-    )
-    task = bar.add_task("compiling", total=None)
-    said = ""
-
-    def show_progress(progress: "Progress") -> None:
-        nonlocal said
-        search = progress.search
-        total = "" if search.total is None else f" of {search.total}"
-        state = f"{search.search}: {search.done}{total}"
-        if search.best:
-            k = min(search.best)
-            objective, value = progress.objectives[k], search.best[k]
-            symbol = unit_of_objective(objective).symbol
-            state += f", {objective.name} {shown(objective, value):.5g} {symbol}"
-        bar.update(task, total=search.total, completed=search.done, description=state)
-        if not console.is_terminal and said != search.search:
-            said = search.search
-            print(f"{search.search} begins", file=sys.stderr)
-
+def _interruptible(folder: Path) -> Iterator[None]:
+    """End in one line if the user interrupts."""
     try:
-        with bar:
-            yield show_progress
+        yield
     except KeyboardInterrupt:
         _fail(INTERRUPTED, f"interrupted; what was done is in {folder}")
+
+
+def _say_where(console: "Console", folder: Path) -> None:
+    console.print(f"Tables and plots are in {folder}", markup=False)
 
 
 def _parse_changes(texts: list[str]) -> dict[str, float]:

@@ -18,7 +18,9 @@ from drakesep.analysis.metrics.registry import (
 )
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.plots.style import COLOURS, DASHES, LIMIT
+from drakesep.systems.model.run import Run
 from drakesep.tables.labelled_run import LabelledRun
+from drakesep.tables.roles import Changed, Nominal, Published
 from drakesep.units import unit_of
 
 
@@ -87,20 +89,25 @@ def _figure(
         handles.append(limited[0].get_lines()[-1])
         labels.append("limit")
     figure.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False)
-    separation = runs[0].run.separation
+    separation = _reference(runs).separation
     figure.suptitle(title.format(A=separation.A, B=separation.B).replace("_", " "))
     return figure
+
+
+def _reference(runs: Sequence[LabelledRun]) -> Run:
+    """Return the run that the others are seen against."""
+    return next(o.run for o in runs if isinstance(o.role, Nominal | Changed))
 
 
 def _draw(axes: Axes, row: _Row, i: int, runs: Sequence[LabelledRun]) -> None:
     unit = unit_of(f"{row.quantity}_{row.axes[i]}")
     counts = {True: 0, False: 0}
-    for labelled in runs:
-        published = labelled.published is not None
+    for one in runs:
+        published = isinstance(one.role, Published)
         colours = _PUBLISHED if published else COLOURS
         k = counts[published]
         counts[published] += 1
-        motion = labelled.run.completed_motion
+        motion = one.run.completed_motion
         axes.plot(
             motion.time,
             getattr(motion, row.quantity)[:, i] * unit.per_si,
@@ -108,9 +115,9 @@ def _draw(axes: Axes, row: _Row, i: int, runs: Sequence[LabelledRun]) -> None:
             linestyle="-" if published else DASHES[k % len(DASHES)],
             linewidth=2.4 if published else 1.5,
             zorder=1 if published else 2,
-            label=labelled.label,
+            label=one.label,
         )
-    end = runs[0].run.separation_end
+    end = _reference(runs).separation_end
     axes.axvline(
         end, color="#555555", linestyle=":", linewidth=1.0, label="end of separation"
     )

@@ -1,20 +1,21 @@
-"""Work beside a study's own: measuring and drawing its runs.
+"""A process beside the caller's, that measures and draws a study's runs.
 
 Python runs one thread of a process at a time, and tracing and searches keep it busy:
 what is drawn in a thread beside them takes twice its time, and theirs too. Where there
-is more than one core, a process beside takes it over. It takes seconds to import what
-it needs, so that it is started early.
+is more than one core, another process takes it over.
+
+Who has something to be done makes a `BackgroundProcess` and hands it down. The process
+takes seconds to import what it draws with: the sooner it is begun, the less is waited.
 """
 
-import contextlib
 import multiprocessing
 import os
 import signal
 import warnings
-from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future
-from contextvars import ContextVar
-from typing import Any, TypeVar
+from collections.abc import Callable
+from concurrent.futures import Future
+from types import TracebackType
+from typing import Any, Self, TypeVar
 
 from loky import ProcessPoolExecutor
 
@@ -22,61 +23,87 @@ from drakesep.analysis.engines.interrupts import interrupts_ignored
 
 
 _R = TypeVar("_R")
-_process: ContextVar[Executor | None] = ContextVar("process", default=None)
 
 
-@contextlib.contextmanager
-def beside(workers: int | None) -> Iterator[Executor | None]:
-    """Start a process that takes over work, or return that which there is already.
+class BackgroundProcess:
+    """A process that takes over work, or the caller's own; a context manager.
 
-    It ends with the caller's `with`, in the midst of its work if need be.
-
-    Args:
-        workers: number of processes; one per core if None. With 1, or in a process that
-            may not start others, there is none: None.
+    It begins as the caller enters, and begins by importing what it draws with. It ends
+    as the caller leaves, in the midst of its work if need be.
     """
-    one = (os.cpu_count() or 1) == 1 if workers is None else workers <= 1
-    running = _process.get()
-    if running or one or multiprocessing.current_process().daemon:
-        yield None if one else running
-        return
-    process = ProcessPoolExecutor(max_workers=1, initializer=_prepare)
-    try:
-        with interrupts_ignored():  # by the process, which inherits it
-            process.submit(_nothing)  # so that it starts
-        token = _process.set(process)
+
+    def __init__(self, workers: int | None = None):
+        """Prepare.
+
+        Args:
+            workers: number of processes; one per core if None. With 1, or in a process
+                that may not start others, none is started, and the caller's does all.
+        """
+        several = (os.cpu_count() or 1) > 1 if workers is None else workers > 1
+        self._wanted = several and not multiprocessing.current_process().daemon
+        self._process: ProcessPoolExecutor | None = None
+
+    def __enter__(self) -> Self:
+        """Start it."""
+        if self._wanted:
+            self._process = ProcessPoolExecutor(max_workers=1, initializer=_prepare)
+            try:
+                with interrupts_ignored():  # by the process, which inherits it
+                    self._process.submit(_nothing)  # so that it starts
+            except BaseException:
+                self._end()
+                raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """End it."""
+        self._end()
+
+    def _end(self) -> None:
+        process, self._process = self._process, None
+        if process is not None:
+            process.shutdown(wait=True, kill_workers=True)
+
+    @property
+    def is_another(self) -> bool:
+        """Whether there is a process beside the caller's."""
+        return self._process is not None
+
+    def submit(self, function: Callable[..., _R], *arguments: Any) -> Future[_R]:
+        """Return what will come of a function; without a process it is called here.
+
+        Its errors, and that of a process that has died, come when its result is asked
+        for.
+
+        Args:
+            function: to be called there.
+            arguments: of it.
+        """
+        called: Future[_R] = Future()
         try:
-            yield process
-        finally:
-            _process.reset(token)
-    finally:
-        process.shutdown(wait=True, kill_workers=True)
-
-
-def submitted(
-    aside: Executor | None, function: Callable[..., _R], *arguments: Any
-) -> Future[_R]:
-    """Return what will come of a function, or has: without a process it is called here.
-
-    Its errors, and that of a process that has died, come when its result is asked for.
-    """
-    called: Future[_R] = Future()
-    try:
-        if aside is not None:
-            return aside.submit(function, *arguments)
-        called.set_result(function(*arguments))
-    except Exception as error:
-        called.set_exception(error)
-    return called
+            if self._process is not None:
+                begun: Future[_R] = self._process.submit(function, *arguments)
+                return begun
+            called.set_result(function(*arguments))
+        except Exception as error:
+            called.set_exception(error)
+        return called
 
 
 def _prepare() -> None:
     """Import what takes long, before it is needed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # The caller warns of its case itself.
-    warnings.filterwarnings("ignore", message=".*check scale")
+    from drakesep.analysis.clearance.of_run import DoubtfulScale
     from drakesep.plots import clearance_plots, motion, tornado  # noqa: F401
-    from drakesep.tables import run_tables as tables  # noqa: F401
+    from drakesep.tables import run_tables  # noqa: F401
+
+    # The caller prepares the same geometry, and warns of it.
+    warnings.simplefilter("ignore", DoubtfulScale)
 
 
 def _nothing() -> None:

@@ -2,21 +2,26 @@
 
 import functools
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.clearance.of_run import PARTED, ClearanceAnalysis
 from drakesep.case_file.case import Case
+from drakesep.case_file.reader import analysis_case_of
+from drakesep.case_file.values import values_in_si
 from drakesep.studies.output import writable_folder
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.part_pairs import owners_of
 from drakesep.systems.model.run import Run
+from drakesep.systems.model.separation import Separation
+from drakesep.systems.simulation.simulation import Simulation
 from drakesep.tables.columns import in_units, write_csv
 from drakesep.units import unit_of, with_unit
 
@@ -25,27 +30,20 @@ from drakesep.units import unit_of, with_unit
 class Clearances:
     """How near the parts of a case come in one run."""
 
-    case: Case
+    case: AnalysisCase
     run: Run
     values: Mapping[str, float]
     """What was changed, by parameter name with unit."""
 
-    @functools.cached_property
-    def _analysis(self) -> ClearanceAnalysis:
-        chosen = self.case.clearance
-        return ClearanceAnalysis(
-            self.run.separation, chosen.pairs, touching=chosen.touching
-        )
-
-    @functools.cached_property
-    def found(self) -> list[Clearance]:
-        """The smallest distance of each pair, over continuous time."""
-        return self._analysis.of(self.run)
+    analysis: ClearanceAnalysis = field(repr=False)
+    """That has measured it."""
+    found: tuple[Clearance, ...]
+    """The smallest distance of each pair, over continuous time."""
 
     @functools.cached_property
     def distances(self) -> Array:
         """(n, k) of each of the k pairs at the n sample times, m."""
-        return self._analysis.over_time(self.run)
+        return self.analysis.over_time(self.run)
 
     @functools.cached_property
     def separation(self) -> Array:
@@ -78,7 +76,7 @@ class Clearances:
             with_unit("separation"): self.separation * unit_of("separation").per_si,
         }
         for (a, b), distances in zip(
-            self._analysis.names, self.distances.T, strict=True
+            self.analysis.names, self.distances.T, strict=True
         ):
             columns[f"{a}_to_{b}_{mm.suffix}"] = distances * mm.per_si
         return pd.DataFrame(columns)
@@ -92,7 +90,7 @@ class Clearances:
         touching = set(map(frozenset, self.case.clearance.touching))
 
         touched = dict(
-            zip(self._analysis.names, self.distances[0] <= PARTED, strict=True)
+            zip(self.analysis.names, self.distances[0] <= PARTED, strict=True)
         )
 
         def parted(one: Clearance) -> bool:
@@ -140,7 +138,7 @@ class Clearances:
         write_csv(self.summary, folder / "clearance_summary.csv")
         write_csv(self.over_time, folder / "clearance.csv")
         save_clearance(self._time, self.separation, self._curves, folder)
-        save_swept(self.run, self._analysis.names, folder)
+        save_swept(self.run, self.analysis.names, folder)
 
     @property
     def _curves(self) -> dict[str, tuple[Array, Clearance]]:
@@ -151,7 +149,39 @@ class Clearances:
         }
 
 
-def check_geometry(case: Case) -> None:
-    """Raise InputError unless two bodies of a case have geometry."""
-    if len({*owners_of(case.separation).values()}) < 2:
+def clearance(
+    case: Case | AnalysisCase | str | Path,
+    values: Mapping[str, float] | None = None,
+) -> Clearances:
+    """Fly a case once, and measure how near its bodies' geometry comes.
+
+    Args:
+        case: a case, in SI or as a file holds it, a case file, or the name of a
+            built-in case.
+        values: new values by parameter name with unit, ``payload.mass_kg``.
+
+    Raises:
+        ValueError: the case or a value is wrong, no two bodies have geometry, or some
+            of it overlaps while mated.
+        RuntimeError: the run fails.
+    """
+    case = analysis_case_of(case)
+    check_geometry(case.separation)
+    values = values or {}
+    run = Simulation(case.separation, case.integration).run(
+        values_in_si(case.separation, values)
+    )
+    if run.motion is None:
+        raise RuntimeError(f"the run failed: {run.message}")
+    measured = case.clearance
+    analysis = ClearanceAnalysis(
+        run.separation, measured.pairs, touching=measured.touching
+    )
+    found = tuple(analysis.of(run))
+    return Clearances(case=case, run=run, values=values, analysis=analysis, found=found)
+
+
+def check_geometry(separation: Separation) -> None:
+    """Raise InputError unless two bodies of a separation have geometry."""
+    if len({*owners_of(separation).values()}) < 2:
         raise InputError("bodies: a clearance needs geometry on two of them")

@@ -1,38 +1,54 @@
 """The worst cases against the requirements, and the room that tolerances leave."""
 
-import math
+import contextlib
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Unpack
 
 import pandas as pd
 
-from drakesep.analysis.margins.tolerance_margins import Growth, Limit, grow
-from drakesep.analysis.metrics.requirements import Finding, Requirement, assess
-from drakesep.analysis.search.effort import SearchSettings
-from drakesep.analysis.search.judge import WorstCase
-from drakesep.analysis.search.problem import OnProgress, Problem, SearchProgress
+from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.metrics.requirements import Finding, assess
+from drakesep.analysis.search.effort import Effort
+from drakesep.case_file.case import Case
+from drakesep.case_file.objectives import choose_objectives, the_clearance
+from drakesep.case_file.reader import analysis_case_of
 from drakesep.plots.pictures import Pictures
+from drakesep.studies.background_process import BackgroundProcess
+from drakesep.studies.output import writable_folder
+from drakesep.studies.tolerance_growth import Growths, find_growths
+from drakesep.studies.worst_case.plan import OnProgress, StudyPlan
+from drakesep.studies.worst_case.procedure import carried_out
 from drakesep.studies.worst_case.result import WorstCases
+from drakesep.studies.worst_case.searches import WantedSearches
+from drakesep.studies.worst_case.session import session
+from drakesep.systems.checks import InputError
+from drakesep.systems.model.run import Run
 from drakesep.tables.columns import write_csv
 from drakesep.tables.evidence_tables import tolerances_table
-from drakesep.tables.labelled_run import NOMINAL
+from drakesep.tables.labelled_run import nominal_of
 from drakesep.tables.requirement_tables import requirements_table
 
 
-@dataclass(kw_only=True)
+_GROWABLE = 2000
+"""Steps of the nominal run in Drake up to which growth is looked for unasked."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Verification(WorstCases):
     """The worst cases held against the requirements."""
 
-    growths: list[tuple[Requirement, Growth]] = field(default_factory=list)
+    growths: Growths = field(default=())
     """Of all tolerances together: the smallest of each requirement's directions."""
-    single_growths: list[tuple[Requirement, Growth]] = field(default_factory=list)
+    single_growths: Growths = field(default=())
     """Of one tolerance, the others as they are: the smallest of the directions."""
 
     @property
     def findings(self) -> list[Finding]:
         """How each requirement fares over all runs."""
-        runs = {f.label: f.metrics for f in self.runs if f.metrics}
-        return assess(self.case.limits, runs, NOMINAL)
+        runs = {one.label: one.metrics for one in self.runs if one.metrics}
+        return assess(self.case.requirements, runs, nominal_of(self.runs).label)
 
     @property
     def requirements(self) -> pd.DataFrame:
@@ -51,7 +67,7 @@ class Verification(WorstCases):
         super().save_tables(directory)
         folder = Path(directory)
         # No verdict before the worst cases are known.
-        if self.worst or (self.runs and not self.case.dispersions):
+        if self.worst or (self.runs and not self.case.tolerances):
             write_csv(self.requirements, folder / "requirements.csv")
             write_csv(self.table_4, folder / "table_4.csv")
         if self.single_growths:
@@ -62,58 +78,77 @@ class Verification(WorstCases):
         """Whether every requirement is met, with no run and no search failed."""
         return self.completed and all(finding.met for finding in self.findings)
 
-    def find_growths(
-        self, problem: Problem, settings: SearchSettings, on_progress: OnProgress
-    ) -> None:
-        """Find how far tolerances may grow before each requirement is violated."""
-        worst = {case.name: case for case in self.worst}
-        limits = [
-            (requirement, limit)
-            for requirement in self.case.limits
-            for objective in self.case.towards(requirement)
-            if objective.name in worst and not objective.expensive
-            for limit in _limits(
-                worst[objective.name], _bound(requirement), len(problem.tolerances)
-            )
-        ]
-        found = grow(
-            problem,
-            [limit for _, limit in limits],
-            corners=settings.corners,
-            seed=settings.seed,
-            on_progress=lambda done, total: on_progress(
-                SearchProgress(search="growth", done=done, total=total)
-            ),
-        )
-        least: dict[tuple[Requirement, int | None], Growth] = {}
-        for (requirement, limit), growth in zip(limits, found, strict=True):
-            key = requirement, limit.parameter
-            if key not in least or _sooner(growth, least[key]):
-                least[key] = growth
-        self.growths = [(r, g) for (r, i), g in least.items() if i is None]
-        self.single_growths = [(r, g) for (r, i), g in least.items() if i is not None]
-
     @property
     def pictures(self) -> Pictures:
         """What shows the runs, and their motions."""
-        flown = {f.label: f.run.motion for f in self.runs}
+        flown = {one.label: one.run.motion for one in self.runs}
         motions = {k: motion for k, motion in flown.items() if motion is not None}
         return replace(super().pictures, motions=motions)
 
 
-def _limits(case: WorstCase, value: float, n: int) -> list[Limit]:
-    """Return the limits on one worst case, of all tolerances and of each."""
-    return [
-        Limit(objective=case.objective, value=value, u=case.u, parameter=parameter)
-        for parameter in (None, *range(n))
-    ]
+def verify(
+    case: Case | AnalysisCase | str | Path,
+    *,
+    searches: Sequence[str] | None = None,
+    growth: bool | None = None,
+    output: str | Path | None = None,
+    workers: int | None = None,
+    on_progress: OnProgress | None = None,
+    background: BackgroundProcess | None = None,
+    **effort: Unpack[Effort],
+) -> Verification:
+    """Find every worst case of a case and hold them against its requirements.
+
+    Args:
+        case: a case, in SI or as a file holds it, a case file, or the name of a
+            built-in case.
+        searches: as `worst_case` takes them.
+        growth: whether to find how far tolerances may grow; None: unless Drake flies
+            alone or its nominal run takes more than 2000 steps.
+        output: folder that receives tables and plots, tables as the study goes on.
+        workers: number of processes that fly Drake; one per core if None; with 1, the
+            caller's does all.
+        on_progress: called as the study goes on.
+        background: a process that is under way, to measure and draw in; one of its own
+            if None.
+        effort: `starts`, `samples`, `vertices`, `generations`, `corners` and `seed` of
+            `SearchSettings`; the length of a run decides what is left out.
+
+    Raises:
+        ValueError: the case is wrong or has no requirement, a search is wrong, or the
+            folder cannot be written.
+        RuntimeError: the nominal run fails.
+    """
+    case = analysis_case_of(case)
+    if not case.requirements:
+        raise InputError("requirements: a case to verify must have some, got none")
+    folder = None if output is None else writable_folder(output)
+    objectives = choose_objectives(case, None)
+    plan = StudyPlan(
+        case=case,
+        # Without dispersions, the nominal and the published runs are all there is.
+        objectives=objectives if case.tolerances else (),
+        searches=WantedSearches.named(searches),
+        effort=effort,
+        workers=workers,
+        output=folder,
+    )
+    study = Verification(
+        case=case, objectives=plan.objectives, clearance=the_clearance(objectives)
+    )
+    with contextlib.ExitStack() as stack:
+        if background is None:
+            own = BackgroundProcess(workers if plan.on_batch_engine else 1)
+            background = stack.enter_context(own)
+        under_way = stack.enter_context(session(plan, background, on_progress))
+        study = carried_out(study, under_way)
+        if study.objectives and _is_growth_wanted(growth, plan, under_way.nominal):
+            growths, single_growths = find_growths(study.worst, under_way)
+            study = replace(study, growths=growths, single_growths=single_growths)
+        return under_way.write_down(study)
 
 
-def _bound(requirement: Requirement) -> float:
-    """Return what the objectives that lead out of a requirement must not exceed."""
-    return requirement.limit if requirement.sense == "<=" else -requirement.limit
-
-
-def _sooner(growth: Growth, other: Growth) -> bool:
-    """Return whether one growth ends before another; one that failed after all."""
-    return math.isnan(other.factor) or growth.factor < other.factor
+def _is_growth_wanted(growth: bool | None, plan: StudyPlan, nominal: Run) -> bool:
+    if growth is None:
+        return plan.on_batch_engine and nominal.steps <= _GROWABLE
+    return growth

@@ -2,16 +2,11 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pandas as pd
 
 from drakesep.analysis.metrics.objectives import Objective
 from drakesep.units import SI, Unit, unit_of, with_unit
-
-
-if TYPE_CHECKING:  # JAX comes with them
-    pass
 
 
 def unit_of_objective(objective: Objective) -> Unit:

@@ -2,17 +2,13 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import pandas as pd
 
 from drakesep.analysis.metrics.objectives import OBJECTIVES
-from drakesep.tables.labelled_run import LabelledRun
+from drakesep.tables.labelled_run import LabelledRun, nominal_of
+from drakesep.tables.roles import SearchEnd, Worst
 from drakesep.units import unit_of
-
-
-if TYPE_CHECKING:  # JAX comes with them
-    pass
 
 
 def comparison_table(runs: Sequence[LabelledRun]) -> pd.DataFrame:
@@ -21,33 +17,34 @@ def comparison_table(runs: Sequence[LabelledRun]) -> pd.DataFrame:
     SQP is the paper's method; the worst is that of all runs. Increases are percentages
     of the nominal and of the published magnitude.
     """
-    flown = [labelled for labelled in runs if labelled.metrics]
-    searched = {labelled.objective for labelled in flown}
+    flown = [one for one in runs if one.metrics]
+    searched = {one.objective for one in flown}
     rows = []
     for objective in [name for name in OBJECTIVES if name in searched]:
         name = f"G_{objective}"
         unit = unit_of(name)
-        values = {labelled.label: labelled.metrics[name] for labelled in flown}
         published = [
-            values[labelled.label]
-            for labelled in flown
-            if labelled.published and objective in labelled.published.objectives
+            one.metrics[name]
+            for one in flown
+            if one.published and objective in one.published.objectives
         ]
-        # Of runs as bad, the one that bears the name.
-        label = max(
-            values, key=lambda label: (values[label], label.startswith("worst_"))
+        # Of runs as bad, one that is a worst case.
+        worst_run = max(
+            flown, key=lambda one: (one.metrics[name], isinstance(one.role, Worst))
         )
-        nominal, worst = flown[0].metrics[name], values[label]
+        nominal, worst = nominal_of(flown).metrics[name], worst_run.metrics[name]
         reference = max(published, default=math.nan)
+        sqp = SearchEnd("sqp", objective)
+        by_sqp = [one.metrics[name] for one in flown if one.role == sqp]
         rows.append(
             {
                 "objective": name,
                 "unit": unit.symbol,
                 "nominal": unit.from_si(nominal),
                 "published": unit.from_si(reference),
-                "sqp": unit.from_si(values.get(f"sqp_{objective}", math.nan)),
+                "sqp": unit.from_si(max(by_sqp, default=math.nan)),
                 "worst": unit.from_si(worst),
-                "which_run": label,
+                "which_run": worst_run.label,
                 "above_nominal_percent": _increase(nominal, worst),
                 "above_published_percent": _increase(reference, worst),
             }

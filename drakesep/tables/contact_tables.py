@@ -1,18 +1,12 @@
 """Tables of contacts after separation."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pandas as pd
 
 from drakesep.analysis.metrics.of_run import AXES
 from drakesep.systems.model.run import Run
-from drakesep.units import with_unit
-
-
-if TYPE_CHECKING:  # JAX comes with them
-    pass
 from drakesep.tables.columns import in_units
+from drakesep.units import with_unit
 
 
 _CONTACT = ("contact_time", "contact_end", "force_max", "impulse")

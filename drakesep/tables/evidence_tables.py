@@ -16,6 +16,7 @@ from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.model.parameter_table import split_axis
 from drakesep.tables.columns import in_units, shown, unit_of_objective
 from drakesep.tables.labelled_run import LabelledRun
+from drakesep.tables.roles import Worst
 from drakesep.tables.table_4 import MARK
 from drakesep.units import unit_of, with_unit
 
@@ -33,13 +34,15 @@ def evidence_table(
 
     Values are those of the metric that an objective makes large or small.
     """
-    by_name = {f.objective: f for f in runs if f.objective_in_drake is not None}
+    in_drake_of = {
+        one.role: one.objective_in_drake
+        for one in runs
+        if one.objective_in_drake is not None
+    }
     rows = []
     for case in worst:
         objective, proof = objectives[case.objective], case.evidence
-        labelled = by_name.get(case.name)
-        in_drake = math.nan if labelled is None else labelled.objective_in_drake
-        assert in_drake is not None
+        in_drake = in_drake_of.get(Worst(case.name), math.nan)
         maxima = [
             f"{shown(objective, value):.8g} ({count})"
             for value, count in proof.local_maxima

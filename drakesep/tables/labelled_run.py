@@ -3,71 +3,86 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from drakesep.analysis.analysis_case import PublishedCase
 from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.of_run import metrics_of_run
-from drakesep.analysis.metrics.requirements import deviation_limits
-from drakesep.case_file.case import Case
-from drakesep.case_file.others import PublishedSection
 from drakesep.systems.model.run import Run
-
-
-NOMINAL = "nominal"
-"""The label of the run that nothing changes."""
+from drakesep.tables.roles import (
+    COMPLETED,
+    Nominal,
+    Outcome,
+    Published,
+    Role,
+    failed,
+    label_of,
+    objective_of,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
 class LabelledRun:
-    """A run of a study, under its label."""
+    """A run of a study: what it is, its metrics, and how it ended."""
 
-    label: str
+    role: Role
     run: Run
     metrics: Mapping[str, float]
     """Its metrics in SI, by name; empty if the run failed."""
-    objective: str | None = None
-    """Of the search that found it; None if none did."""
+    outcome: Outcome = COMPLETED
+    """How it ended, or the search that found it."""
     iterations: int | None = None
     """Of that search."""
     evaluations: int = 1
     """Runs flown for it; of a worst case, by all searches for all objectives."""
-    status: str = "completed"
-    published: PublishedSection | None = field(default=None, repr=False)
-    """The publication that it comes from."""
     objective_in_drake: float | None = None
     """Of the objective whose worst case it is, in SI; None if the run failed."""
     nearest: Clearance | None = field(default=None, repr=False)
     """How near its parts come; None if that was not asked for."""
 
+    @property
+    def label(self) -> str:
+        """By which tables, plots and files name it."""
+        return label_of(self.role)
 
-def labelled_run(
-    label: str,
+    @property
+    def status(self) -> str:
+        """How it ended, as tables say it."""
+        return str(self.outcome)
+
+    @property
+    def objective(self) -> str | None:
+        """Name of the objective that it was found for; None if none was."""
+        return objective_of(self.role)
+
+    @property
+    def published(self) -> PublishedCase | None:
+        """The publication that it comes from; None if it is our own."""
+        return self.role.case if isinstance(self.role, Published) else None
+
+
+def measured(
+    role: Role,
     run: Run,
-    case: Case,
+    limits: Sequence[float],
     clearance: LowestClearance | None = None,
-    **found: object,
 ) -> LabelledRun:
-    """Return a run with its metrics, and how near it comes if that is asked for."""
-    metrics_: dict[str, float] = {}
+    """Return a run with its metrics, and how near it comes if that is asked for.
+
+    Args:
+        role: what it is.
+        run: completed or failed.
+        limits: (3,) of the deviations, as `metrics_of_run` takes them.
+        clearance: that measures how near it comes.
+    """
     if run.motion is None:
-        found["status"] = f"failed: {run.message}"
-    else:
-        limits = deviation_limits(case.limits)
-        metrics_ |= metrics_of_run(run, limits)
-        if clearance is not None:
-            found["nearest"] = nearest = clearance.nearest(run)
-            metrics_[CLEARANCE] = nearest.minimum
-    return LabelledRun(label=label, run=run, metrics=metrics_, **found)  # type: ignore[arg-type]
+        return LabelledRun(role=role, run=run, metrics={}, outcome=failed(run.message))
+    metrics = dict(metrics_of_run(run, limits))
+    nearest = None if clearance is None else clearance.nearest(run)
+    if nearest is not None:
+        metrics[CLEARANCE] = nearest.minimum
+    return LabelledRun(role=role, run=run, metrics=metrics, nearest=nearest)
 
 
-def references(
-    case: Case, runs: Sequence[Run], clearance: LowestClearance | None
-) -> list[LabelledRun]:
-    """Return the nominal run of a case, and the published ones after it."""
-    nominal, *others = runs
-    return [
-        labelled_run(NOMINAL, nominal, case, clearance),
-        *(
-            labelled_run(published.label, run, case, clearance, published=published)
-            for published, run in zip(case.published, others, strict=True)
-        ),
-    ]
+def nominal_of(runs: Sequence[LabelledRun]) -> LabelledRun:
+    """Return the run among those of a study that nothing changes."""
+    return next(one for one in runs if isinstance(one.role, Nominal))

@@ -15,6 +15,7 @@ from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.run import Motion
 from drakesep.tables.labelled_run import LabelledRun
+from drakesep.tables.roles import WORST, Worst, label_of, role_in_tables
 from drakesep.units import unit_of, with_unit
 
 
@@ -54,17 +55,18 @@ def runs_table(runs: Iterable[LabelledRun], names: Sequence[str]) -> pd.DataFram
         names: the parameters to show.
     """
     rows = []
-    for labelled in runs:
-        values = parameters(labelled.run.separation)
+    for one in runs:
+        values = parameters(one.run.separation)
         rows.append(
             {
-                "label": labelled.label,
+                "label": one.label,
+                "role": role_in_tables(one.role),
                 **in_units({name: values[name] for name in names}),
-                **in_units(labelled.metrics),
-                **_nearest_pair(labelled.nearest),
-                "iterations": labelled.iterations,
-                "evaluations": labelled.evaluations,
-                "status": labelled.status,
+                **in_units(one.metrics),
+                **_nearest_pair(one.nearest),
+                "iterations": one.iterations,
+                "evaluations": one.evaluations,
+                "status": one.status,
             }
         )
     frame = pd.DataFrame(rows)
@@ -92,7 +94,8 @@ def read_runs(
             the clearance, or all worst cases if there are none of these.
 
     Raises:
-        ValueError: it is no such table, or has no such run.
+        ValueError: it is no such table, has no such run, or does not say which runs are
+            worst cases where labels are not given.
     """
     try:
         frame = pd.read_csv(file)
@@ -101,9 +104,7 @@ def read_runs(
     if "label" not in frame:
         raise InputError(f"{file}: must be a table of runs with a column label")
     known = frame["label"].astype(str).tolist()
-    worst = [label for label in known if label.startswith("worst_")]
-    shown = [f"worst_{name}" for name in (*OBJECTIVES, LOWEST)]
-    wanted = labels or [label for label in worst if label in shown] or worst
+    wanted = labels or _worst_cases(file, frame)
     for label in wanted:
         if label not in known:
             raise InputError(f"{file}: {unknown('run', label, known)}")
@@ -115,15 +116,27 @@ def read_runs(
     }
 
 
-def metrics_table(labelled: LabelledRun) -> pd.DataFrame:
-    """Return a row for each metric of one run."""
+def _worst_cases(file: str | Path, frame: pd.DataFrame) -> list[str]:
+    """Return the labels of the worst cases that are shown if none is asked for."""
+    if "role" not in frame:
+        raise InputError(
+            f"{file}: must have a column role, which tells worst cases from other "
+            "runs, or labels of runs must be given; got neither"
+        )
+    worst = frame.loc[frame["role"] == WORST, "label"].astype(str).tolist()
+    of_these = [label_of(Worst(name)) for name in (*OBJECTIVES, LOWEST)]
+    return [label for label in worst if label in of_these] or worst
+
+
+def metrics_table(metrics: Mapping[str, float]) -> pd.DataFrame:
+    """Return a row for each metric of a run, which are given by name, in SI."""
     return pd.DataFrame(
         {
             "metric": name,
             "value": unit_of(name).from_si(value),
             "unit": unit_of(name).symbol,
         }
-        for name, value in labelled.metrics.items()
+        for name, value in metrics.items()
     )
 
 

@@ -2,7 +2,6 @@
 
 import itertools
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -12,10 +11,6 @@ from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.model.parameters import ParameterName, parameters
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.units import unit_of
-
-
-if TYPE_CHECKING:  # JAX comes with them
-    pass
 
 
 MARK = 5e-3
@@ -35,29 +30,31 @@ def table_4(runs: Sequence[LabelledRun], box: ToleranceBox) -> pd.DataFrame:
     """
     groups = _groups(box)
     columns = {}
-    for labelled in runs:
-        printed = labelled.published and labelled.published.printed
-        cells = _conditions(labelled)
+    for one in runs:
+        printed = one.published and one.published.printed
+        cells = _conditions(one)
         if printed:
+            in_si = (
+                *printed.rate,
+                printed.deviation_within_limits_until,
+                printed.longitudinal_speed,
+            )
             numbers = [
-                *printed.rate_deg_s,
-                printed.deviation_within_limits_until_s,
-                printed.longitudinal_speed_m_s,
+                unit_of(name).from_si(value)
+                for name, value in zip(_CONDITIONS, in_si, strict=True)
             ]
             cells = [
                 f"{cell} ({number:g})"
                 for cell, number in zip(cells, numbers, strict=True)
             ]
-        values = parameters(labelled.run.separation)
+        values = parameters(one.run.separation)
         for names in groups.values():
             cells.append(_marks({name: values[name] for name in names}, box))
         if printed:
             cells.append(f"({printed.iterations})")
         else:
-            cells.append(
-                "-" if labelled.iterations is None else str(labelled.iterations)
-            )
-        columns[labelled.label] = cells
+            cells.append("-" if one.iterations is None else str(one.iterations))
+        columns[one.label] = cells
     labels = [
         *(f"rate {axis} (deg/s)" for axis in AXES),
         "deviation within limits until (s)",
@@ -68,13 +65,19 @@ def table_4(runs: Sequence[LabelledRun], box: ToleranceBox) -> pd.DataFrame:
     return pd.DataFrame({"condition or property": labels, **columns})
 
 
-def _conditions(labelled: LabelledRun) -> list[str]:
-    names = [f"final_rate_{axis}" for axis in AXES]
-    names += ["deviation_within_limits_until", "longitudinal_speed_max"]
-    metrics = labelled.metrics
+_CONDITIONS = (
+    *(f"final_rate_{axis}" for axis in AXES),
+    "deviation_within_limits_until",
+    "longitudinal_speed_max",
+)
+"""Metrics after separation, in the order of the table."""
+
+
+def _conditions(one: LabelledRun) -> list[str]:
+    metrics = one.metrics
     return [
         f"{unit_of(name).from_si(metrics[name]):.2f}" if metrics else "failed"
-        for name in names
+        for name in _CONDITIONS
     ]
 
 

@@ -98,8 +98,8 @@ def test_slowest_separation_is_the_published_one(table):
 
 def test_worst_cases_lie_within_the_tolerances(vega_verification):
     box = vega_verification.case.box
-    for labelled in vega_verification.runs:
-        values = parameters(labelled.run.separation)
+    for one in vega_verification.runs:
+        values = parameters(one.run.separation)
         u = box.scaled({name: values[name] for name in box.names})
         assert np.abs(u).max() <= 1.0 + 1e-12
 
@@ -144,15 +144,14 @@ def test_comparison_says_by_how_much(vega_verification):
         assert row[f"above_{other}_percent"] == pytest.approx(above)
 
 
-def test_tables_on_disk_read_back_exactly(vega_verification):
-    folder = vega_verification.folder
+def test_tables_on_disk_read_back_exactly(vega_verification, vega_folder):
     for name, frame in {
         "worst_cases": vega_verification.table,
         "history": vega_verification.history,
         "requirements": vega_verification.requirements,
         "motion_worst_L1": vega_verification.motions["worst_L1"],
     }.items():
-        with (folder / f"{name}.csv").open(newline="") as file:
+        with (vega_folder / f"{name}.csv").open(newline="") as file:
             header, *rows = csv.reader(file)
         assert header == list(frame.columns)
         for column in frame.select_dtypes("float"):

@@ -60,21 +60,21 @@ def test_every_pair_of_bodies_is_measured(study, tmp_path):
     assert (tmp_path / "swept.png").stat().st_size > 20_000
 
 
-def test_worst_clearance(vega_verification):
+def test_worst_clearance(vega_verification, vega_folder):
     """The nozzle's rim against the bore in Drake's run, as points on a circle."""
-    runs = {labelled.label: labelled for labelled in vega_verification.runs}
+    runs = {one.label: one for one in vega_verification.runs}
     worst = runs["worst_lowest_clearance"]
     assert worst.status == "confirmed"
     gap = worst.metrics["clearance"]
     assert gap == pytest.approx(rim_to_bore(worst.run), abs=2.0 * FACET + ACCURACY)
     # Nearer than any run that was flown for something else, by millimetres.
     others = [runs[label] for label in ("nominal", "paper_L1_Linf", "paper_L2")]
-    assert gap < min(labelled.metrics["clearance"] for labelled in others) - 1e-3
+    assert gap < min(one.metrics["clearance"] for one in others) - 1e-3
     rows = vega_verification.requirements.set_index("requirement")
     row = rows.loc["clearance until 500 mm of separation"]
     assert (row["verdict"], row["which_run"]) == ("met", "worst_lowest_clearance")
     assert row["margin"] == pytest.approx(1e3 * gap - 30.0)
-    assert (vega_verification.folder / "worst_clearance.png").exists()
+    assert (vega_folder / "worst_clearance.png").exists()
 
 
 def test_slopes_of_the_clearance(vega, vega_batch):
@@ -114,7 +114,7 @@ def test_what_is_near_at_the_nominal_points_to_the_worst_corner(
     corner, *_ = linearised_corners(problem, 0)
     assert (np.abs(corner) == 1.0).sum() >= 12  # inertias are drawn back together
     [run] = evaluator.runs(vega.tolerance_set.rows(corner[None]))
-    runs = {labelled.label: labelled for labelled in vega_verification.runs}
+    runs = {one.label: one for one in vega_verification.runs}
     worst = runs["worst_lowest_clearance"].metrics["clearance"]
     nominal = runs["nominal"].metrics["clearance"]
     assert objective.nearest(run).minimum - worst < 0.02 * (nominal - worst)

@@ -1,297 +1,177 @@
-"""The study of the worst cases: fly the references, search, confirm, write down."""
+"""The study of the worst cases: fly the references, search, confirm, write down.
 
-import contextlib
+A step takes a study as far as it has come, and returns it with what it has found. What
+it has found is written down after it, so that an interrupted study leaves that.
+"""
+
 import copy
-import functools
-from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, Future, wait
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TypeAlias
+from typing import TypeVar, Unpack
 
 import numpy as np
 
-from drakesep.analysis.engines.drake_pool import DrakePool
-from drakesep.analysis.engines.jax.batch import Batch
-from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
-from drakesep.analysis.engines.run_evaluator import RunEvaluator
-from drakesep.analysis.metrics.objectives import Needs, Objective
-from drakesep.analysis.metrics.requirements import deviation_limits
-from drakesep.analysis.search.effort import Effort, SearchSettings
-from drakesep.analysis.search.expensive_objectives import check_expensive
-from drakesep.analysis.search.judge import WorstCase, find_worst_cases
-from drakesep.analysis.search.problem import OnProgress as Tell
-from drakesep.analysis.search.problem import Problem, Searched, SearchProgress
-from drakesep.analysis.search.registry import check_search
+from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.clearance.objective import LowestClearance
+from drakesep.analysis.metrics.objectives import AnyObjective
+from drakesep.analysis.search.effort import Effort
+from drakesep.analysis.search.judge import find_worst_cases
+from drakesep.analysis.search.problem import Problem, Searched
 from drakesep.analysis.search.sqp import Start, slopes_at
 from drakesep.case_file.case import Case
-from drakesep.case_file.objectives import the_clearance
+from drakesep.case_file.objectives import choose_objectives, the_clearance
+from drakesep.case_file.reader import analysis_case_of
 from drakesep.plots.pictures import Tornado
-from drakesep.studies.background_process import beside, submitted
-from drakesep.studies.output import clear_results
-from drakesep.studies.worst_case.confirmation import confirm
+from drakesep.studies.background_process import BackgroundProcess
+from drakesep.studies.output import writable_folder
+from drakesep.studies.worst_case.confirmation import confirmed
+from drakesep.studies.worst_case.plan import OnProgress, StudyPlan
 from drakesep.studies.worst_case.result import WorstCases
+from drakesep.studies.worst_case.searches import (
+    WantedSearches,
+    default_searches,
+    is_light,
+)
+from drakesep.studies.worst_case.session import Session, session
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run
-from drakesep.systems.simulation.simulation import Simulation
-from drakesep.tables.labelled_run import LabelledRun, references
+from drakesep.tables.labelled_run import LabelledRun, measured
+from drakesep.tables.roles import Nominal, Published, Role
 
 
-DEFAULT_SEARCHES = ("samples", "vertices", "sqp", "multistart")
-"""Chance, then the corners, then uphill from the nominal and from the best of those."""
-DRAKE = "drake"
-"""The search that flies Drake alone: SQP from the nominal, with differences."""
-
-OnProgress: TypeAlias = Callable[["Progress"], None]
-
-_WHOLE_RUN = 800
-"""Steps of a run in Drake that costs what an objective of a whole run does on the
-batch engine, which samples its motion."""
-_EXPENSIVE: Effort = {"samples": 32, "vertices": 32}
-"""Where there are none but expensive objectives, a fraction of a second each."""
-_LIGHT = 300
-"""Steps of a Drake run up to which it is a light one: derivatives cost less than they
-save, and workers take longer to start than to fly."""
+_Study = TypeVar("_Study", bound=WorstCases)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Progress:
-    """Where a study stands."""
-
-    objectives: tuple[Objective, ...]
-    """That are searched."""
-    search: SearchProgress
-    """The search under way; after them the confirmation in Drake, and growth."""
-
-
-def _nothing(*_: object) -> None:
-    """Do nothing."""
-
-
-def search(
-    study: WorstCases,
-    objectives: Sequence[Objective],
+def worst_case(
+    case: Case | AnalysisCase | str | Path,
+    objectives: Sequence[AnyObjective] | AnyObjective | None = None,
     *,
-    searches: Sequence[str] | None,
-    effort: Effort,
-    output: Path | None,
-    workers: int | None,
-    on_progress: OnProgress | None,
-    afterwards: Callable[[Problem, SearchSettings, Tell], None] | None = None,
-) -> None:
-    """Fly the references of a study, search its worst cases and confirm them.
+    searches: Sequence[str] | None = None,
+    output: str | Path | None = None,
+    workers: int | None = None,
+    on_progress: OnProgress | None = None,
+    **effort: Unpack[Effort],
+) -> WorstCases:
+    """Find the worst cases of a case over its tolerances.
 
     Args:
-        study: that receives what is found.
-        objectives: to be maximised.
-        searches: names out of `SEARCHES`, or `DRAKE` alone; `default_searches` if None.
-        effort: how hard to search; what is left out, the length of a run decides.
+        case: a case, in SI or as a file holds it, a case file, or the name of a
+            built-in case.
+        objectives: names (see `case_objectives`), objectives, or functions of a run;
+            the paper's and those of the requirements if None.
+        searches: names out of `SEARCHES`, in the order in which they go; or
+            ``["drake"]``, which flies Drake alone; `default_searches` if None.
         output: folder that receives the tables as the study goes on.
         workers: number of processes that fly Drake; one per core if None; with 1, the
             caller's does all.
         on_progress: called as the study goes on.
-        afterwards: called with the problem, while it can be flown, the settings, and
-            what tells of progress; runs are drawn beside it.
-    """
-    alone = _is_alone(searches)
-    # What is wrong is refused before anything is flown.
-    SearchSettings(**effort)
-    if searches and not alone:
-        check_expensive(objectives, searches)
-    case = study.case
-    if objectives and not alone:
-        Batch(case.separation, case.box.names)  # refuses what it does not know, at once
-    if output is not None:
-        clear_results(output)
-    study.objectives = tuple(objectives)
-    study.clearance = study.clearance or the_clearance(objectives)
-
-    def tell(progress: SearchProgress) -> None:
-        if on_progress is not None:
-            on_progress(Progress(objectives=study.objectives, search=progress))
-
-    nominal = Simulation(case.separation, case.integration).run({})
-    if nominal.motion is None:
-        raise RuntimeError(f"the nominal run failed: {nominal.message}")
-    light = nominal.steps <= _LIGHT
-    on_batch = bool(objectives) and not alone
-    with contextlib.ExitStack() as stack:
-        aside = None
-        if on_batch and afterwards is not None:
-            aside = stack.enter_context(beside(workers))
-        flown_here = on_batch and light and workers is None
-        pool = stack.enter_context(
-            DrakePool(
-                case.separation, case.integration, workers=1 if flown_here else workers
-            )
-        )
-        published = pool.fly([case.published_values(p) for p in case.published])
-        # Its programs are compiled beside what comes next.
-        batch = _batch(case, objectives, derivatives=light) if on_batch else None
-        study.runs += _told(study, [nominal, *published], aside)
-        _write_down(study, output)
-        drawing = _Drawing(aside, output)
-        more: Callable[[], None] = _nothing
-        if objectives:
-            problem = Problem(
-                tolerances=case.tolerance_set,
-                evaluator=batch or _drake(case, objectives, pool),
-            )
-            settings = _affordable(objectives, nominal.steps, effort)
-            several = light and not all(o.expensive for o in objectives)
-            names = searches or default_searches(len(case.box), settings, light=several)
-            names = ["sqp"] if alone else names
-            study.worst = _find(study, problem, names, settings, output, tell)
-            study.nominal_slopes = _slopes_at_nominal(problem)
-            drawing.begin(Tornado(study.nearest_sensitivities).save)
-            confirm(study, pool, tell)
-            _write_down(study, output)
-            if afterwards is not None:
-                more = functools.partial(afterwards, problem, settings, tell)
-        drawing.begin(study.pictures.save)
-        try:
-            more()  # which changes nothing about the runs that are drawn
-        finally:
-            drawing.wait()  # what has been begun is not lost
-        _write_down(study, output)  # whatever becomes of the pictures
-        drawing.check()
-
-
-def _told(
-    study: WorstCases, runs: Sequence[Run], aside: Executor | None
-) -> list[LabelledRun]:
-    """Return the nominal and the published runs with their metrics."""
-    if study.clearance is None or aside is None:
-        return references(study.case, runs, study.clearance)
-    # A copy: it is sent while the study's own is prepared, whose warnings are ours.
-    told = submitted(aside, references, study.case, runs, copy.copy(study.clearance))
-    study.clearance.prepare()
-    return told.result()
-
-
-class _Drawing:
-    """Pictures that are drawn while the study goes on; none without a folder."""
-
-    def __init__(self, aside: Executor | None, folder: Path | None):
-        self._aside = aside
-        self._folder = folder
-        self._begun: list[Future[None]] = []
-
-    def begin(self, save: Callable[[Path], None]) -> None:
-        if self._folder is not None:
-            folder = self._folder.absolute()
-            self._begun.append(submitted(self._aside, save, folder))
-
-    def wait(self) -> None:
-        wait(self._begun)
-
-    def check(self) -> None:
-        """Raise what one of them has raised."""
-        for picture in self._begun:
-            picture.result()
-
-
-def _is_alone(searches: Sequence[str] | None) -> bool:
-    """Return whether Drake searches alone.
+        effort: `starts`, `samples`, `vertices`, `generations` and `seed` of
+            `SearchSettings`; the length of a run decides what is left out.
 
     Raises:
-        ValueError: there is none, one is unknown, or Drake is beside others.
+        ValueError: the case, an objective or a search is wrong, or the folder cannot
+            be written.
+        RuntimeError: the nominal run fails.
     """
-    if searches is None:
-        return False
-    if not len(searches):
-        raise InputError("searches: must be one or more, got none")
-    alone = list(searches) == [DRAKE]
-    if isinstance(searches, str) or (DRAKE in searches and not alone):
-        raise InputError(
-            f"searches: must be a list, and {DRAKE!r} stands alone in it, "
-            f"got {searches!r}"
-        )
-    for name in () if alone else searches:
-        check_search(name, also=[DRAKE])
-    return alone
-
-
-def _write_down(study: WorstCases, output: Path | None) -> None:
-    if output is not None:
-        study.save_tables(output)
-
-
-def _affordable(
-    objectives: Sequence[Objective], steps: int, effort: Effort
-) -> SearchSettings:
-    """Return how hard to search, by what takes longest of what searches fly."""
-    if all(o.expensive for o in objectives):
-        chosen: Effort = _EXPENSIVE | effort
-        return SearchSettings.affordable(steps, **chosen)
-    whole_runs = any(o.needs is Needs.RUN for o in objectives)
-    return SearchSettings.affordable(
-        max(steps, _WHOLE_RUN if whole_runs else 0), **effort
+    case = analysis_case_of(case)
+    if not case.tolerances:
+        raise InputError("dispersions: a worst case needs some, got none")
+    plan = StudyPlan(
+        case=case,
+        objectives=choose_objectives(case, objectives),
+        searches=WantedSearches.named(searches),
+        effort=effort,
+        workers=workers,
+        output=None if output is None else writable_folder(output),
     )
+    study = WorstCases(
+        case=case, objectives=plan.objectives, clearance=the_clearance(plan.objectives)
+    )
+    with (
+        BackgroundProcess(workers=1) as none,  # what little is drawn, is drawn here
+        session(plan, none, on_progress) as under_way,
+    ):
+        return carried_out(study, under_way)
 
 
-def default_searches(
-    parameters: int, settings: SearchSettings, *, light: bool
-) -> tuple[str, ...]:
-    """Return the searches of a study that is not told which.
+def carried_out(study: _Study, under_way: Session) -> _Study:
+    """Return a study with its references, worst cases and their runs; begin to draw.
 
-    Vertices, while all are affordable; else differential evolution, if runs are light.
-
-    Args:
-        parameters: how many are dispersed.
-        settings: what is affordable.
-        light: whether very many runs are.
+    Without objectives, the nominal and the published runs are all there is.
     """
-    instead = ("evolution",) if light else ()
-    wide = ("vertices",) if 2**parameters <= settings.vertices else instead
+    study = under_way.write_down(with_references(study, under_way))
+    if study.objectives:
+        study = searched(study, under_way)
+        under_way.draw(Tornado(study.nearest_sensitivities).save)
+        study = under_way.write_down(confirmed(study, under_way))
+    under_way.draw(study.pictures.save)
+    return study
+
+
+def with_references(study: _Study, under_way: Session) -> _Study:
+    """Return a study with its nominal and published runs, and their metrics."""
+    case, clearance = study.case, study.clearance
+    roles: list[Role] = [Nominal(), *map(Published, case.published)]
+    flown = [under_way.nominal, *under_way.published]
+    limits, background = case.deviation_limits, under_way.background
+    if clearance is None or not background.is_another:
+        return replace(study, runs=_measured(roles, flown, limits, clearance))
+    # A copy: it is sent while our own is prepared, which warns of doubtful meshes.
+    there = copy.copy(clearance)
+    runs = background.submit(_measured, roles, flown, limits, there)
+    clearance.prepare()
+    return replace(study, runs=runs.result())
+
+
+def _measured(
+    roles: Sequence[Role],
+    flown: Sequence[Run],
+    limits: Sequence[float],
+    clearance: LowestClearance | None,
+) -> tuple[LabelledRun, ...]:
     return tuple(
-        name
-        for wanted in DEFAULT_SEARCHES
-        for name in (wide if wanted == "vertices" else (wanted,))
+        measured(role, run, limits, clearance)
+        for role, run in zip(roles, flown, strict=True)
     )
 
 
-def _find(
-    study: WorstCases,
-    problem: Problem,
-    searches: Sequence[str],
-    settings: SearchSettings,
-    output: Path | None,
-    tell: Tell,
-) -> list[WorstCase]:
-    """Find the worst cases, and write down what each search finds as it ends."""
+def searched(study: _Study, under_way: Session) -> _Study:
+    """Return a study with its worst cases; each search is written down as it ends."""
+    problem, settings = under_way.problem, under_way.settings
+    done: list[Searched] = []
 
-    def keep(searched: Searched) -> None:
-        study.searched.append(searched)
-        _write_down(study, output)
+    def keep(found: Searched) -> None:
+        done.append(found)
+        under_way.write_down(replace(study, searched=tuple(done)))
 
-    return find_worst_cases(
-        problem, searches, settings, on_progress=tell, on_search=keep
+    worst = find_worst_cases(
+        problem,
+        _names_of_searches(under_way),
+        settings,
+        on_progress=under_way.tell,
+        on_search=keep,
+    )
+    return replace(
+        study,
+        searched=tuple(done),
+        worst=tuple(worst),
+        nominal_slopes=_slopes_at_nominal(problem),
     )
 
 
-def _drake(
-    case: Case, objectives: Sequence[Objective], pool: DrakePool
-) -> RunEvaluator:
-    names = case.box.names
-
-    def fly(rows: np.ndarray) -> list[Run]:
-        return pool.fly([dict(zip(names, row.tolist(), strict=True)) for row in rows])
-
-    return RunEvaluator(fly, names, objectives, deviation_limits(case.limits))
-
-
-def _batch(
-    case: Case, objectives: Sequence[Objective], *, derivatives: bool
-) -> BatchEvaluator:
-    limits = deviation_limits(case.limits)
-    batch = Batch(case.separation, case.box.names, deviation_limits=limits)
-    evaluator = BatchEvaluator(batch, objectives, limits, derivatives=derivatives)
-    evaluator.prepare()
-    return evaluator
+def _names_of_searches(under_way: Session) -> Sequence[str]:
+    plan = under_way.plan
+    several = is_light(under_way.nominal.steps) and not all(
+        objective.expensive for objective in plan.objectives
+    )
+    return plan.searches.names or default_searches(
+        len(plan.case.box), under_way.settings, light=several
+    )
 
 
-def _slopes_at_nominal(problem: Problem) -> np.ndarray:
+def _slopes_at_nominal(problem: Problem) -> Array:
     """Return (m, n) the slopes of the objectives, with the scaled parameters."""
     nominal = np.zeros(len(problem.tolerances))
     return slopes_at(

@@ -4,17 +4,17 @@ import functools
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
+from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.objective import LowestClearance
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.search.judge import WorstCase
 from drakesep.analysis.search.problem import Candidate, Searched
 from drakesep.analysis.search.sqp import Iteration
-from drakesep.case_file.case import Case
 from drakesep.plots.pictures import Approach, Pictures, Tornado
 from drakesep.studies.output import writable_folder
+from drakesep.systems.arrays import Array
 from drakesep.tables.columns import write_csv
 from drakesep.tables.comparison import comparison_table
 from drakesep.tables.evidence_tables import (
@@ -25,30 +25,31 @@ from drakesep.tables.evidence_tables import (
     worst_points_table,
 )
 from drakesep.tables.labelled_run import LabelledRun
+from drakesep.tables.roles import Published, Worst
 from drakesep.tables.run_tables import history_table, motion_table, runs_table
 from drakesep.tables.table_4 import table_4
 
 
-@dataclass(kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class WorstCases:
     """The nominal run, the published worst cases, and the worst found."""
 
-    case: Case
+    case: AnalysisCase
     objectives: tuple[Objective, ...] = ()
-    runs: list[LabelledRun] = field(default_factory=list)
-    searched: list[Searched] = field(default_factory=list)
+    runs: tuple[LabelledRun, ...] = ()
+    searched: tuple[Searched, ...] = ()
     """What each search found, in their order."""
-    worst: list[WorstCase] = field(default_factory=list)
+    worst: tuple[WorstCase, ...] = ()
     """The worst case of each objective, with its evidence."""
-    nominal_slopes: np.ndarray | None = field(default=None, repr=False)
+    nominal_slopes: Array | None = field(default=None, repr=False)
     """(m, n) of the objectives at the nominal, with the scaled parameters."""
     clearance: LowestClearance | None = field(default=None, repr=False)
     """That tells how near the nominal and published runs come; None if not asked."""
 
-    @functools.cached_property
+    @property
     def share_unphysical(self) -> float:
         """The share of the tolerances whose inertias no body can have."""
-        return self.case.tolerance_set.share_unphysical()
+        return self.case.share_unphysical
 
     @property
     def table(self) -> pd.DataFrame:
@@ -82,7 +83,7 @@ class WorstCases:
     @property
     def table_4(self) -> pd.DataFrame:
         """The worst cases in the form of the paper's Table 4."""
-        shown = [f for f in self.runs if f.objective is None or _of_paper(f)]
+        shown = [o for o in self.runs if o.objective is None or _of_paper(o)]
         return table_4(shown, self.case.box)
 
     @property
@@ -117,8 +118,8 @@ class WorstCases:
         """Sensitivities of the paper's objectives, and in each worse direction."""
         left_out = set()
         values = {case.name: case.value for case in self.worst}
-        for requirement in self.case.limits:
-            names = [o.name for o in self.case.towards(requirement)]
+        for requirement in self.case.requirements:
+            names = self.case.names_towards(requirement)
             known = [name for name in names if name in values]
             left_out |= set(known) - {max(known, key=values.__getitem__, default="")}
         frame = self.sensitivities
@@ -128,15 +129,15 @@ class WorstCases:
     def motions(self) -> dict[str, pd.DataFrame]:
         """The motion of each run that did not fail, by its label."""
         return {
-            labelled.label: motion_table(labelled.run.motion)
-            for labelled in self.runs
-            if labelled.run.motion is not None
+            one.label: motion_table(one.run.motion)
+            for one in self.runs
+            if one.run.motion is not None
         }
 
     @property
     def completed(self) -> bool:
         """Whether no run failed, and Drake confirmed every worst case."""
-        return not any(labelled.status.startswith("failed") for labelled in self.runs)
+        return not any(one.outcome.failed for one in self.runs)
 
     def save_tables(self, directory: str | Path) -> None:
         """Write the tables, as far as there are any, into a folder."""
@@ -165,10 +166,10 @@ class WorstCases:
     @property
     def pictures(self) -> Pictures:
         """What shows the runs."""
-        clearances = [r.limit for r in self.case.limits if r.measured_apart]
+        clearances = [r.limit for r in self.case.requirements if r.measured_apart]
         return Pictures(
-            runs=[f for f in self.runs if f.run.motion is not None and _shown(f)],
-            limits=self.case.limits,
+            runs=[o for o in self.runs if o.run.motion is not None and _shown(o)],
+            limits=self.case.requirements,
             approaches=self._approaches,
             clearance_limit=clearances[0] if clearances else None,
         )
@@ -179,22 +180,20 @@ class WorstCases:
         if self.clearance is None:
             return []
         approaches = []
-        for labelled in self.runs:
-            found = labelled.nearest
-            if found is None or labelled.published is not None:
+        for one in self.runs:
+            found = one.nearest
+            if found is None or isinstance(one.role, Published):
                 continue
-            x, distances = self.clearance.approach(labelled.run, found)
+            x, distances = self.clearance.approach(one.run, found)
             pair = f"{found.first} to {found.second}".replace("_", " ")
-            approaches.append(Approach(labelled.label, pair, x, distances))
+            approaches.append(Approach(one.label, pair, x, distances))
         return approaches
 
 
-def _of_paper(labelled: LabelledRun) -> bool:
-    return labelled.objective in OBJECTIVES
+def _of_paper(one: LabelledRun) -> bool:
+    return one.objective in OBJECTIVES
 
 
-def _shown(labelled: LabelledRun) -> bool:
-    """Return whether a labelled is in the plots of the motion."""
-    return labelled.objective is None or (
-        _of_paper(labelled) and labelled.label.startswith("worst_")
-    )
+def _shown(one: LabelledRun) -> bool:
+    """Return whether a run is in the plots of the motion."""
+    return one.objective is None or (_of_paper(one) and isinstance(one.role, Worst))

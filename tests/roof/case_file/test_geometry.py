@@ -11,7 +11,7 @@ from ruamel.yaml import YAML
 import drakesep
 from drakesep import Case, CaseError, load_case
 from drakesep.case_file.reader import builtin_cases
-from drakesep.studies.background_process import submitted
+from drakesep.studies.background_process import BackgroundProcess
 from drakesep.systems.model.parts import Box, Capsule, Cone, Mesh, Sphere
 
 
@@ -159,7 +159,7 @@ def test_requirement_on_clearance(write, tmp_path):
     [limit] = case.limits
     assert (limit.metric, limit.sense, limit.limit) == ("clearance", ">=", 0.03)
     assert limit.condition == "until 500 mm of separation"
-    assert [o.name for o in case.requirement_objectives] == ["lowest_clearance"]
+    assert [o.name for o in case.in_si().requirement_objectives] == ["lowest_clearance"]
     with pytest.raises(CaseError, match="a clearance must have 'at_least'"):
         load(at_most=30)
     with pytest.raises(CaseError, match="at_least of a clearance must be > 0, got 0"):
@@ -271,7 +271,7 @@ def tolerance(case, axis):
 def test_a_worst_case_that_another_beats_has_failed():
     """Up the slope from the nominal there is nothing; the worst of L1 is beyond it."""
     study = drakesep.verify(boom_in_guide(), growth=False, searches=["vertices", "sqp"])
-    runs = {labelled.label: labelled for labelled in study.runs}
+    runs = {one.label: one for one in study.runs}
     status = runs["worst_lowest_clearance"].status
     assert status.startswith("failed: ")
     assert "comes nearer, to " in status
@@ -284,12 +284,13 @@ def test_a_worst_case_that_another_beats_has_failed():
 def test_same_study_with_a_process_beside_and_without(tmp_path, monkeypatch):
     """Measured and drawn in the process, from where the study is started."""
     aside = []
+    submit = BackgroundProcess.submit
 
-    def spy(process, *call):
-        aside.append(process is not None)
-        return submitted(process, *call)
+    def spy(background, *call):
+        aside.append(background.is_another)
+        return submit(background, *call)
 
-    monkeypatch.setattr("drakesep.studies.worst_case.procedure.submitted", spy)
+    monkeypatch.setattr(BackgroundProcess, "submit", spy)
     monkeypatch.setattr("os.cpu_count", lambda: 2)
     monkeypatch.chdir(tmp_path)
     here, beside = (

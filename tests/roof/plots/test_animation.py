@@ -67,8 +67,8 @@ def test_browser_draws_it(page, tmp_path):
     assert grey > 0.01
 
 
-def test_command(capsys, monkeypatch, tmp_path, vega_verification):
-    table = vega_verification.folder / "worst_cases.csv"
+def test_command(capsys, monkeypatch, tmp_path, vega_verification, vega_folder):
+    table = vega_folder / "worst_cases.csv"
     file = tmp_path / "new" / "page.html"
     arguments = ("animate", "vega", "--runs", table, "--run", "worst_L1", "-o", file)
     code, out, _ = run(capsys, monkeypatch, *arguments)
@@ -77,8 +77,8 @@ def test_command(capsys, monkeypatch, tmp_path, vega_verification):
     assert ">worst_L1</option>" in file.read_text(encoding="utf-8")
 
 
-def test_runs_of_a_table(vega_verification, tmp_path):
-    table = vega_verification.folder / "worst_cases.csv"
+def test_runs_of_a_table(vega_verification, vega_folder, tmp_path):
+    table = vega_folder / "worst_cases.csv"
     shown = ("L1", "L2", "Linf", "PM", "lowest_clearance")
     assert set(read_runs(table)) == {f"worst_{name}" for name in shown}
     with pytest.raises(InputError, match="unknown run 'worst_L3'; did you mean"):

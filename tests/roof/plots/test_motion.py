@@ -6,21 +6,22 @@ import pytest
 from drakesep.analysis.metrics.objectives import OBJECTIVES
 from drakesep.plots.motion import rotation_figure, translation_figure
 from drakesep.plots.tornado import tornado_figure
+from drakesep.tables.roles import Nominal, Worst
 from drakesep.units import unit_of
 
 
 @pytest.fixture(scope="module")
 def shown(vega_verification):
     return [
-        labelled
-        for labelled in vega_verification.runs
-        if labelled.objective in (None, *OBJECTIVES) and labelled.published is None
-        if not labelled.label.startswith("sqp_")
+        one
+        for one in vega_verification.runs
+        if isinstance(one.role, Nominal | Worst)
+        if one.objective in (None, *OBJECTIVES)
     ]
 
 
 def test_curves_are_the_runs(shown, vega_verification):
-    figure = rotation_figure(shown, vega_verification.case.limits)
+    figure = rotation_figure(shown, vega_verification.case.requirements)
     panels = {axes.get_title(): axes for axes in figure.axes}
     assert set(panels) == {
         *(f"angle, {angle}" for angle in ("roll", "pitch", "yaw")),
@@ -43,23 +44,23 @@ def test_curves_are_the_runs(shown, vega_verification):
     ],
 )
 def test_limits_are_drawn(shown, vega_verification, make, title, limit):
-    figure = make(shown, vega_verification.case.limits)
+    figure = make(shown, vega_verification.case.requirements)
     [axes] = [axes for axes in figure.axes if axes.get_title() == title]
     assert axes.get_lines()[-1].get_ydata()[0] == pytest.approx(limit)
 
 
 def test_legend_names_every_run(shown, vega_verification):
-    figure = translation_figure(shown, vega_verification.case.limits)
+    figure = translation_figure(shown, vega_verification.case.requirements)
     [legend] = figure.legends
     names = [text.get_text() for text in legend.get_texts()]
     assert names == [
-        *(labelled.label for labelled in shown),
+        *(one.label for one in shown),
         "end of separation",
         "limit",
     ]
 
 
-def test_tornado_has_a_panel_for_each_objective(vega_verification):
+def test_tornado_has_a_panel_for_each_objective(vega_verification, vega_folder):
     """Bars are the table's, the largest on top."""
     frame = vega_verification.sensitivities
     figure = tornado_figure(frame)
@@ -70,4 +71,4 @@ def test_tornado_has_a_panel_for_each_objective(vega_verification):
     assert [bar.get_width() for bar in bars] == pytest.approx(
         rows["per_tolerance_at_worst"].head(len(bars)).tolist()
     )
-    assert (vega_verification.folder / "tornado.png").stat().st_size > 20_000
+    assert (vega_folder / "tornado.png").stat().st_size > 20_000

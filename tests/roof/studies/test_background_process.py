@@ -1,87 +1,109 @@
-"""Work beside a study: in a process, which ends with its caller."""
+"""Work beside a study: in a process that is handed down, and ends with its caller."""
 
 import multiprocessing
 import os
 import signal
 import sys
 import time
+import warnings
 
 import pytest
 
-from drakesep.studies.background_process import beside, submitted
+from drakesep.analysis.clearance.of_run import DoubtfulScale
+from drakesep.studies.background_process import BackgroundProcess
 
 
 def test_a_process_takes_over_until_its_caller_ends():
-    with beside(2) as aside:
-        pid = submitted(aside, os.getpid).result()
+    with BackgroundProcess(2) as background:
+        assert background.is_another
+        pid = background.submit(os.getpid).result()
         assert pid != os.getpid()
-        with beside(2) as within:
-            assert submitted(within, os.getpid).result() == pid
-        with beside(1) as within:
-            assert within is None
+        assert background.submit(os.getpid).result() == pid
         assert not has_ended(pid)
     assert has_ended(pid)
+    assert not background.is_another
+
+
+def test_each_is_a_process_of_its_own():
+    """None is found by another: a study works in that which it is given."""
+    with BackgroundProcess(2) as outer, BackgroundProcess(2) as inner:
+        outer_pid, inner_pid = (p.submit(os.getpid).result() for p in (outer, inner))
+        assert outer_pid != inner_pid
 
 
 def test_who_fails_does_not_wait_for_it():
-    with pytest.raises(KeyboardInterrupt), beside(2) as aside:
-        pid = submitted(aside, os.getpid).result()
-        submitted(aside, time.sleep, 600.0)
+    with pytest.raises(KeyboardInterrupt), BackgroundProcess(2) as background:
+        pid = background.submit(os.getpid).result()
+        background.submit(time.sleep, 600.0)
         raise KeyboardInterrupt
     assert has_ended(pid)
 
 
 def test_one_process_does_all_itself():
-    with beside(1) as aside:
-        assert aside is None
-        assert submitted(aside, os.getpid).result() == os.getpid()
+    with BackgroundProcess(1) as background:
+        assert not background.is_another
+        assert background.submit(os.getpid).result() == os.getpid()
 
 
 def test_a_process_that_may_not_start_others_does_all_itself(monkeypatch):
     """As those of a multiprocessing.Pool, whose studies would fail."""
     config = multiprocessing.current_process()._config
     monkeypatch.setitem(config, "daemon", True)
-    with beside(2) as aside:
-        assert aside is None
+    with BackgroundProcess(2) as background:
+        assert not background.is_another
 
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_errors_come_when_results_are_asked_for(workers):
-    with beside(workers) as aside:
-        refused = submitted(aside, int, "five")
+    with BackgroundProcess(workers) as background:
+        refused = background.submit(int, "five")
         with pytest.raises(ValueError, match="'five'"):
             refused.result()
 
 
 def test_an_interrupt_leaves_it_alone():
-    with beside(2) as aside:
-        [pid] = aside._processes  # it has hardly begun to start
+    with BackgroundProcess(2) as background:
+        [pid] = background._process._processes  # it has hardly begun to start
         os.kill(pid, signal.SIGINT)
-        assert submitted(aside, os.getpid).result() == pid
+        assert background.submit(os.getpid).result() == pid
         os.kill(pid, signal.SIGINT)
-        assert submitted(aside, os.getpid).result() == pid
+        assert background.submit(os.getpid).result() == pid
 
 
 def test_it_does_without_jax():
     """Which takes the longest to import, and has nothing to do there."""
-    with beside(2) as aside:
-        assert "matplotlib" in submitted(aside, imported).result()
-        assert "jax" not in submitted(aside, imported).result()
+    with BackgroundProcess(2) as background:
+        assert "matplotlib" in background.submit(imported).result()
+        assert "jax" not in background.submit(imported).result()
 
 
 def imported():
     return {name.partition(".")[0] for name in sys.modules}
 
 
+def test_only_doubtful_scales_are_not_warned_of_there():
+    with BackgroundProcess(2) as background:
+        warned = background.submit(warned_of).result()
+    assert warned == ["another"]
+
+
+def warned_of():
+    """What is told of a doubtful scale and of something else."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.warn("check scale", DoubtfulScale, stacklevel=1)
+        warnings.warn("another", UserWarning, stacklevel=1)
+    return [str(warning.message) for warning in caught]
+
+
 def test_its_death_is_an_error_of_what_was_asked():
-    with beside(2) as aside:
-        pid = submitted(aside, os.getpid).result()
-        asleep = submitted(aside, time.sleep, 600.0)
+    with BackgroundProcess(2) as background:
+        pid = background.submit(os.getpid).result()
+        asleep = background.submit(time.sleep, 600.0)
         os.kill(pid, signal.SIGKILL)
         with pytest.raises(RuntimeError):
             asleep.result()
         with pytest.raises(RuntimeError):
-            submitted(aside, os.getpid).result()
+            background.submit(os.getpid).result()
 
 
 def has_ended(pid):

@@ -8,7 +8,7 @@ import pytest
 import drakesep
 from drakesep.analysis.metrics.objectives import OBJECTIVES, highest
 from drakesep.analysis.search.effort import SearchSettings
-from drakesep.studies.worst_case.procedure import default_searches
+from drakesep.studies.worst_case.searches import default_searches
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.run import RunStatus
 from drakesep.systems.simulation.simulation import Simulation
@@ -41,7 +41,7 @@ def test_interrupted_study_leaves_what_was_done(tmp_path):
 
     case = drakesep.load_case("vega")
     few = dict(list(case.dispersions.items())[:2])
-    case = case.model_copy(update={"dispersions": few, "published": []})
+    case = case.replaced(dispersions=few, published=[])
     with pytest.raises(KeyboardInterrupt):
         drakesep.worst_case(
             case, ["PM", "L2"], samples=100, output=tmp_path, on_progress=interrupt
@@ -79,7 +79,7 @@ def test_users_objectives():
     few = {
         name: case.dispersions[name] for name in ("payload.cg_y_mm", "payload.mass_kg")
     }
-    case = case.model_copy(update={"dispersions": few, "published": []})
+    case = case.replaced(dispersions=few, published=[])
 
     def last_rate_z(run):
         return float(run.completed_motion.rate[-1, 2])
@@ -106,7 +106,7 @@ def test_difference_between_the_engines_is_an_error(monkeypatch):
     """Loudly: the study has not completed, and says what differs."""
     case = drakesep.load_case("vega")
     few = dict(list(case.dispersions.items())[:1])
-    case = case.model_copy(update={"dispersions": few, "published": []})
+    case = case.replaced(dispersions=few, published=[])
     flown = Simulation.run
 
     def heavier(self, values):
@@ -153,17 +153,15 @@ def test_case_without_requirements_or_dispersions():
     with pytest.raises(
         ValueError, match="requirements: a case to verify must have some"
     ):
-        drakesep.verify(case.model_copy(update={"requirements": []}))
+        drakesep.verify(case.replaced(requirements=[]))
     with pytest.raises(ValueError, match="dispersions: a worst case needs some"):
-        drakesep.worst_case(
-            case.model_copy(update={"dispersions": {}, "published": []})
-        )
+        drakesep.worst_case(case.replaced(dispersions={}, published=[]))
 
 
 def test_verify_without_dispersions_judges_the_nominal(tmp_path):
     case = drakesep.load_case("vega")
-    update = {"dispersions": {}, "published": []}
-    study = drakesep.verify(case.model_copy(update=update), output=tmp_path, workers=1)
+    case = case.replaced(dispersions={}, published=[])
+    study = drakesep.verify(case, output=tmp_path, workers=1)
     assert study.passed
     assert study.table["label"].tolist() == ["nominal"]
     assert (study.requirements["which_run"] == "nominal").all()

@@ -50,9 +50,9 @@ def test_motion():
 
 def test_worst_cases(vega_verification):
     columns = list(vega_verification.table.columns)
-    assert columns[0] == "label"
-    assert columns[1:19] == PARAMETERS
-    assert columns[19:23] == OBJECTIVES
+    assert columns[:2] == ["label", "role"]
+    assert columns[2:20] == PARAMETERS
+    assert columns[20:24] == OBJECTIVES
     assert columns[-3:] == ["iterations", "evaluations", "status"]
     assert vega_verification.table["label"].tolist() == [
         *("nominal", "paper_L1_Linf", "paper_L2", "paper_PM"),

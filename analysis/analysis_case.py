@@ -1,0 +1,260 @@
+"""One separation, with all that is asked of it: frozen, in SI, checked when it is made.
+
+It is what every study works on. A case file is turned into one when it is read; from
+Python it is made of a `Separation` and the records beside it. `dataclasses.replace`
+varies it, with the same checks.
+"""
+
+import functools
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective, lowest, towards
+from drakesep.analysis.metrics.registry import find_metric, registered_metrics
+from drakesep.analysis.metrics.requirements import Requirement, deviation_limits
+from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
+from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
+from drakesep.systems.checks import (
+    InputError,
+    Vector3,
+    check_entries,
+    check_finite,
+    check_positive,
+    named,
+    unknown,
+)
+from drakesep.systems.model.integration import Integration
+from drakesep.systems.model.parameters import with_values
+from drakesep.systems.model.part_pairs import Names, pairs_apart, part_pairs
+from drakesep.systems.model.separation import Separation
+
+
+if TYPE_CHECKING:  # imports Drake
+    from drakesep.analysis.clearance.objective import LowestClearance
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClearancePairs:
+    """Which parts are measured to each other, and how long their distance matters.
+
+    Raises:
+        ValueError: the distance of separation is not positive.
+    """
+
+    pairs: tuple[Names, ...] | None = None
+    """Names of two parts each; if None, all of different bodies."""
+    touching: tuple[Names, ...] = ()
+    """Those that touch or overlap while mated: measured once they have parted."""
+    until_separation: float | None = None
+    """How far B is to move along A's x axis until distances do not matter, m; if None,
+    they matter to the end of the run."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        if self.until_separation is not None:
+            check_positive("until_separation", self.until_separation)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PrintedResult:
+    """What a publication prints of a worst case, after the paper's Table 4.
+
+    Raises:
+        ValueError: a number is not finite.
+    """
+
+    rate: Vector3
+    """Of B after separation, in its axes, rad/s."""
+    deviation_within_limits_until: float
+    """s."""
+    longitudinal_speed: float
+    """m/s."""
+    iterations: int
+    """Of the solver."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check_entries("rate", self.rate, 3)
+        until = self.deviation_within_limits_until
+        check_finite("deviation_within_limits_until", until)
+        check_finite("longitudinal_speed", self.longitudinal_speed)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PublishedCase:
+    """A worst case that a publication gives.
+
+    Raises:
+        ValueError: the label cannot stand in the name of a file, or an objective is
+            none of the paper's.
+    """
+
+    label: str
+    """Of its run in tables and plots; of letters, digits, _ and -."""
+    values: Mapping[str, float]
+    """Of parameters by name, in SI; the others are nominal."""
+    objectives: tuple[str, ...] = ()
+    """Of the paper, whose worst case it is said to be."""
+    printed: PrintedResult | None = None
+    """What it prints of the run."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", self.label):
+            raise InputError(
+                f"published: label must be made of letters, digits, _ and -, "
+                f"got {self.label!r}"
+            )
+        for name in self.objectives:
+            if name not in OBJECTIVES:
+                message = unknown("objective", name, OBJECTIVES)
+                raise InputError(f"published: {self.label}: {message}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class AnalysisCase:
+    """A separation with its tolerances and requirements.
+
+    Attributes:
+        tolerance_set: what the tolerances admit, and can exist; made of the tolerances
+            and ellipsoids around the separation's own values.
+
+    Raises:
+        ValueError: a tolerance, an ellipsoid, a requirement, a pair of parts or a
+            published case does not fit the separation, or the others.
+    """
+
+    separation: Separation
+    name: str = "case"
+    """In titles."""
+    integration: Integration = field(default_factory=Integration)
+    """How runs are integrated in Drake."""
+    tolerances: Mapping[str, float] = field(default_factory=dict)
+    """To either side of the separation's values, by parameter name, in SI."""
+    ellipsoids: tuple[Ellipsoid, ...] = ()
+    """Dispersed parameters that do not all reach their tolerances together."""
+    requirements: tuple[Requirement, ...] = ()
+    """Limits on metrics, no two on the same."""
+    clearance: ClearancePairs = field(default_factory=ClearancePairs)
+    published: tuple[PublishedCase, ...] = ()
+    """Worst cases that others have found."""
+    tolerance_set: ToleranceSet = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        """Check the values, and build the set of the tolerances."""
+        with named("clearance"):
+            part_pairs(self.separation, self.clearance.pairs)
+            part_pairs(self.separation, self.clearance.touching)
+        box = ToleranceBox.around(self.separation, self.tolerances)
+        with named("ellipsoids"):
+            admitted = ToleranceSet(self.separation, box, self.ellipsoids)
+        object.__setattr__(self, "tolerance_set", admitted)
+        self._check_requirements()
+        self._check_published()
+
+    def _check_requirements(self) -> None:
+        limited = [requirement.metric for requirement in self.requirements]
+        for metric in limited:
+            if find_metric(metric) is None:
+                known = [name for one in registered_metrics() for name in one.names]
+                raise InputError(f"requirements: {unknown('metric', metric, known)}")
+            if limited.count(metric) > 1:
+                raise InputError(f"requirements: {metric} must stand once")
+        for requirement in self.requirements:
+            if requirement.measured_apart and not self.has_clearance:
+                raise InputError(
+                    f"requirements: {requirement.metric} needs geometry on two bodies "
+                    "that does not touch while mated, got none"
+                )
+
+    def _check_published(self) -> None:
+        labels = [published.label for published in self.published]
+        for published in self.published:
+            if labels.count(published.label) > 1:
+                raise InputError(
+                    f"published: label {published.label!r} must stand once"
+                )
+            with named(f"published: {published.label}"):
+                with_values(self.separation, published.values)
+
+    @property
+    def box(self) -> ToleranceBox:
+        """The tolerances, without ellipsoids and without what can exist."""
+        return self.tolerance_set.box
+
+    @property
+    def deviation_limits(self) -> tuple[float, ...]:
+        """(3,) limits of roll, pitch and yaw, rad; infinite where there is none."""
+        return deviation_limits(self.requirements)
+
+    @property
+    def has_clearance(self) -> bool:
+        """Whether parts of two bodies may come near each other."""
+        of = self.clearance
+        return bool(pairs_apart(self.separation, of.pairs, of.touching))
+
+    @functools.cached_property
+    def share_unphysical(self) -> float:
+        """The share of the tolerances whose inertias no body can have."""
+        return self.tolerance_set.share_unphysical()
+
+    @property
+    def objective_names(self) -> tuple[str, ...]:
+        """Names of the case's objectives: the paper's, and each requirement's."""
+        of_requirements = [
+            name for r in self.requirements for name in self.names_towards(r)
+        ]
+        if self._limits_deviations:
+            of_requirements.append(_until_violation().name)
+        return tuple(dict.fromkeys([*OBJECTIVES, *of_requirements]))
+
+    @property
+    def requirement_objectives(self) -> tuple[Objective, ...]:
+        """What leads out of each requirement, and the time to a deviation's limit."""
+        objectives = [o for limit in self.requirements for o in self.towards(limit)]
+        if self._limits_deviations:
+            objectives.append(_until_violation())
+        return tuple(objectives)
+
+    @property
+    def _limits_deviations(self) -> bool:
+        return any(math.isfinite(limit) for limit in self.deviation_limits)
+
+    def towards(self, requirement: Requirement) -> tuple[Objective, ...]:
+        """Return the objectives that lead out of a requirement."""
+        if requirement.measured_apart:
+            return (self.lowest_clearance(),)
+        return towards(requirement)
+
+    def names_towards(self, requirement: Requirement) -> tuple[str, ...]:
+        """Return the names of the objectives that lead out of a requirement."""
+        if requirement.measured_apart:  # without importing what measures it
+            return (f"lowest_{requirement.metric}",)
+        return tuple(objective.name for objective in towards(requirement))
+
+    def lowest_clearance(self) -> "LowestClearance":
+        """Return a new objective that makes the smallest distance small.
+
+        Over the time for which distances matter.
+
+        Raises:
+            ValueError: no two bodies have parts that do not touch while mated.
+        """
+        # Here, since it imports Drake: a case is read without.
+        from drakesep.analysis.clearance.objective import LowestClearance
+
+        return LowestClearance(
+            self.separation,
+            self.clearance.pairs,
+            touching=self.clearance.touching,
+            until_separation=self.clearance.until_separation,
+        )
+
+
+def _until_violation() -> Objective:
+    """Return the objective that makes the time to a deviation's limit short."""
+    return lowest("deviation_within_limits_until")

@@ -1,0 +1,87 @@
+"""What the command line prints of a study: tables, what failed, the verdict."""
+
+from rich.console import Console
+
+from drakesep.cli.console import print_frame
+from drakesep.studies.clearance import Clearances
+from drakesep.studies.simulate import Simulated
+from drakesep.studies.verification import Verification
+from drakesep.studies.worst_case.result import WorstCases
+from drakesep.tables.run_tables import metrics_table
+
+
+# Columns that are printed; the others are in the file.
+_CLEARANCE = (
+    *("first", "second", "clearance_mm", "time_s", "separation_mm"),
+    *("contact_time_s", "closing_speed_m_s", "status"),
+)
+_EVIDENCE = (
+    *("objective", "unit", "worst", "difference", "found_by", "sqp", "vertices"),
+    *("samples", "starts", "ended_there", "at_bounds", "optimality_residual"),
+)
+
+
+def print_simulated(console: Console, result: Simulated) -> None:
+    """Print the metrics of a run, and its contacts if there are any."""
+    metrics = metrics_table(result.labelled.metrics)
+    print_frame(console, "Metrics of the run", metrics)
+    if len(result.contacts):
+        print_frame(console, "Parts that touch again", result.contacts)
+
+
+def print_clearances(console: Console, study: Clearances) -> None:
+    """Print how near the parts come."""
+    summary = study.summary
+    shown = [name for name in _CLEARANCE if name in summary]
+    print_frame(console, "Smallest clearances of the run", summary[shown])
+
+
+def print_worst_cases(console: Console, study: WorstCases) -> None:
+    """Print the worst cases, with the evidence, and what failed."""
+    if not study.comparison.empty:
+        print_frame(console, "The paper's objectives", study.comparison)
+    print_frame(
+        console,
+        "Runs in the form of the paper's Table 4: M maximum, m minimum, Nom nominal"
+        + ("; published values in parentheses" if study.case.published else ""),
+        study.table_4,
+    )
+    if study.worst:
+        print_frame(console, "Searches", study.searches)
+        evidence = study.evidence
+        shown = [name for name in _EVIDENCE if name in evidence]
+        print_frame(console, "Worst cases, with the evidence", evidence[shown])
+        if study.share_unphysical:
+            console.print(
+                f"{study.share_unphysical:.1%} of the tolerances are inertias that no "
+                "body can have; no search goes there."
+            )
+    for one in study.runs:
+        if not one.outcome.as_wanted:
+            console.print(f"{one.label}: {one.status}", markup=False)
+
+
+def print_requirements(console: Console, study: Verification) -> None:
+    """Print the worst cases, and the requirements with their margins."""
+    print_worst_cases(console, study)
+    title = "Requirements over the tolerances"
+    print_frame(console, title, study.requirements, index=2)
+
+
+def print_verdict(console: Console, study: Verification) -> None:
+    """Print whether every requirement is met, and what was not looked at."""
+    if study.case.has_clearance and study.clearance is None:
+        console.print(
+            "There is geometry, and no requirement of clearance_mm: whether anything "
+            "touches was not looked at."
+        )
+    if study.worst and not study.growths:
+        console.print("How far tolerances may grow was not looked for: see --growth.")
+    if study.passed:
+        console.print(
+            "[bold green]Every requirement is met[/] in all "
+            f"{len(study.runs)} runs flown in Drake, the worst cases of each among "
+            "them."
+        )
+    else:
+        console.print("[bold red]Not every requirement is met.[/]")

@@ -1,0 +1,101 @@
+"""One run of a case: tables, plots."""
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+
+from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.case_file.case import Case
+from drakesep.case_file.reader import analysis_case_of
+from drakesep.case_file.values import values_in_si
+from drakesep.studies.output import writable_folder
+from drakesep.systems.model.run import Run
+from drakesep.systems.simulation.simulation import Simulation
+from drakesep.tables.columns import write_csv
+from drakesep.tables.contact_tables import contact_forces_table, contacts_table
+from drakesep.tables.labelled_run import LabelledRun, measured
+from drakesep.tables.roles import Changed, Nominal
+from drakesep.tables.run_tables import motion_table, runs_table
+
+
+@dataclass(frozen=True, kw_only=True)
+class Simulated:
+    """One run of a case."""
+
+    case: AnalysisCase
+    labelled: LabelledRun
+    """The run with its metrics, and how it ended."""
+    values: Mapping[str, float]
+    """What was changed, by parameter name with unit."""
+
+    @property
+    def run(self) -> Run:
+        """The run itself."""
+        return self.labelled.run
+
+    @functools.cached_property
+    def summary(self) -> pd.DataFrame:
+        """One row, as in `WorstCases.table`, with what was changed."""
+        changed = values_in_si(self.case.separation, self.values)
+        names = list(dict.fromkeys([*self.case.box.names, *changed]))
+        return runs_table([self.labelled], names)
+
+    @functools.cached_property
+    def motion(self) -> pd.DataFrame:
+        """The motion over time; empty if the run failed."""
+        motion = self.run.motion
+        return pd.DataFrame() if motion is None else motion_table(motion)
+
+    @property
+    def contacts(self) -> pd.DataFrame:
+        """A row for each contact after separation, if the case has recontact."""
+        return contacts_table(self.run)
+
+    @property
+    def completed(self) -> bool:
+        """Whether the run did not fail."""
+        return not self.labelled.outcome.failed
+
+    def save(self, directory: str | Path) -> None:
+        """Write the tables and plots into a folder."""
+        folder = writable_folder(directory)
+        for name in ("contacts.csv", "contact_forces.csv"):  # of an earlier run
+            (folder / name).unlink(missing_ok=True)
+        write_csv(self.summary, folder / "summary.csv")
+        if not self.completed:
+            return
+        write_csv(self.motion, folder / "motion.csv")
+        if self.run.separation.recontact is not None:
+            write_csv(self.contacts, folder / "contacts.csv")
+            write_csv(contact_forces_table(self.run), folder / "contact_forces.csv")
+        # Half a second to import, where something is drawn.
+        from drakesep.plots.motion import save_motion
+
+        save_motion([self.labelled], self.case.requirements, folder)
+
+
+def simulate(
+    case: Case | AnalysisCase | str | Path,
+    values: Mapping[str, float] | None = None,
+) -> Simulated:
+    """Fly a case once.
+
+    Args:
+        case: a case, in SI or as a file holds it, a case file, or the name of a
+            built-in case.
+        values: new values by parameter name with unit, ``payload.mass_kg``.
+
+    Raises:
+        ValueError: the case or a value is wrong.
+    """
+    case = analysis_case_of(case)
+    values = values or {}
+    run = Simulation(case.separation, case.integration).run(
+        values_in_si(case.separation, values)
+    )
+    role = Changed() if values else Nominal()
+    labelled = measured(role, run, case.deviation_limits)
+    return Simulated(case=case, labelled=labelled, values=values)

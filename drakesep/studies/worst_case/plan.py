@@ -1,0 +1,60 @@
+"""What is asked of a study of worst cases, and how far it has come."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeAlias
+
+from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.metrics.objectives import Objective
+from drakesep.analysis.search.effort import Effort, SearchSettings
+from drakesep.analysis.search.expensive_objectives import check_expensive
+from drakesep.analysis.search.problem import SearchProgress
+from drakesep.studies.worst_case.searches import WantedSearches
+from drakesep.tables.roles import check_labels
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudyPlan:
+    """What is asked of a study.
+
+    Raises:
+        ValueError: how hard to search is out of range, the searches do not suit the
+            objectives, or a published run bears the label of one that will be found.
+    """
+
+    case: AnalysisCase
+    objectives: tuple[Objective, ...] = ()
+    """To be maximised; without any, the nominal and the published runs are all."""
+    searches: WantedSearches = field(default_factory=WantedSearches)
+    effort: Effort = field(default_factory=Effort)
+    """How hard to search; what is left out, the length of a run decides."""
+    workers: int | None = None
+    """Processes that fly Drake; one per core if None; with 1, the caller's does all."""
+    output: Path | None = None
+    """Folder that receives the tables as the study goes on."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        SearchSettings(**self.effort)
+        if self.searches.names and not self.searches.drake_alone:
+            check_expensive(self.objectives, self.searches.names)
+        check_labels(self.case, [objective.name for objective in self.objectives])
+
+    @property
+    def on_batch_engine(self) -> bool:
+        """Whether the batch engine flies what is searched, not Drake."""
+        return bool(self.objectives) and not self.searches.drake_alone
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """Where a study stands."""
+
+    objectives: tuple[Objective, ...]
+    """That are searched."""
+    search: SearchProgress
+    """The search under way; after them the confirmation in Drake, and growth."""
+
+
+OnProgress: TypeAlias = Callable[[Progress], None]

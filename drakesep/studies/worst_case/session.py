@@ -1,0 +1,174 @@
+"""A study under way: what its steps fly with, and where they write."""
+
+import contextlib
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, wait
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol, TypeVar
+
+from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.engines.drake_pool import DrakePool
+from drakesep.analysis.engines.evaluator import Evaluator
+from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
+from drakesep.analysis.engines.run_evaluator import RunEvaluator
+from drakesep.analysis.metrics.objectives import Objective
+from drakesep.analysis.search.effort import SearchSettings
+from drakesep.analysis.search.problem import Problem, SearchProgress
+from drakesep.studies.background_process import BackgroundProcess
+from drakesep.studies.output import clear_results
+from drakesep.studies.worst_case.plan import OnProgress, Progress, StudyPlan
+from drakesep.studies.worst_case.searches import affordable, is_light
+from drakesep.systems.arrays import Array
+from drakesep.systems.model.run import Run
+from drakesep.systems.simulation.simulation import Simulation
+
+
+class _HasTables(Protocol):
+    def save_tables(self, directory: str | Path) -> None: ...
+
+
+_Study = TypeVar("_Study", bound=_HasTables)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Session:
+    """What the steps of a study have in common."""
+
+    plan: StudyPlan
+    nominal: Run
+    """That nothing changes; it has completed."""
+    published: tuple[Run, ...]
+    """Of the published cases, in their order."""
+    pool: DrakePool
+    evaluator: Evaluator
+    """Flies what is searched."""
+    background: BackgroundProcess
+    """Measures and draws."""
+    on_progress: OnProgress | None = None
+    _drawings: list[Future[None]] = field(default_factory=list)
+
+    @property
+    def problem(self) -> Problem:
+        """What is searched: the objectives, over the tolerances."""
+        tolerances = self.plan.case.tolerance_set
+        return Problem(tolerances=tolerances, evaluator=self.evaluator)
+
+    @property
+    def settings(self) -> SearchSettings:
+        """How hard it is searched."""
+        return affordable(self.plan.objectives, self.nominal.steps, self.plan.effort)
+
+    def tell(self, progress: SearchProgress) -> None:
+        """Tell the user how far a step has come."""
+        if self.on_progress is not None:
+            objectives = self.plan.objectives
+            self.on_progress(Progress(objectives=objectives, search=progress))
+
+    def write_down(self, study: _Study) -> _Study:
+        """Return what a step leaves, with its tables in the folder, if there is one."""
+        if self.plan.output is not None:
+            study.save_tables(self.plan.output)
+        return study
+
+    def draw(self, save: Callable[[Path], None]) -> None:
+        """Begin to draw into the folder, if there is one, while the study goes on."""
+        if self.plan.output is not None:
+            folder = self.plan.output.absolute()
+            self._drawings.append(self.background.submit(save, folder))
+
+    def wait_for_drawings(self) -> None:
+        """Wait until all is drawn that has been begun, or has failed."""
+        wait(self._drawings)
+
+    def check_drawings(self) -> None:
+        """Raise what drawing has raised."""
+        for drawing in self._drawings:
+            drawing.result()
+
+
+@contextlib.contextmanager
+def session(
+    plan: StudyPlan, background: BackgroundProcess, on_progress: OnProgress | None
+) -> Iterator[Session]:
+    """Fly the nominal and the published runs, and begin to compile what searches fly.
+
+    What the batch engine does not know is refused before anything is flown, and before
+    the results of an earlier study are taken out of the folder.
+
+    Args:
+        plan: what is asked.
+        background: under way.
+        on_progress: called as the study goes on.
+
+    Raises:
+        ValueError: the batch engine cannot fly the separation.
+        RuntimeError: the nominal run fails.
+    """
+    case = plan.case
+    batch = _batch_of(case) if plan.on_batch_engine else None
+    if plan.output is not None:
+        clear_results(plan.output)
+    nominal = _fly_nominal(case)
+    light = is_light(nominal.steps)
+    few = batch is not None and light and plan.workers is None
+    workers = 1 if few else plan.workers
+    with DrakePool(case.separation, case.integration, workers=workers) as pool:
+        published = pool.fly([published.values for published in case.published])
+        evaluator: Evaluator = (
+            _in_drake(case, plan.objectives, pool)
+            if batch is None
+            else _on_batch(case, plan.objectives, batch, derivatives=light)
+        )
+        under_way = Session(
+            plan=plan,
+            nominal=nominal,
+            published=tuple(published),
+            pool=pool,
+            evaluator=evaluator,
+            background=background,
+            on_progress=on_progress,
+        )
+        try:
+            yield under_way
+        finally:
+            under_way.wait_for_drawings()  # what has been begun is not lost
+        under_way.check_drawings()
+
+
+def _fly_nominal(case: AnalysisCase) -> Run:
+    nominal = Simulation(case.separation, case.integration).run({})
+    if nominal.motion is None:
+        raise RuntimeError(f"the nominal run failed: {nominal.message}")
+    return nominal
+
+
+def _batch_of(case: AnalysisCase) -> Batch:
+    limits = case.deviation_limits
+    return Batch(case.separation, case.box.names, deviation_limits=limits)
+
+
+def _on_batch(
+    case: AnalysisCase,
+    objectives: Sequence[Objective],
+    batch: Batch,
+    *,
+    derivatives: bool,
+) -> BatchEvaluator:
+    evaluator = BatchEvaluator(
+        batch, objectives, case.deviation_limits, derivatives=derivatives
+    )
+    evaluator.prepare()  # its programs are compiled beside what comes next
+    return evaluator
+
+
+def _in_drake(
+    case: AnalysisCase, objectives: Sequence[Objective], pool: DrakePool
+) -> RunEvaluator:
+    names = case.box.names
+
+    def fly(rows: Array) -> list[Run]:
+        return pool.fly([dict(zip(names, row.tolist(), strict=True)) for row in rows])
+
+    return RunEvaluator(fly, names, objectives, case.deviation_limits)
