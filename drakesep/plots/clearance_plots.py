@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drakesep.analysis.clearance.of_pair import Clearance
-from drakesep.plots.pictures import Approach
+from drakesep.plots.approach import Approach
 from drakesep.plots.style import COLOURS, DASHES, LIMIT
 from drakesep.systems.arrays import Array
 from drakesep.units import unit_of

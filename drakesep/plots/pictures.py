@@ -3,27 +3,15 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
 
 import pandas as pd
 
 from drakesep.analysis.metrics.requirements import Requirement
-from drakesep.systems.arrays import Array
+from drakesep.plots.approach import Approach
 from drakesep.systems.model.run import Motion
 from drakesep.tables.columns import write_csv
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.run_tables import motion_table
-
-
-class Approach(NamedTuple):
-    """How near the nearest pair of a run is while B moves away."""
-
-    label: str
-    pair: str
-    separation: Array
-    """(n,) how far B has moved along A's x axis, m."""
-    distance: Array
-    """(n,) m."""
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ _DIRECTIONS = 72
 _VIEWS = (("x", 0, "z", 2), ("x", 0, "y", 1), ("y", 1, "z", 2))
 _WIDTHS = (1.2, 1.2, 1.0)
 _MANY = 64
-"""Pieces of an part, beyond which they are not outlined one by one."""
+"""Pieces of a part, beyond which they are not outlined one by one."""
 _STAYS = "#5A5A5A"
 _THROUGH = 0.3
 """How opaque a wall of A is, in front of what moves within it."""
@@ -138,7 +138,7 @@ def _outlines(
     view: tuple[int, int],
     place: tuple[Array, Array] | None = None,
 ) -> list[Array]:
-    """Return (d, 2) outlines of the pieces of an part, as a view shows them.
+    """Return (d, 2) outlines of the pieces of a part, as a view shows them.
 
     What moves and has many pieces is outlined as a whole.
     """

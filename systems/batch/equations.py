@@ -24,6 +24,7 @@ from drakesep.systems.batch.lanes import (
 from drakesep.systems.batch.springs import BatchSprings
 from drakesep.systems.batch.wrenches import WrenchSum, add_wrenches, no_wrench
 from drakesep.systems.equations import gravity as gravity_laws
+from drakesep.systems.equations import loads as load_laws
 from drakesep.systems.equations import relative_motion as motion_laws
 from drakesep.systems.equations import rigid_body as newton_euler_laws
 from drakesep.systems.equations.mated_stack import (
@@ -273,7 +274,7 @@ class BatchEquations:
         for i, (load, b) in enumerate(
             zip(self.separation.loads, self._load_bodies, strict=True)
         ):
-            wrench = motion_laws.load_wrench(
+            wrench = load_laws.load_wrench(
                 pick(bodies, b),
                 pick(params.p_BoQ_B, i),
                 *timed.loads[i],
@@ -299,6 +300,6 @@ def _load_between_rows(
     def between(column: Sequence[Any]) -> Vector:
         values = jnp.array(column)
         before, after = tuple(values[row].T), tuple(values[row + 1].T)
-        return motion_laws.between_rows(before, after, s, factor)
+        return load_laws.between_rows(before, after, s, factor)
 
     return between(load.forces), between(load.torques)

@@ -9,7 +9,7 @@ from drakesep.systems.diagram.event_latch import LatchingSystem
 from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.diagram.wrenches import WrenchSum
-from drakesep.systems.equations import relative_motion as motion_laws
+from drakesep.systems.equations import loads as load_laws
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import Vector
@@ -106,12 +106,12 @@ class Loads(LatchingSystem):
                 start, end = load.times[row : row + 2]
                 s = min(max(0.0, (elapsed - start) / (end - start)), 1.0)
                 force, torque = (
-                    motion_laws.between_rows(column[row], column[row + 1], s, factor)
+                    load_laws.between_rows(column[row], column[row + 1], s, factor)
                     for column in (load.forces, load.torques)
                 )
                 in_body = load.axes == "body"
                 total.add(
-                    b, motion_laws.load_wrench(body, p_BoQ_B, force, torque, in_body)
+                    b, load_laws.load_wrench(body, p_BoQ_B, force, torque, in_body)
                 )
         total.write(output)
 

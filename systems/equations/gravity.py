@@ -1,6 +1,6 @@
 """Inverse-square gravity in a freely falling world.
 
-Their form, and the paper whose equations they number, are those of `motion_laws`.
+Their form, and the paper whose equations they number, are those of `relative_motion`.
 """
 
 from drakesep.systems.equations.relative_motion import BodyState, Wrench

@@ -1,6 +1,6 @@
 """Joints by constraint forces (Eq. 1-4): deviations, forces, torques, energies.
 
-Their form, and the paper whose equations they number, are those of `motion_laws`.
+Their form, and the paper whose equations they number, are those of `relative_motion`.
 """
 
 from typing import NamedTuple

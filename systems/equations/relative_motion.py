@@ -25,7 +25,6 @@ from drakesep.systems.vectors import (
     roll_pitch_yaw,
     rotate,
     rotation_matrix,
-    scale,
     subtract,
     transpose,
     unrotate,
@@ -81,35 +80,6 @@ def body_state(x: State, q: int, v: int) -> BodyState:
 def velocity_at(body: BodyState, r_W: Vector) -> Vector:
     """Return the velocity in W of the body's point at r_W from its origin, m/s."""
     return add(body.v_WBo, cross(body.w_WB, r_W))
-
-
-def between_rows(before: Vector, after: Vector, s: Scalar, factor: Scalar) -> Vector:
-    """Return a load on the straight line between two rows of its table.
-
-    Args:
-        before: force, N, or torque, N m, of the first row.
-        after: that of the next row.
-        s: where between them, 0 to 1.
-        factor: on the load.
-    """
-    return add(scale((1.0 - s) * factor, before), scale(s * factor, after))
-
-
-def load_wrench(
-    B: BodyState, p_BoQ_B: Vector, force: Vector, torque: Vector, in_body: bool
-) -> Wrench:
-    """Return the wrench of a force at a point of a body, and of a torque.
-
-    Args:
-        B: the body.
-        p_BoQ_B: the point, m.
-        force: in the axes of the body or of the world, N.
-        torque: likewise, N m.
-        in_body: whether they are in the axes of the body.
-    """
-    if in_body:
-        force, torque = rotate(B.R_WB, force), rotate(B.R_WB, torque)
-    return Wrench(add(torque, cross(rotate(B.R_WB, p_BoQ_B), force)), force)
 
 
 class PairState(NamedTuple):

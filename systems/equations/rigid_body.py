@@ -1,7 +1,7 @@
 """The motion of a body that floats in W under a wrench, by Newton and Euler.
 
 Drake's plant has these equations of its own; the batch engine takes them from here.
-Their form is that of `motion_laws`.
+Their form is that of `relative_motion`.
 """
 
 from drakesep.systems.equations.relative_motion import BodyState, Wrench

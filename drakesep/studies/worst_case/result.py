@@ -12,7 +12,8 @@ from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.search.judge import WorstCase
 from drakesep.analysis.search.problem import Candidate, Searched
 from drakesep.analysis.search.sqp import Iteration
-from drakesep.plots.pictures import Approach, Pictures, Tornado
+from drakesep.plots.approach import Approach
+from drakesep.plots.pictures import Pictures, Tornado
 from drakesep.studies.output import writable_folder
 from drakesep.systems.arrays import Array
 from drakesep.tables.columns import write_csv

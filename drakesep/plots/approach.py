@@ -1,0 +1,16 @@
+"""How near the nearest pair of a run is while B moves away, to be drawn."""
+
+from typing import NamedTuple
+
+from drakesep.systems.arrays import Array
+
+
+class Approach(NamedTuple):
+    """How near the nearest pair of a run is while B moves away."""
+
+    label: str
+    pair: str
+    separation: Array
+    """(n,) how far B has moved along A's x axis, m."""
+    distance: Array
+    """(n,) m."""
