@@ -11,7 +11,7 @@ import multiprocessing
 import os
 import signal
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future
 from contextvars import ContextVar
 from typing import Any, TypeVar
@@ -19,6 +19,12 @@ from typing import Any, TypeVar
 from loky import ProcessPoolExecutor
 
 from drakesep.analysis.engines.interrupts import interrupts_ignored
+from drakesep.analysis.metrics.registry import (
+    Metric,
+    find_metric,
+    register_metric,
+    registered_metrics,
+)
 
 
 _R = TypeVar("_R")
@@ -40,7 +46,9 @@ def beside(workers: int | None) -> Iterator[Executor | None]:
     if running or one or multiprocessing.current_process().daemon:
         yield None if one else running
         return
-    process = ProcessPoolExecutor(max_workers=1, initializer=_prepare)
+    process = ProcessPoolExecutor(
+        max_workers=1, initializer=_prepare, initargs=(registered_metrics(),)
+    )
     try:
         with interrupts_ignored():  # by the process, which inherits it
             process.submit(_nothing)  # so that it starts
@@ -70,8 +78,11 @@ def submitted(
     return called
 
 
-def _prepare() -> None:
-    """Import what takes long, before it is needed."""
+def _prepare(metrics: Sequence[Metric]) -> None:
+    """Import what takes long, before it is needed; know the caller's metrics."""
+    for metric in metrics:
+        if find_metric(metric.stem) is None:
+            register_metric(metric)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # The caller warns of its case itself.
     warnings.filterwarnings("ignore", message=".*check scale")

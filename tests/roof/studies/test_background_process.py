@@ -7,7 +7,9 @@ import sys
 import time
 
 import pytest
+from toy_metrics import RELATIVE, registered
 
+from drakesep.analysis.metrics.registry import find_metric
 from drakesep.studies.background_process import beside, submitted
 
 
@@ -21,6 +23,11 @@ def test_a_process_takes_over_until_its_caller_ends():
             assert within is None
         assert not has_ended(pid)
     assert has_ended(pid)
+
+
+def test_it_knows_the_callers_metrics():
+    with registered(RELATIVE), beside(2) as aside:
+        assert submitted(aside, find_metric, RELATIVE.stem).result() == (RELATIVE, "")
 
 
 def test_who_fails_does_not_wait_for_it():
