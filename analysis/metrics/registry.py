@@ -199,16 +199,15 @@ class Metric:
     @property
     def words(self) -> str:
         """What it is, in words."""
-        when = (
-            f"at {self.when.value}"
-            if isinstance(self.when, Moment)
-            else self.when.words
-        )
+        text: str = self.functional.value
         if self.functional is Functional.DISTANCE:
-            return str(self.functional.value)
-        if self.signal is None:
-            return f"{self.functional.value} {when}"
-        text = f"{self.functional.value} of the {self.signal.words}, {when}"
+            return text
+        if self.signal is not None:
+            text = f"{text} of the {self.signal.words},"
+        if isinstance(self.when, Moment):
+            text = f"{text} at {self.when.value}"
+        else:
+            text = f"{text} {self.when.words}"
         if self.combined is not Combined.EACH:
             text = f"{self.combined.value} over the axes: {text}"
         return text if self.sign > 0.0 else f"less the {text}"

@@ -12,7 +12,7 @@ import multiprocessing
 import os
 import signal
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from types import TracebackType
 from typing import Any, Self, TypeVar
@@ -20,6 +20,12 @@ from typing import Any, Self, TypeVar
 from loky import ProcessPoolExecutor
 
 from drakesep.analysis.engines.interrupts import interrupts_ignored
+from drakesep.analysis.metrics.registry import (
+    Metric,
+    find_metric,
+    register_metric,
+    registered_metrics,
+)
 
 
 _R = TypeVar("_R")
@@ -46,7 +52,9 @@ class BackgroundProcess:
     def __enter__(self) -> Self:
         """Start it."""
         if self._wanted:
-            self._process = ProcessPoolExecutor(max_workers=1, initializer=_prepare)
+            self._process = ProcessPoolExecutor(
+                max_workers=1, initializer=_prepare, initargs=(registered_metrics(),)
+            )
             try:
                 with interrupts_ignored():  # by the process, which inherits it
                     self._process.submit(_nothing)  # so that it starts
@@ -95,8 +103,11 @@ class BackgroundProcess:
         return called
 
 
-def _prepare() -> None:
-    """Import what takes long, before it is needed."""
+def _prepare(metrics: Sequence[Metric]) -> None:
+    """Import what takes long, before it is needed; know the caller's metrics."""
+    for metric in metrics:
+        if find_metric(metric.stem) is None:
+            register_metric(metric)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     from drakesep.analysis.clearance.of_run import DoubtfulScale
     from drakesep.plots import clearance_plots, motion, tornado  # noqa: F401

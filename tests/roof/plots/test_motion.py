@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
+from runs import made_up_run
 
 from drakesep.analysis.metrics.objectives import OBJECTIVES
+from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.plots.motion import rotation_figure, translation_figure
 from drakesep.plots.tornado import tornado_figure
+from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.roles import Nominal, Worst
 from drakesep.units import unit_of
 
@@ -47,6 +50,44 @@ def test_limits_are_drawn(shown, vega_verification, make, title, limit):
     figure = make(shown, vega_verification.case.requirements)
     [axes] = [axes for axes in figure.axes if axes.get_title() == title]
     assert axes.get_lines()[-1].get_ydata()[0] == pytest.approx(limit)
+
+
+@pytest.mark.parametrize(
+    ("make", "title", "metric", "limit", "span"),
+    [
+        (rotation_figure, "angle, pitch", "angle_at_separation_pitch", -0.1, "before"),
+        (rotation_figure, "angle, yaw", "deviation_at_separation_yaw", 0.1, "before"),
+        (rotation_figure, "rate, y", "rate_max_after_separation_y", 0.1, "after"),
+        (rotation_figure, "rate, z", "final_rate_z", 0.1, "whole"),
+        (translation_figure, "relative velocity, x", "G_PM", -0.1, "whole"),
+        (translation_figure, "relative velocity, x", "G_L1", 0.1, None),
+        (translation_figure, "relative velocity, x", "clearance", 0.1, None),
+    ],
+)
+def test_a_limit_is_drawn_where_and_while_it_holds(make, title, metric, limit, span):
+    """Of a value of the component itself; on both sides if it is of a magnitude."""
+    run = made_up_run(angle=lambda t: (-t, -t, -t), rate=lambda t: (t, t, t))
+    end, duration = run.separation_end, run.separation.duration
+    required = Requirement(metric=metric, sense="<=", limit=limit)
+    labelled = LabelledRun(role=Nominal(), run=run, metrics={})
+    figure = make([labelled], [required])
+    drawn = {
+        axes.get_title(): axes.get_lines()[2:]  # after the run, and separation's end
+        for axes in figure.axes
+        if len(axes.get_lines()) > 2
+    }
+    if span is None:
+        assert not drawn
+        return
+    assert list(drawn) == [title]
+    times = {"before": (0.0, end), "after": (end, duration), "whole": (0.0, duration)}
+    sides = [limit, -limit] if metric.startswith("deviation") else [limit]
+    if metric == "G_PM":  # less the largest speed
+        sides = [-limit]
+    for line, side in zip(drawn[title], sides, strict=True):
+        assert tuple(line.get_xdata()) == times[span]
+        height = unit_of(metric).from_si(side)
+        assert tuple(line.get_ydata()) == pytest.approx((height, height))
 
 
 def test_legend_names_every_run(shown, vega_verification):

@@ -8,8 +8,10 @@ import time
 import warnings
 
 import pytest
+from toy_metrics import RELATIVE, registered
 
 from drakesep.analysis.clearance.of_run import DoubtfulScale
+from drakesep.analysis.metrics.registry import find_metric
 from drakesep.studies.background_process import BackgroundProcess
 
 
@@ -29,6 +31,12 @@ def test_each_is_a_process_of_its_own():
     with BackgroundProcess(2) as outer, BackgroundProcess(2) as inner:
         outer_pid, inner_pid = (p.submit(os.getpid).result() for p in (outer, inner))
         assert outer_pid != inner_pid
+
+
+def test_it_knows_the_callers_metrics():
+    with registered(RELATIVE), BackgroundProcess(2) as background:
+        found = background.submit(find_metric, RELATIVE.stem).result()
+        assert found == (RELATIVE, "")
 
 
 def test_who_fails_does_not_wait_for_it():
