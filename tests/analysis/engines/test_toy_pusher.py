@@ -17,7 +17,7 @@ from separations import coaxial, generic_pair
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.case_file.reader import builtin_cases, load_case
-from drakesep.studies.studies import simulate
+from drakesep.studies.simulate import simulate
 from drakesep.systems.equations.pushers import PushLaw
 from drakesep.systems.equations.springs import PUSHERS, PusherKind, TimedSpringLaw
 from drakesep.systems.model.integration import Integration
