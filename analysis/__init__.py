@@ -2,5 +2,8 @@
 
 import lazy_loader
 
+from drakesep.systems.former_names import or_former
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+_get, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__ = or_former(__name__, _get, {"Box": "ToleranceBox", "Fleet": "DrakePool"})

@@ -41,3 +41,19 @@ def test_docstrings(thing):
         if len(arguments) > 1 and inspect.isfunction(thing):
             for name in arguments:
                 assert f"{name}:" in doc, f"{function.__qualname__}: {name}"
+
+
+@pytest.mark.parametrize(
+    ("package", "former", "new"),
+    [
+        ("drakesep.systems", "Element", "Part"),
+        ("drakesep.systems", "SeparationElements", "SeparationForces"),
+        ("drakesep.analysis", "Box", "ToleranceBox"),
+        ("drakesep.analysis", "Fleet", "DrakePool"),
+    ],
+)
+def test_former_names_still_work(package, former, new):
+    module = importlib.import_module(package)
+    with pytest.warns(DeprecationWarning, match=f"{former} is called {new} now"):
+        assert getattr(module, former) is getattr(module, new)
+    assert former not in module.__all__
