@@ -72,6 +72,12 @@ class Growth:
     message: str = ""
     """Why a run failed."""
 
+    def is_sooner_than(self, other: "Growth") -> bool:
+        """Return whether it reaches its limit before another; no failure does."""
+        if math.isnan(other.factor):
+            return not math.isnan(self.factor)
+        return self.factor < other.factor
+
 
 def grow(
     problem: Problem,
@@ -110,7 +116,7 @@ def grow(
     found = _roots(problem, [growths[i] for i in which], points, caps)
     rays = np.array([limit.u for limit in limits])
     for i, growth, point in zip(which, found, points, strict=True):
-        if _sooner(growth, growths[i]):
+        if growth.is_sooner_than(growths[i]):
             growths[i], rays[i] = growth, point
     moving = [i for i, growth in enumerate(growths) if growth.factor != 0.0]
     for _ in range(_ROUNDS):
@@ -123,7 +129,7 @@ def grow(
         still = []
         for i, growth, point in zip(moving, found, tried, strict=True):
             before = growths[i].factor
-            if _sooner(growth, growths[i]):
+            if growth.is_sooner_than(growths[i]):
                 growths[i], rays[i] = growth, point
                 if not before - growth.factor <= _SETTLED * growth.factor:
                     still.append(i)
@@ -133,13 +139,6 @@ def grow(
         replace(growth, values=_point(problem, growth, ray, caps))
         for growth, ray in zip(growths, rays, strict=True)
     ]
-
-
-def _sooner(growth: Growth, other: Growth) -> bool:
-    """Return whether a growth reaches the limit before another; no failure does."""
-    if math.isnan(other.factor):
-        return not math.isnan(growth.factor)
-    return growth.factor < other.factor
 
 
 def _beginnings(

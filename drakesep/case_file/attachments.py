@@ -21,10 +21,9 @@ from drakesep.case_file.section import (
     Rows,
     Section,
     Vector,
-    named,
     to_si,
 )
-from drakesep.systems.checks import unknown
+from drakesep.systems.checks import named, unknown
 from drakesep.systems.equations.springs import PUSHERS, PusherKind
 from drakesep.systems.model.joints import Joint, JointType
 from drakesep.systems.model.loads import Axes, Load, thruster

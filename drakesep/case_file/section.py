@@ -15,7 +15,6 @@ from pydantic import (
 )
 
 from drakesep.systems.checks import Vector3, unknown
-from drakesep.systems.checks import named as named
 from drakesep.units import unit_of
 
 

@@ -1,6 +1,5 @@
 """How far tolerances may grow before each requirement is violated."""
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
@@ -47,7 +46,7 @@ def find_growths(worst: Sequence[WorstCase], under_way: Session) -> FoundGrowths
     least: dict[tuple[Requirement, int | None], Growth] = {}
     for (requirement, limit), growth in zip(limits, found, strict=True):
         key = requirement, limit.parameter
-        if key not in least or _sooner(growth, least[key]):
+        if key not in least or growth.is_sooner_than(least[key]):
             least[key] = growth
     return FoundGrowths(
         tuple((r, growth) for (r, i), growth in least.items() if i is None),
@@ -82,8 +81,3 @@ def _limits(
 def _bound(requirement: Requirement) -> float:
     """Return what the objectives that lead out of a requirement must not exceed."""
     return requirement.limit if requirement.sense == "<=" else -requirement.limit
-
-
-def _sooner(growth: Growth, other: Growth) -> bool:
-    """Return whether one growth ends before another; one that failed after all."""
-    return math.isnan(other.factor) or growth.factor < other.factor
