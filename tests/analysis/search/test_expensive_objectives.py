@@ -8,6 +8,7 @@ import pytest
 from runs import evaluator_of
 from separations import generic_pair
 
+from drakesep.analysis.metrics.objectives import Needs
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.judge import find_worst_cases
 from drakesep.analysis.search.problem import Problem
@@ -33,7 +34,7 @@ def slope(u):
 
 def problem(cheap, expensive, *, concurrent=False):
     evaluator = evaluator_of(cheap, expensive, tolerances=SET)
-    evaluator.objectives[1].expensive = True
+    evaluator.objectives[1].needs = Needs.MEASUREMENT
     evaluator.concurrent = concurrent
     return Problem(tolerances=SET, evaluator=evaluator)
 
@@ -67,7 +68,7 @@ def test_they_are_searched_by_sqp_and_left_out_of_sweeps():
 
 def test_alone_there_is_nothing_to_leave_them_out_beside():
     evaluator = evaluator_of(slope, tolerances=SET)
-    evaluator.objectives[0].expensive = True
+    evaluator.objectives[0].needs = Needs.MEASUREMENT
     alone = Problem(tolerances=SET, evaluator=evaluator)
     [only] = find_worst_cases(alone, ("samples",), SETTINGS)
     assert only.evidence.samples == 50
