@@ -3,7 +3,7 @@
     pip install -e . 'jax[cuda12]'
     python benchmarks/gpu.py
 
-VEGA, all figures of every run, in double precision, the compilation left out. So far
+VEGA, all metrics of every run, in double precision, the compilation left out. So far
 unmeasured on a GPU; on a CPU the larger batches take minutes, and are left out.
 """
 
