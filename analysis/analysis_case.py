@@ -104,6 +104,7 @@ class PublishedCase:
 
     def __post_init__(self) -> None:
         """Check the values."""
+        object.__setattr__(self, "values", dict(self.values))
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", self.label):
             raise InputError(
                 f"published: label must be made of letters, digits, _ and -, "
@@ -149,6 +150,8 @@ class AnalysisCase:
         with named("clearance"):
             part_pairs(self.separation, self.clearance.pairs)
             part_pairs(self.separation, self.clearance.touching)
+        # A copy: what the caller does with its own changes nothing here.
+        object.__setattr__(self, "tolerances", dict(self.tolerances))
         box = ToleranceBox.around(self.separation, self.tolerances)
         with named("ellipsoids"):
             admitted = ToleranceSet(self.separation, box, self.ellipsoids)
@@ -165,6 +168,8 @@ class AnalysisCase:
             if limited.count(metric) > 1:
                 raise InputError(f"requirements: {metric} must stand once")
         for requirement in self.requirements:
+            with named("requirements"):
+                _check_limit(requirement)
             if requirement.measured_apart and not self.has_clearance:
                 raise InputError(
                     f"requirements: {requirement.metric} needs geometry on two bodies "
@@ -253,6 +258,18 @@ class AnalysisCase:
             touching=self.clearance.touching,
             until_separation=self.clearance.until_separation,
         )
+
+
+def _check_limit(requirement: Requirement) -> None:
+    """Raise InputError where a limit says nothing, or would be held unseen."""
+    metric, sense, limit = requirement.metric, requirement.sense, requirement.limit
+    if requirement.measured_apart and (sense != ">=" or limit <= 0.0):
+        raise InputError(  # at contact it is 0, however deep
+            f"{metric}: sense must be '>=' and the limit > 0, got {sense!r} and "
+            f"{limit:g}"
+        )
+    if requirement.never_negative and sense == "<=" and limit < 0.0:
+        raise InputError(f"{metric}: limit must be >= 0, got {limit:g}")
 
 
 def _until_violation() -> Objective:

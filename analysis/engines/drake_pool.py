@@ -9,6 +9,7 @@ from loky import ProcessPoolExecutor
 
 from drakesep.analysis.engines.interrupts import interrupts_ignored
 from drakesep.systems.checks import InputError
+from drakesep.systems.equations.springs import PUSHERS, PusherKind
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Separation
@@ -48,7 +49,7 @@ class DrakePool:
             self._pool = ProcessPoolExecutor(
                 max_workers=workers,
                 initializer=_prepare,
-                initargs=(separation, integration),
+                initargs=(separation, integration, dict(PUSHERS)),
             )
             with interrupts_ignored():  # by the workers, which inherit it
                 for _ in range(workers):
@@ -105,8 +106,13 @@ _simulation: Simulation | None = None
 """Of a worker process: built once, since each build leaks (see drake #22515)."""
 
 
-def _prepare(separation: Separation, integration: Integration | None) -> None:
+def _prepare(
+    separation: Separation,
+    integration: Integration | None,
+    pushers: Mapping[str, PusherKind],
+) -> None:
     global _simulation
+    PUSHERS.update(pushers)  # those that the caller has registered
     _simulation = Simulation(separation, integration)
 
 

@@ -203,17 +203,16 @@ class _OfMetric(MetricObjective):
         self.name = name
         self.shown_as = SignedMetric(metric, sign)
         self._metric, self._sign = metric, sign
-        self._column = METRICS.index(metric)
 
     def of_run(self, run: Run, limits: Limits) -> float:
         return self._sign * metric_of_run(run, self._metric, limits)
 
     def of_metrics(self, metrics: Array) -> Array:
-        return self._sign * metrics[..., self._column]
+        return self._sign * metrics[..., METRICS.index(self._metric)]
 
     def weights(self, metrics: Array) -> Array:
         weights = np.zeros_like(metrics)
-        weights[..., self._column] = self._sign
+        weights[..., METRICS.index(self._metric)] = self._sign
         return weights
 
 

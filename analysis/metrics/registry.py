@@ -394,8 +394,14 @@ def register_metric(metric: Metric) -> None:
         metric: to be added.
 
     Raises:
-        ValueError: there is one of that name.
+        ValueError: there is one of that name, or it says to be an objective of the
+            paper.
     """
+    if _built_in and metric.objective:
+        raise InputError(
+            f"metric {metric.stem!r}: objective must be empty: it is of the paper's, "
+            f"got {metric.objective!r}"
+        )
     for name in (metric.stem, *metric.names):
         if find_metric(name) is not None:
             raise InputError(f"metric {name!r} is registered already")
@@ -407,7 +413,16 @@ def forget_metric(stem: str) -> None:
 
     Args:
         stem: of the metric.
+
+    Raises:
+        ValueError: there is none, or it is one of drakesep's own.
     """
+    if stem not in _registry or stem in _built_in:
+        mine = [name for name in _registry if name not in _built_in]
+        raise InputError(
+            f"metric: must be one that was registered ({', '.join(mine) or 'none'}), "
+            f"got {stem!r}"
+        )
     del _registry[stem]
 
 
@@ -434,5 +449,8 @@ def find_metric(name: str) -> tuple[Metric, str] | None:
     return metric, axis
 
 
+_built_in: frozenset[str] = frozenset()
+"""Stems of drakesep's own metrics."""
 for _metric in (*_PAPER, *_RATES, *_ANGLES, *_SPEEDS, *_OTHERS):
     register_metric(_metric)
+_built_in = frozenset(_registry)

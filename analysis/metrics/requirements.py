@@ -40,7 +40,19 @@ class Requirement:
             return self.metric
         metric, axis = found
         stem = metric.judged_by(self.sense)
-        return f"{stem}_{axis}" if axis else stem
+        name = f"{stem}_{axis}" if axis else stem
+        if find_metric(name) is None:
+            raise InputError(
+                f"{self.metric}: {self.sense} is judged by {name!r}, which must be a "
+                "registered metric with the same axes"
+            )
+        return name
+
+    @property
+    def quantity(self) -> tuple[str, str]:
+        """Stem of its metric, and the axis; empty if it has none."""
+        found = find_metric(self.metric)
+        return (self.metric, "") if found is None else (found[0].stem, found[1])
 
     @property
     def measured_apart(self) -> bool:

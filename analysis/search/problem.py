@@ -15,6 +15,10 @@ from drakesep.analysis.search.sqp import Ascent, Iteration
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 
 
+FROM_NOMINAL = "sqp"
+"""Name of the search that begins at the nominal alone, as the paper's does."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
     """What is to be maximised, over which set."""

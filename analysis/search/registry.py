@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
 from drakesep.analysis.search.evolution import evolve
-from drakesep.analysis.search.problem import Search
+from drakesep.analysis.search.problem import FROM_NOMINAL, Search
 from drakesep.analysis.search.sqp_searches import sqp_from_many, sqp_from_nominal
 from drakesep.analysis.search.sweeps import sample, sweep_vertices
 from drakesep.systems.checks import InputError, unknown
@@ -15,7 +15,7 @@ from drakesep.systems.checks import InputError, unknown
 
 SEARCHES: Mapping[str, Search] = MappingProxyType(
     {
-        "sqp": sqp_from_nominal,
+        FROM_NOMINAL: sqp_from_nominal,
         "multistart": sqp_from_many,
         "vertices": sweep_vertices,
         "samples": sample,
@@ -23,7 +23,7 @@ SEARCHES: Mapping[str, Search] = MappingProxyType(
     }
 )
 """The searches by name."""
-SQP_SEARCHES = ("sqp", "multistart")
+SQP_SEARCHES = (FROM_NOMINAL, "multistart")
 """Those that go uphill; the others sweep: they fly very many runs."""
 
 

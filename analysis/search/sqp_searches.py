@@ -9,6 +9,7 @@ import numpy as np
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.linearised_corners import different, linearised_corners
 from drakesep.analysis.search.problem import (
+    FROM_NOMINAL,
     Candidate,
     Known,
     OnProgress,
@@ -32,7 +33,7 @@ def sqp_from_nominal(
     """Go up by sequential quadratic programming from the nominal, as the paper does."""
     nominal = [np.zeros(len(problem.tolerances))]
     starts = dict.fromkeys(problem.asked, nominal)
-    return _search("sqp", problem, settings, on_progress, starts)
+    return _search(FROM_NOMINAL, problem, settings, on_progress, starts)
 
 
 def sqp_from_many(
@@ -48,7 +49,7 @@ def sqp_from_many(
         tolerance=max(settings.ascent.tolerance, _ENOUGH),
     )
     settings = dataclasses.replace(settings, ascent=patience)
-    done = any(candidate.search == "sqp" for candidate in known)
+    done = any(candidate.search == FROM_NOMINAL for candidate in known)
     count = settings.starts - 1 if done else settings.starts
     nominal = [] if done else [np.zeros(len(problem.tolerances))]
     starts = {}
@@ -106,7 +107,7 @@ def _search(
         if ascent.status is SearchStatus.FAILED:
             failures[ascent.message] = failures.get(ascent.message, 0) + 1
     origin = "the nominal"
-    if search != "sqp":
+    if search != FROM_NOMINAL:
         origin = f"{max(map(len, points.values()))} more starts"
     exact = any(map(problem.evaluator.exact, points))
     note = f"SQP from {origin}" + ("" if exact else ", slopes by differences")

@@ -11,6 +11,7 @@ from ruamel.yaml.error import YAMLError
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.case_file.case import Case
 from drakesep.case_file.errors import CaseError, explained, shown
+from drakesep.tables.roles import check_labels
 
 
 _CASES = Path(__file__).parents[1] / "cases"
@@ -70,8 +71,10 @@ def analysis_case_of(case: Case | AnalysisCase | str | Path) -> AnalysisCase:
 
     Raises:
         CaseError: a file cannot be read.
+        ValueError: a published case has the label of a run of a study.
     """
     if isinstance(case, AnalysisCase):
+        check_labels(case, case.objective_names)
         return case
     return (case if isinstance(case, Case) else load_case(case)).in_si()
 

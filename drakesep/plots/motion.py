@@ -152,7 +152,7 @@ def _draw_limit(
     start, end = (
         (Moment.START, when) if isinstance(when, Moment) else (when.start, when.end)
     )
-    span = [time_of(moment, runs[0].run) for moment in (start, end)]
+    span = [time_of(moment, _reference(runs)) for moment in (start, end)]
     for side in sides:
         axes.plot(span, (side, side), color=LIMIT, linestyle=(0, (8, 3)), linewidth=1.2)
     axes.set_gid("limited")

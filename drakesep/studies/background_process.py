@@ -12,7 +12,7 @@ import multiprocessing
 import os
 import signal
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from types import TracebackType
 from typing import Any, Self, TypeVar
@@ -26,6 +26,7 @@ from drakesep.analysis.metrics.registry import (
     register_metric,
     registered_metrics,
 )
+from drakesep.systems.equations.springs import PUSHERS, PusherKind
 
 
 _R = TypeVar("_R")
@@ -53,7 +54,9 @@ class BackgroundProcess:
         """Start it."""
         if self._wanted:
             self._process = ProcessPoolExecutor(
-                max_workers=1, initializer=_prepare, initargs=(registered_metrics(),)
+                max_workers=1,
+                initializer=_prepare,
+                initargs=(registered_metrics(), dict(PUSHERS)),
             )
             try:
                 with interrupts_ignored():  # by the process, which inherits it
@@ -103,8 +106,9 @@ class BackgroundProcess:
         return called
 
 
-def _prepare(metrics: Sequence[Metric]) -> None:
-    """Import what takes long, before it is needed; know the caller's metrics."""
+def _prepare(metrics: Sequence[Metric], pushers: Mapping[str, PusherKind]) -> None:
+    """Import what takes long, before it is needed; know what the caller registered."""
+    PUSHERS.update(pushers)
     for metric in metrics:
         if find_metric(metric.stem) is None:
             register_metric(metric)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import pandas as pd
 
 from drakesep.analysis.metrics.objectives import OBJECTIVES
+from drakesep.analysis.search.problem import FROM_NOMINAL
 from drakesep.tables.labelled_run import LabelledRun, nominal_of
 from drakesep.tables.roles import SearchEnd, Worst
 from drakesep.units import unit_of
@@ -34,7 +35,7 @@ def comparison_table(runs: Sequence[LabelledRun]) -> pd.DataFrame:
         )
         nominal, worst = nominal_of(flown).metrics[name], worst_run.metrics[name]
         reference = max(published, default=math.nan)
-        sqp = SearchEnd("sqp", objective)
+        sqp = SearchEnd(FROM_NOMINAL, objective)
         by_sqp = [one.metrics[name] for one in flown if one.role == sqp]
         rows.append(
             {

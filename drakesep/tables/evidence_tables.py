@@ -13,7 +13,6 @@ from drakesep.analysis.search.judge import CONFIDENCE, WorstCase
 from drakesep.analysis.search.problem import Searched
 from drakesep.analysis.search.registry import SEARCHES
 from drakesep.analysis.tolerances.box import ToleranceBox
-from drakesep.systems.model.parameter_table import split_axis
 from drakesep.tables.columns import in_units, shown, unit_of_objective
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.roles import Worst
@@ -179,7 +178,7 @@ def tolerances_table(
         i = growth.limit.parameter
         assert i is not None
         name = box.names[i]
-        stem, axis = split_axis(requirement.metric)
+        stem, axis = requirement.quantity
         rows.append(
             {
                 "requirement": stem.replace("_", " "),

@@ -8,7 +8,6 @@ import pandas as pd
 
 from drakesep.analysis.metrics.requirements import Finding, Requirement
 from drakesep.analysis.tolerances.box import ToleranceBox
-from drakesep.systems.model.parameter_table import split_axis
 from drakesep.units import unit_of, with_unit
 
 
@@ -35,7 +34,7 @@ def requirements_table(
     for finding in findings:
         requirement = finding.requirement
         unit = unit_of(requirement.metric)
-        stem, axis = split_axis(requirement.metric)
+        stem, axis = requirement.quantity
         growth = of_all.get(requirement)
         rows.append(
             {

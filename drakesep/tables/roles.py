@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 from drakesep.analysis.analysis_case import AnalysisCase, PublishedCase
 from drakesep.analysis.metrics.objectives import OBJECTIVES
+from drakesep.analysis.search.problem import FROM_NOMINAL
 from drakesep.systems.checks import InputError
 
 
@@ -33,7 +34,7 @@ class Published:
 
 @dataclass(frozen=True, slots=True)
 class SearchEnd:
-    """Where a search ended that climbs from the nominal."""
+    """Where a search by SQP ended that began at the nominal."""
 
     search: str
     objective: str
@@ -102,7 +103,7 @@ def check_labels(case: AnalysisCase, objectives: Iterable[str]) -> None:
         objectives: names of those whose worst cases are looked for.
     """
     ours: list[Role] = [Nominal()]
-    ours += [SearchEnd("sqp", name) for name in OBJECTIVES]
+    ours += [SearchEnd(FROM_NOMINAL, name) for name in OBJECTIVES]
     ours += [Worst(name) for name in objectives]
     taken = set(map(label_of, ours))
     for published in case.published:

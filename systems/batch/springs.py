@@ -143,10 +143,10 @@ class BatchSprings:
         times = [jnp.zeros(n)] * self.count
         for group, values in zip(self._groups, groups, strict=True):
             if group.law.by_time:
-                for k, time in zip(
-                    group.springs, group.law.end(values, jnp), strict=True
-                ):
-                    times[k] = time
+                ends = group.law.end(values, jnp)
+                ends = jnp.broadcast_to(ends, (len(group.springs), n))
+                for k, end in zip(group.springs, ends, strict=True):
+                    times[k] = end
         return rows(times, n)
 
     def stroke(self, k: int, params: BatchParameters) -> Lanes:
@@ -201,7 +201,8 @@ class BatchSprings:
                     mine = slice(first, first + len(group.springs))
                     first = mine.stop
                     at = elapsed[..., mine, :]
-                    parts.append(group.law.force(values, at, 0.0, jnp))
+                    force = group.law.force(values, at, 0.0, jnp)
+                    parts.append(jnp.broadcast_to(force, at.shape))
             return jnp.where(pushing, jnp.concatenate(parts, axis=-2), 0.0)
 
         if not self.timed:

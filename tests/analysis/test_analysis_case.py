@@ -135,3 +135,26 @@ def test_it_is_a_value():
     assert pickle.loads(pickle.dumps(made)) == made
     with pytest.raises(dataclasses.FrozenInstanceError):
         made.tolerances = {}
+
+
+@pytest.mark.parametrize(
+    ("metric", "sense", "limit", "message"),
+    [
+        ("clearance", "<=", 0.1, "clearance: sense must be '>=' and the limit > 0"),
+        ("clearance", ">=", 0.0, "clearance: sense must be '>=' and the limit > 0"),
+        ("rate_after_separation_x", "<=", -0.1, "limit must be >= 0, got -0.1"),
+    ],
+)
+def test_limit_that_would_be_held_unseen_is_refused(metric, sense, limit, message):
+    """Searched on its harmless side, it would be met."""
+    required = Requirement(metric=metric, sense=sense, limit=limit)
+    with pytest.raises(InputError, match=f"requirements: .*{message}"):
+        case(requirements=(required,))
+
+
+def test_what_the_caller_does_with_its_dict_changes_nothing():
+    tolerances = {"upper.mass": 20.0}
+    made = case(tolerances=tolerances)
+    tolerances["upper.mass"] = 40.0
+    assert made.tolerances == {"upper.mass": 20.0}
+    assert made.box.tolerance.tolist() == [20.0]

@@ -257,7 +257,7 @@ class Batch:
                 )
             values = values[list(self.names)]
         elif np.iscomplexobj(values):
-            raise InputError("values must be real params, got complex ones")
+            raise InputError("values must be real numbers, got complex ones")
         rows = np.asarray(values, dtype=float)
         if rows.ndim != 2 or rows.shape[1] != len(self.names):
             raise InputError(

@@ -10,7 +10,7 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.objective import LowestClearance
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.search.judge import WorstCase
-from drakesep.analysis.search.problem import Candidate, Searched
+from drakesep.analysis.search.problem import FROM_NOMINAL, Candidate, Searched
 from drakesep.analysis.search.sqp import Iteration
 from drakesep.plots.approach import Approach
 from drakesep.plots.pictures import Pictures, Tornado
@@ -74,7 +74,9 @@ class WorstCases:
     @property
     def from_nominal(self) -> list[Candidate]:
         """What the search from the nominal ended at."""
-        return [c for s in self.searched if s.search == "sqp" for c in s.candidates]
+        return [
+            c for s in self.searched if s.search == FROM_NOMINAL for c in s.candidates
+        ]
 
     @property
     def comparison(self) -> pd.DataFrame:

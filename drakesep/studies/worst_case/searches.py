@@ -6,11 +6,12 @@ from typing import Self
 
 from drakesep.analysis.metrics.objectives import Needs, Objective
 from drakesep.analysis.search.effort import Effort, SearchSettings
+from drakesep.analysis.search.problem import FROM_NOMINAL
 from drakesep.analysis.search.registry import check_search
 from drakesep.systems.checks import InputError
 
 
-DEFAULT_SEARCHES = ("samples", "vertices", "sqp", "multistart")
+DEFAULT_SEARCHES = ("samples", "vertices", FROM_NOMINAL, "multistart")
 """Chance, then the corners, then uphill from the nominal and from the best of those."""
 DRAKE = "drake"
 """The name by which a user asks that Drake alone flies: SQP from the nominal, with
@@ -56,7 +57,7 @@ class WantedSearches:
                 f"got {searches!r}"
             )
         if drake_alone:
-            return cls(names=("sqp",), drake_alone=True)
+            return cls(names=(FROM_NOMINAL,), drake_alone=True)
         for name in searches:
             check_search(name, also=[DRAKE])
         return cls(names=tuple(searches))

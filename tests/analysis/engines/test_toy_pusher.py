@@ -68,10 +68,46 @@ class StrutLaw(PushLaw):
         return p.stroke
 
     def force(self, p, at, speed, ops):
-        return p.force_max - p.seal_drag + 0.0 * at
+        return p.force_max - p.seal_drag
 
     def frequency(self, p, count, lightness, ops):
         return ops.sqrt(count * p.force_max / p.stroke * lightness)
+
+
+_BURN = 0.15
+"""Time for which a jet pushes, s: of its design."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Jet:
+    """Pushes with a constant force for a time that does not vary."""
+
+    name: str
+    force_max: float
+    tilt_y: float = 0.0
+    tilt_z: float = 0.0
+
+    PARAMETERS: ClassVar[ParameterTable] = ParameterTable(
+        scalar("force_max", "force", POSITIVE), *TILTS
+    )
+    duration: ClassVar[float] = _BURN
+
+    def __post_init__(self) -> None:
+        self.PARAMETERS.check(f"{self.name}: ", self)
+
+
+@dataclass(frozen=True)
+class JetLaw(PushLaw):
+    by_time: ClassVar[bool] = True
+
+    def end(self, p, ops):
+        return _BURN
+
+    def force(self, p, at, speed, ops):
+        return p.force_max
+
+    def frequency(self, p, count, lightness, ops):
+        return 1.0 / _BURN
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,6 +133,7 @@ class WornSpringLaw(TimedSpringLaw):
 @pytest.fixture
 def toys(monkeypatch):
     monkeypatch.setitem(PUSHERS, "toy", PusherKind(Strut, StrutLaw))
+    monkeypatch.setitem(PUSHERS, "jet", PusherKind(Jet, JetLaw))
     monkeypatch.setitem(PUSHERS, "worn", PusherKind(WornSpring, WornSpringLaw))
 
 
@@ -150,6 +187,17 @@ def test_toy_pusher_in_both_engines(toys):
     assert [drake[0], batch[0]] == pytest.approx([expected] * 2, rel=1e-8)
     assert batch == pytest.approx(drake, rel=1e-8)
     assert batch[1] > batch[0]
+
+
+def test_pusher_for_a_time_in_both_engines(toys):
+    """Its impulse is F t: v = 4 F t / mu."""
+    separation, mass = pushed_by(lambda s: Jet(name=s.name, force_max=900.0))
+    rows = np.array([[900.0], [1200.0]])
+    impulse = (3.0 * 900.0 + rows[:, 0]) * _BURN
+    drake, batch = speeds(separation, ["spring_1.force_max"], rows)
+    # Both engines promise 1e-8; the second row turns, and so pushes less along x.
+    assert [drake[0], batch[0]] == pytest.approx([impulse[0] / mass] * 2, rel=1e-8)
+    assert batch == pytest.approx(drake, rel=1e-8)
 
 
 def test_toy_parameter_in_both_engines(toys):

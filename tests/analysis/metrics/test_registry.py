@@ -26,6 +26,7 @@ from drakesep.analysis.metrics.registry import (
     Metric,
     Moment,
     find_metric,
+    forget_metric,
     register_metric,
     registered_metrics,
 )
@@ -261,3 +262,22 @@ def test_the_papers_objectives_are_named_where_types_are():
 def test_entries_that_make_no_sense(fields, message):
     with pytest.raises(InputError, match=f"mine: {message}"):
         Metric(stem="mine", kind=Kind.RATE, **fields)
+
+
+def test_metrics_of_drakesep_stay():
+    for stem in ("final_rate", "no_such_metric"):
+        with pytest.raises(InputError, match=f"registered .*, got '{stem}'"):
+            forget_metric(stem)
+
+
+def test_objectives_of_the_paper_are_no_others():
+    mine = dataclasses.replace(RELATIVE, objective="mine")
+    with pytest.raises(InputError, match=r"objective must be empty.* got 'mine'"):
+        register_metric(mine)
+
+
+def test_a_limit_judged_by_no_metric_is_refused():
+    with registered(RELATIVE):
+        required = Requirement(metric=RELATIVE.names[0], sense=">=", limit=0.1)
+        with pytest.raises(InputError, match=r"is judged by '.*_x', which must be a"):
+            _ = required.judged_by
