@@ -19,6 +19,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
+from drakesep.analysis.engines.jax.batch_input import (
+    check_free,
+    check_limits,
+    check_names,
+    check_released,
+)
 from drakesep.analysis.engines.jax.compiled import (
     Program,
     call,
@@ -26,6 +32,7 @@ from drakesep.analysis.engines.jax.compiled import (
     keep_programs,
 )
 from drakesep.analysis.engines.jax.metrics_fold import MetricsFold
+from drakesep.analysis.engines.jax.sampled_runs import SampledRun
 from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.systems.arrays import Array
 from drakesep.systems.batch.equations import BatchEquations
@@ -35,18 +42,17 @@ from drakesep.systems.batch.integrator import (
     LaneStatus,
 )
 from drakesep.systems.batch.lanes import Lanes
-from drakesep.systems.batch.motion import MotionFold, columns_of, trajectory_of
+from drakesep.systems.batch.motion import MotionFold
 from drakesep.systems.batch.row_checks import check_rows
-from drakesep.systems.checks import InputError, check_positive, unknown
+from drakesep.systems.checks import InputError, check_positive
 from drakesep.systems.model.parameters import (
     check_read,
     declarations,
     parameters,
     with_values,
 )
-from drakesep.systems.model.run import Motion, Run, RunStatus
+from drakesep.systems.model.run import Run, RunStatus
 from drakesep.systems.model.separation import Separation
-from drakesep.systems.sampling import find_breaks, sample_times
 
 
 Progress = Callable[[int, int], None]
@@ -140,10 +146,10 @@ class Batch:
                 f"got a {type(separation).__name__}"
             )
         nominal = parameters(separation)
-        _check_names(names, nominal)
-        _check_limits(deviation_limits)
-        _check_released(separation)
-        _check_free(separation)
+        check_names(names, nominal)
+        check_limits(deviation_limits)
+        check_released(separation)
+        check_free(separation)
         check_positive("tolerance", tolerance)
         keep_programs()
         platform = jax.default_backend()
@@ -398,7 +404,7 @@ class Batch:
         flown = self._metrics(self._filled(flyable, self._metrics.lanes), len(rows))
         reasons = {**self._why_not(flown), **failures}
         plans = [
-            _Plan.of(self.separation, flown.final, i, self._values(row))
+            SampledRun.of(self.separation, flown.final, i, self._values(row))
             for i, row in enumerate(rows)
             if i not in reasons
         ]
@@ -421,104 +427,13 @@ class Batch:
     def _values(self, row: Array) -> dict[str, float]:
         return dict(zip(self.names, row.tolist(), strict=True))
 
-    def _sample_motion(self, lanes: Array, plans: Sequence["_Plan"]) -> Array:
+    def _sample_motion(self, lanes: Array, plans: Sequence["SampledRun"]) -> Array:
         longest = max(len(plan.times) for plan in plans)
         times = np.full((-(-longest // _TIMES) * _TIMES, _RUNS), np.inf)
         for plan in plans:
             times[: len(plan.times), plan.row] = plan.times
         signals: Array = np.asarray(call(self._motion, lanes, times))
         return signals
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Plan:
-    """A run that is to be sampled."""
-
-    row: int
-    separation: Separation
-    releases: Mapping[str, float]
-    stroke_ends: Mapping[str, float]
-    times: Array
-    steps: int
-    evaluations: int
-
-    @classmethod
-    def of(
-        cls,
-        separation: Separation,
-        final: FinalState,
-        row: int,
-        values: Mapping[str, float],
-    ) -> "_Plan":
-        flown = with_values(separation, values)
-        releases = {
-            attachment.name: float(t)
-            for attachment, t in zip(
-                flown.attachments, final.released[:, row], strict=True
-            )
-        }
-        ends = {
-            spring.name: float(t)
-            for spring, t in zip(flown.springs, final.stroke_ends[:, row], strict=True)
-        }
-        return cls(
-            row=row,
-            separation=flown,
-            releases=releases,
-            stroke_ends=ends,
-            times=sample_times(flown, releases, ends),
-            steps=int(final.steps[row]),
-            evaluations=int(final.evaluations[row]),
-        )
-
-    def run(self, signals: Array) -> Run:
-        """Return the run, from the signals (T, ..., n) at the times of all."""
-        mine = signals[: len(self.times), :, self.row]
-        return Run(
-            separation=self.separation,
-            status=RunStatus.COMPLETED,
-            motion=Motion(time=self.times, **columns_of(mine)),
-            trajectory=trajectory_of(self.separation, self.times, mine),
-            breaks=find_breaks(self.separation, self.releases, self.stroke_ends),
-            releases=self.releases,
-            stroke_ends=self.stroke_ends,
-            steps=self.steps,
-            evaluations=self.evaluations,
-        )
-
-
-def _check_names(names: Sequence[str], known: Mapping[str, float]) -> None:
-    if isinstance(names, str) or not len(names):
-        raise InputError(f"names must be a list of parameters, got {names!r}")
-    for name in names:
-        if name not in known:
-            raise InputError(unknown("parameter", name, known))
-    if len(set(names)) < len(names):
-        raise InputError(f"parameters must differ, got {', '.join(names)}")
-
-
-def _check_limits(limits: Sequence[float]) -> None:
-    if not np.shape(limits) == (3,) or not all(limit > 0.0 for limit in limits):
-        raise InputError(
-            f"deviation limits must be three above 0, in rad, got {limits}"
-        )
-
-
-def _check_released(separation: Separation) -> None:
-    for a in separation.attachments:
-        if math.isinf(a.release_time) and math.isinf(a.release_angle):
-            raise InputError(
-                f"{a.name} must let go at a time or at an angle: it waits for a "
-                "command, which a batch does not have"
-            )
-
-
-def _check_free(separation: Separation) -> None:
-    if separation.recontact is not None:
-        raise InputError(
-            "recontact: the batch engine knows no contact forces; leave recontact out, "
-            "or let Drake fly run by run: --search drake"
-        )
 
 
 def _of_row(final: FinalState, row: int) -> FinalState:

@@ -1,0 +1,47 @@
+"""What a batch refuses when it is made."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from drakesep.systems.checks import InputError, unknown
+from drakesep.systems.model.separation import Separation
+
+
+def check_names(names: Sequence[str], known: Mapping[str, float]) -> None:
+    """Raise InputError unless the names are different parameters that are known."""
+    if isinstance(names, str) or not len(names):
+        raise InputError(f"names must be a list of parameters, got {names!r}")
+    for name in names:
+        if name not in known:
+            raise InputError(unknown("parameter", name, known))
+    if len(set(names)) < len(names):
+        raise InputError(f"parameters must differ, got {', '.join(names)}")
+
+
+def check_limits(limits: Sequence[float]) -> None:
+    """Raise InputError unless there are three limits above zero, rad."""
+    if not np.shape(limits) == (3,) or not all(limit > 0.0 for limit in limits):
+        raise InputError(
+            f"deviation limits must be three above 0, in rad, got {limits}"
+        )
+
+
+def check_released(separation: Separation) -> None:
+    """Raise InputError if an attachment waits for a command."""
+    for a in separation.attachments:
+        if math.isinf(a.release_time) and math.isinf(a.release_angle):
+            raise InputError(
+                f"{a.name} must let go at a time or at an angle: it waits for a "
+                "command, which a batch does not have"
+            )
+
+
+def check_free(separation: Separation) -> None:
+    """Raise InputError if parts push each other where they touch again."""
+    if separation.recontact is not None:
+        raise InputError(
+            "recontact: the batch engine knows no contact forces; leave recontact out, "
+            "or let Drake fly run by run: --search drake"
+        )
