@@ -3,14 +3,12 @@
 import multiprocessing
 import os
 import signal
-import sys
 import time
-import warnings
 
 import pytest
+from elsewhere import imported, warned_of
 from toy_metrics import RELATIVE, registered
 
-from drakesep.analysis.clearance.of_run import DoubtfulScale
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.studies.background_process import BackgroundProcess
 
@@ -85,22 +83,10 @@ def test_it_does_without_jax():
         assert "jax" not in background.submit(imported).result()
 
 
-def imported():
-    return {name.partition(".")[0] for name in sys.modules}
-
-
 def test_only_doubtful_scales_are_not_warned_of_there():
     with BackgroundProcess(2) as background:
         warned = background.submit(warned_of).result()
     assert warned == ["another"]
-
-
-def warned_of():
-    """What is told of a doubtful scale and of something else."""
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.warn("check scale", DoubtfulScale, stacklevel=1)
-        warnings.warn("another", UserWarning, stacklevel=1)
-    return [str(warning.message) for warning in caught]
 
 
 def test_its_death_is_an_error_of_what_was_asked():
