@@ -44,6 +44,11 @@ class Clearance:
     contact: Contact | None = None
     """None: they do not touch."""
 
+    @property
+    def pair(self) -> str:
+        """The names of both, as tables and plots have them."""
+        return f"{self.first} to {self.second}"
+
 
 class _Moment(NamedTuple):
     time: float

@@ -30,6 +30,7 @@ from drakesep.analysis.metrics.registry import (
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
+from drakesep.systems.model.parameter_table import with_axis
 from drakesep.systems.model.run import Run
 
 
@@ -413,7 +414,7 @@ def towards(requirement: Requirement) -> tuple[Objective, ...]:
     metric, axis = find_metric(name) or (None, "")
     if metric is None or metric.directions is None:
         return (highest(name),)
-    up, down = (f"{stem}_{axis}" if axis else stem for stem in metric.directions)
+    up, down = (with_axis(stem, axis) for stem in metric.directions)
     return highest(up).named(f"{name}_up"), lowest(down).named(f"{name}_down")
 
 

@@ -11,10 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 from scipy.interpolate import PPoly
 
 from drakesep.analysis.metrics import sampled_signals as signals
-from drakesep.analysis.metrics.registry import ANGLES as ANGLES
-from drakesep.analysis.metrics.registry import AXES as AXES
-from drakesep.analysis.metrics.registry import METRICS as METRICS
 from drakesep.analysis.metrics.registry import (
+    METRICS,
     Combined,
     Functional,
     Metric,

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeAlias, overload
 
 from drakesep.systems.checks import InputError
+from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ, with_axis
 
 
-AXES = ("x", "y", "z")
-ANGLES = ("roll", "pitch", "yaw")
 Sense: TypeAlias = Literal["<=", ">="]
 
 
@@ -98,14 +97,14 @@ class Signal(NamedTuple):
     words: str
     quantity: str
     """Field of `Motion`, and of `RelativeMotion`."""
-    axes: tuple[str, ...] = AXES
+    axes: tuple[str, ...] = XYZ
     """What the components are called in names; empty for one alone."""
     components: tuple[int, ...] = (0, 1, 2)
 
 
 RATE = Signal("rate of B in W (w_WB_B)", "rate")
 RELATIVE_RATE = Signal("rate of B relative to A (w_AB_B)", "relative_rate")
-ANGLE = Signal("roll, pitch and yaw of B in W", "angle", ANGLES)
+ANGLE = Signal("roll, pitch and yaw of B in W", "angle", ROLL_PITCH_YAW)
 LONGITUDINAL_SPEED = Signal(
     "longitudinal speed of B's CG as seen from A", "relative_velocity", ("",), (0,)
 )
@@ -165,7 +164,7 @@ class Metric:
     @property
     def names(self) -> tuple[str, ...]:
         """Of its numbers, in the order of its axes."""
-        return tuple(f"{self.stem}_{axis}" if axis else self.stem for axis in self.axes)
+        return tuple(with_axis(self.stem, axis) for axis in self.axes)
 
     @property
     def of_every_run(self) -> bool:

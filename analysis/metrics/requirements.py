@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from drakesep.analysis.metrics.registry import DEVIATION, Sense, find_metric
 from drakesep.systems.checks import InputError, check_finite
+from drakesep.systems.model.parameter_table import with_axis
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,8 +40,7 @@ class Requirement:
         if found is None:
             return self.metric
         metric, axis = found
-        stem = metric.judged_by(self.sense)
-        name = f"{stem}_{axis}" if axis else stem
+        name = with_axis(metric.judged_by(self.sense), axis)
         if find_metric(name) is None:
             raise InputError(
                 f"{self.metric}: {self.sense} is judged by {name!r}, which must be a "

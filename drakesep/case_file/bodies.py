@@ -50,6 +50,9 @@ class MatedPlaceSection(Section):
     attitude_deg: Vector = (0.0, 0.0, 0.0)
 
 
+_SHAPES: "tuple[SolidKind, ...]" = ("box", "cylinder", "sphere", "ellipsoid", "capsule")
+
+
 class SolidSection(Section):
     """A uniform solid that makes up a body: one shape or mesh, its mass or density."""
 
@@ -66,8 +69,7 @@ class SolidSection(Section):
 
     @model_validator(mode="after")
     def _check_one_of_each(self) -> Self:
-        shapes = ("box", "cylinder", "sphere", "ellipsoid", "capsule", "mesh")
-        check_one(self, shapes)
+        check_one(self, (*_SHAPES, "mesh"))
         check_one(self, ("mass_kg", "density_kg_m3"))
         return self
 
@@ -86,14 +88,10 @@ class SolidSection(Section):
             return mass_properties.mass_properties_of_mesh(
                 self.mesh.file, scale=self.mesh.scale, **options
             )
-        shape: SolidKind
-        for shape in ("box", "cylinder", "sphere", "ellipsoid", "capsule"):
-            section = getattr(self, shape)
-            if section is not None:
-                break
+        [shape] = [shape for shape in _SHAPES if getattr(self, shape) is not None]
         lengths = (
             length
-            for value in section.model_dump().values()
+            for value in getattr(self, shape).model_dump().values()
             for length in (value if isinstance(value, tuple) else (value,))
         )
         return mass_properties.mass_properties_of_shape(

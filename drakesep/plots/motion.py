@@ -10,14 +10,13 @@ from matplotlib.figure import Figure
 
 from drakesep.analysis.metrics.of_run import time_of
 from drakesep.analysis.metrics.registry import (
-    ANGLES,
-    AXES,
     Metric,
     Moment,
     find_metric,
 )
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.plots.style import COLOURS, DASHES, LIMIT
+from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ
 from drakesep.systems.model.run import Run
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.roles import Changed, Nominal, Published
@@ -31,14 +30,14 @@ class _Row(NamedTuple):
 
 
 _TRANSLATION = (
-    _Row("relative_velocity", "relative velocity", AXES),
-    _Row("acceleration", "acceleration of the CG", AXES),
-    _Row("linear_momentum_change", "linear momentum change", AXES),
+    _Row("relative_velocity", "relative velocity", XYZ),
+    _Row("acceleration", "acceleration of the CG", XYZ),
+    _Row("linear_momentum_change", "linear momentum change", XYZ),
 )
 _ROTATION = (
-    _Row("angle", "angle", ANGLES),
-    _Row("rate", "rate", AXES),
-    _Row("angular_momentum_change", "angular momentum change", AXES),
+    _Row("angle", "angle", ROLL_PITCH_YAW),
+    _Row("rate", "rate", XYZ),
+    _Row("angular_momentum_change", "angular momentum change", XYZ),
 )
 _PUBLISHED = ("#757575", "#A6A6A6", "#CCCCCC")
 

@@ -144,7 +144,7 @@ class Clearances:
     def _curves(self) -> dict[str, tuple[Array, Clearance]]:
         """Distances over time and the smallest, by the name of the pair."""
         return {
-            f"{one.first} to {one.second}": (distances, one)
+            one.pair: (distances, one)
             for one, distances in zip(self.found, self.distances.T, strict=True)
         }
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from drakesep.analysis.metrics.of_run import AXES
+from drakesep.systems.model.parameter_table import XYZ
 from drakesep.systems.model.run import Run
 from drakesep.tables.columns import in_units
 from drakesep.units import with_unit
@@ -54,14 +54,14 @@ def contact_forces_table(run: Run) -> pd.DataFrame:
                 with_unit("force"): np.linalg.norm(contact.force, axis=1),
                 **{
                     with_unit(f"force_{axis}"): contact.force[:, i]
-                    for i, axis in enumerate(AXES)
+                    for i, axis in enumerate(XYZ)
                 },
             }
         )
         for contact in run.contacts
     ]
     if not frames:
-        forces = ("force", *(f"force_{axis}" for axis in AXES))
+        forces = ("force", *(f"force_{axis}" for axis in XYZ))
         names = [with_unit("time"), "first", "second", *map(with_unit, forces)]
         return pd.DataFrame(columns=names)
     return pd.concat(frames, ignore_index=True)

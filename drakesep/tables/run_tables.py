@@ -9,11 +9,12 @@ import pandas as pd
 from drakesep.analysis.clearance.objective import LOWEST
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
-from drakesep.analysis.metrics.of_run import ANGLES, AXES
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.checks import InputError, unknown
+from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.run import Motion
+from drakesep.tables.columns import in_units, shown, unit_of_objective
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.roles import WORST, Worst, label_of, role_in_tables
 from drakesep.units import unit_of, with_unit
@@ -21,18 +22,17 @@ from drakesep.units import unit_of, with_unit
 
 if TYPE_CHECKING:  # JAX comes with them
     from drakesep.analysis.search.sqp import Iteration
-from drakesep.tables.columns import in_units, shown, unit_of_objective
 
 
 _MOTION = {
-    "rate": AXES,
-    "relative_rate": AXES,
-    "angle": ANGLES,
-    "relative_position": AXES,
-    "relative_velocity": AXES,
-    "acceleration": AXES,
-    "linear_momentum_change": AXES,
-    "angular_momentum_change": AXES,
+    "rate": XYZ,
+    "relative_rate": XYZ,
+    "angle": ROLL_PITCH_YAW,
+    "relative_position": XYZ,
+    "relative_velocity": XYZ,
+    "acceleration": XYZ,
+    "linear_momentum_change": XYZ,
+    "angular_momentum_change": XYZ,
 }
 
 
@@ -79,8 +79,7 @@ def _nearest_pair(nearest: Clearance | None) -> dict[str, object]:
     """Return which parts come nearest in a run, and when, if that was asked for."""
     if nearest is None:
         return {}
-    pair = f"{nearest.first} to {nearest.second}"
-    return {"nearest": pair, **in_units({"nearest_time": nearest.time})}
+    return {"nearest": nearest.pair, **in_units({"nearest_time": nearest.time})}
 
 
 def read_runs(

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from drakesep.analysis.metrics.of_run import AXES
 from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.systems.model.parameter_table import XYZ
 from drakesep.systems.model.parameters import ParameterName, parameters
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.units import unit_of
@@ -56,7 +56,7 @@ def table_4(runs: Sequence[LabelledRun], box: ToleranceBox) -> pd.DataFrame:
             cells.append("-" if one.iterations is None else str(one.iterations))
         columns[one.label] = cells
     labels = [
-        *(f"rate {axis} (deg/s)" for axis in AXES),
+        *(f"rate {axis} (deg/s)" for axis in XYZ),
         "deviation within limits until (s)",
         "longitudinal speed, max (m/s)",
         *groups,
@@ -66,7 +66,7 @@ def table_4(runs: Sequence[LabelledRun], box: ToleranceBox) -> pd.DataFrame:
 
 
 _CONDITIONS = (
-    *(f"final_rate_{axis}" for axis in AXES),
+    *(f"final_rate_{axis}" for axis in XYZ),
     "deviation_within_limits_until",
     "longitudinal_speed_max",
 )

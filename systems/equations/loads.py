@@ -1,14 +1,7 @@
 """Loads by tables over time, and the wrench of a force at a point of a body."""
 
 from drakesep.systems.equations.relative_motion import BodyState, Wrench
-from drakesep.systems.vectors import (
-    Scalar,
-    Vector,
-    add,
-    cross,
-    rotate,
-    scale,
-)
+from drakesep.systems.vectors import Scalar, Vector, add, cross, rotate, scale
 
 
 def between_rows(before: Vector, after: Vector, s: Scalar, factor: Scalar) -> Vector:

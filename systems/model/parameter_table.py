@@ -86,7 +86,7 @@ class Parameter(NamedTuple):
     @property
     def quantity(self) -> str:
         """Its name without the owner."""
-        return f"{self.stem}_{self.axis}" if self.axis else self.stem
+        return with_axis(self.stem, self.axis)
 
     def of(self, record: Any) -> float:
         """Return its value in a record."""
@@ -119,7 +119,7 @@ def scalar(
     optional: bool = False,
 ) -> Parameter:
     """Return the parameter of a field that has its name and holds one number."""
-    field = f"{stem}_{axis}" if axis else stem
+    field = with_axis(stem, axis)
     label = label or stem.replace("_", " ")
     return Parameter(stem, axis, field, None, kind, range, label, optional)
 
@@ -133,6 +133,11 @@ def vector(
         Parameter(stem, axis, field, i, kind, ANY, label, False)
         for i, axis in enumerate(axes)
     )
+
+
+def with_axis(stem: str, axis: str) -> str:
+    """Return the name of a quantity's component; the stem if there is no axis."""
+    return f"{stem}_{axis}" if axis else stem
 
 
 def split_axis(quantity: str) -> tuple[str, str]:

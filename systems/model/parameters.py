@@ -35,14 +35,18 @@ class ParameterName(NamedTuple):
 
 def owners(separation: Separation) -> Iterator[tuple[str, Any]]:
     """Yield the name of each record that has parameters, and the record."""
-    for record in (
+    for record in _records(separation):
+        yield _owner_of(record), record
+
+
+def _records(separation: Separation) -> tuple[Any, ...]:
+    return (
         *separation.bodies,
         *separation.attachments,
         *separation.springs,
         *separation.loads,
         separation.initial,
-    ):
-        yield _owner_of(record), record
+    )
 
 
 def _owner_of(record: Any) -> str:
@@ -57,11 +61,16 @@ def names_of(records: Iterable[Any], fields: Collection[str]) -> tuple[str, ...]
         fields: of the records; one that holds no parameter adds no name.
     """
     return tuple(
-        f"{_owner_of(record)}.{parameter.quantity}"
-        for record in records
-        for parameter in record.PARAMETERS
-        if parameter.field in fields
+        name for name, parameter, _ in _declared(records) if parameter.field in fields
     )
+
+
+def _declared(records: Iterable[Any]) -> Iterator[tuple[str, Parameter, Any]]:
+    """Yield the name of each parameter of records, its declaration and its record."""
+    for record in records:
+        owner = _owner_of(record)
+        for parameter in record.PARAMETERS:
+            yield f"{owner}.{parameter.quantity}", parameter, record
 
 
 def declarations(separation: Separation) -> dict[str, Parameter]:
@@ -70,9 +79,8 @@ def declarations(separation: Separation) -> dict[str, Parameter]:
     A release by time has no angle, and one by angle no time.
     """
     return {
-        f"{owner}.{parameter.quantity}": parameter
-        for owner, record in owners(separation)
-        for parameter in record.PARAMETERS
+        name: parameter
+        for name, parameter, record in _declared(_records(separation))
         if not (parameter.optional and math.isinf(parameter.of(record)))
     }
 
@@ -83,9 +91,8 @@ def parameters(separation: Separation) -> dict[str, float]:
     A release by time has no angle, and one by angle no time.
     """
     return {
-        f"{owner}.{parameter.quantity}": value
-        for owner, record in owners(separation)
-        for parameter in record.PARAMETERS
+        name: value
+        for name, parameter, record in _declared(_records(separation))
         if math.isfinite(value := parameter.of(record))
     }
 

@@ -4,13 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from drakesep.systems.arrays import Array
-from drakesep.systems.batch.integrator import (
-    FinalState,
-)
+from drakesep.systems.batch.integrator import FinalState
 from drakesep.systems.batch.motion import columns_of, trajectory_of
-from drakesep.systems.model.parameters import (
-    with_values,
-)
+from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.run import Motion, Run, RunStatus
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.sampling import find_breaks, sample_times

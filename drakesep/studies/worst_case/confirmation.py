@@ -11,7 +11,7 @@ from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.engines.jax.batch import TOLERANCE
 from drakesep.analysis.metrics.objectives import OBJECTIVES, MetricObjective, Objective
-from drakesep.analysis.metrics.of_run import METRICS
+from drakesep.analysis.metrics.registry import METRICS
 from drakesep.analysis.search.judge import WorstCase
 from drakesep.analysis.search.problem import Candidate, SearchProgress
 from drakesep.analysis.search.sqp import SearchStatus

@@ -188,7 +188,7 @@ class WorstCases:
             if found is None or isinstance(one.role, Published):
                 continue
             x, distances = self.clearance.approach(one.run, found)
-            pair = f"{found.first} to {found.second}".replace("_", " ")
+            pair = found.pair.replace("_", " ")
             approaches.append(Approach(one.label, pair, x, distances))
         return approaches
 

@@ -13,7 +13,8 @@ from separations import generic_pair, on_axis
 
 from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.engines.jax.batch import Batch
-from drakesep.analysis.metrics.of_run import METRICS, metrics_of_run
+from drakesep.analysis.metrics.of_run import metrics_of_run
+from drakesep.analysis.metrics.registry import METRICS
 from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.case_file.reader import load_case
 from drakesep.systems import sampling

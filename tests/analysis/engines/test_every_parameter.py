@@ -13,7 +13,8 @@ import pytest
 from separations import GENERIC, generic_pair
 
 from drakesep.analysis.engines.jax.batch import Batch
-from drakesep.analysis.metrics.of_run import METRICS, metrics_of_run
+from drakesep.analysis.metrics.of_run import metrics_of_run
+from drakesep.analysis.metrics.registry import METRICS
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.loads import Load

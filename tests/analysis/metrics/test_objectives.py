@@ -19,7 +19,8 @@ from drakesep.analysis.metrics.objectives import (
     of_run,
     towards,
 )
-from drakesep.analysis.metrics.of_run import METRICS, metrics_of_run
+from drakesep.analysis.metrics.of_run import metrics_of_run
+from drakesep.analysis.metrics.registry import METRICS
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.model.run import Run, RunStatus
 

@@ -17,8 +17,6 @@ from drakesep.analysis.metrics.objectives import OBJECTIVES, ObjectiveName, high
 from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.analysis.metrics.registry import (
     ANGLE,
-    ANGLES,
-    AXES,
     METRICS,
     RATE,
     Functional,
@@ -215,9 +213,9 @@ def test_names_are_those_of_the_entries():
     assert METRICS[:5] == ("G_L1", "G_L2", "G_Linf", "G_PM", "final_rate_x")
     assert "clearance" not in METRICS
     assert find_metric("clearance")[0].kind is Kind.CLEARANCE
-    assert find_metric("rate_after_separation_y")[0].axes == AXES
+    assert find_metric("rate_after_separation_y")[0].axes == ("x", "y", "z")
     assert find_metric("deviation_at_separation_yaw")[1] == "yaw"
-    assert find_metric("deviation_at_separation")[0].axes == ANGLES
+    assert find_metric("deviation_at_separation")[0].axes == ("roll", "pitch", "yaw")
     for unknown in ("rate_after_separation_yaw", "G_L1_x", "x", ""):
         assert find_metric(unknown) is None
     before = list(METRICS)
