@@ -15,6 +15,7 @@ from .engines.run_evaluator import RunEvaluator as RunEvaluator
 from .margins.tolerance_margins import Growth as Growth
 from .margins.tolerance_margins import Limit as Limit
 from .margins.tolerance_margins import grow as grow
+from .metrics.metric import Metric as Metric
 from .metrics.objectives import OBJECTIVES as OBJECTIVES
 from .metrics.objectives import MetricObjective as MetricObjective
 from .metrics.objectives import Objective as Objective
@@ -24,7 +25,6 @@ from .metrics.objectives import lowest as lowest
 from .metrics.objectives import of_run as of_run
 from .metrics.of_run import metrics_of_run as metrics_of_run
 from .metrics.registry import METRICS as METRICS
-from .metrics.registry import Metric as Metric
 from .metrics.registry import forget_metric as forget_metric
 from .metrics.registry import register_metric as register_metric
 from .metrics.requirements import Finding as Finding

@@ -9,7 +9,7 @@ import functools
 import math
 from typing import Any, NamedTuple
 
-from drakesep.analysis.metrics.registry import Kind as MetricKind
+from drakesep.analysis.metrics.metric import Kind as MetricKind
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.springs import PUSHERS

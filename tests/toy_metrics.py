@@ -3,7 +3,7 @@
 import contextlib
 from collections.abc import Iterator
 
-from drakesep.analysis.metrics.registry import (
+from drakesep.analysis.metrics.metric import (
     AFTER_SEPARATION,
     ANGLE,
     RATE,
@@ -15,9 +15,8 @@ from drakesep.analysis.metrics.registry import (
     Moment,
     Signal,
     Window,
-    forget_metric,
-    register_metric,
 )
+from drakesep.analysis.metrics.registry import forget_metric, register_metric
 
 
 RELATIVE = Metric(

@@ -22,11 +22,7 @@ from drakesep.analysis.metrics.of_run import (
     metric_of_run,
     metric_within,
 )
-from drakesep.analysis.metrics.registry import (
-    METRICS,
-    find_metric,
-    registered_metrics,
-)
+from drakesep.analysis.metrics.registry import METRICS, find_metric, registered_metrics
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown

@@ -1,6 +1,6 @@
 """The metrics of a run, in SI and radians, from its samples.
 
-Functionals of signals over time are those of `drakesep.analysis.metrics.registry`; a
+Functionals of signals over time are those of `drakesep.analysis.metrics.metric`; a
 signal is made of splines through its samples.
 """
 
@@ -11,16 +11,14 @@ from collections.abc import Callable, Mapping, Sequence
 from scipy.interpolate import PPoly
 
 from drakesep.analysis.metrics import sampled_signals as signals
-from drakesep.analysis.metrics.registry import (
-    METRICS,
+from drakesep.analysis.metrics.metric import (
     Combined,
     Functional,
     Metric,
     Moment,
     Signal,
-    find_metric,
-    registered_metrics,
 )
+from drakesep.analysis.metrics.registry import METRICS, find_metric, registered_metrics
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.model.run import Run
 

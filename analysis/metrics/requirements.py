@@ -4,7 +4,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from drakesep.analysis.metrics.registry import DEVIATION, Sense, find_metric
+from drakesep.analysis.metrics.metric import Sense
+from drakesep.analysis.metrics.registry import DEVIATION, find_metric
 from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.model.parameter_table import with_axis
 

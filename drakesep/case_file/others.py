@@ -6,8 +6,9 @@ from typing import Annotated, Any, Self
 from pydantic import AfterValidator, BeforeValidator, Strict, model_validator
 
 from drakesep.analysis.analysis_case import PrintedResult, PublishedCase
+from drakesep.analysis.metrics.metric import Metric, Sense
 from drakesep.analysis.metrics.objectives import ObjectiveName
-from drakesep.analysis.metrics.registry import Metric, Sense, registered_metrics
+from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.case_file.errors import CaseError

@@ -8,12 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from drakesep.analysis.metrics.metric import Metric, Moment
 from drakesep.analysis.metrics.of_run import time_of
-from drakesep.analysis.metrics.registry import (
-    Metric,
-    Moment,
-    find_metric,
-)
+from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.plots.style import COLOURS, DASHES, LIMIT
 from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ

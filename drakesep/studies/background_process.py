@@ -20,8 +20,8 @@ from typing import Any, Self, TypeVar
 from loky import ProcessPoolExecutor
 
 from drakesep.analysis.engines.interrupts import interrupts_ignored
+from drakesep.analysis.metrics.metric import Metric
 from drakesep.analysis.metrics.registry import (
-    Metric,
     find_metric,
     register_metric,
     registered_metrics,

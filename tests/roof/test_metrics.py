@@ -8,7 +8,8 @@ import pytest
 from toy_metrics import RELATIVE, RELATIVE_MIN, registered
 
 import drakesep
-from drakesep.analysis.metrics.registry import Metric, registered_metrics
+from drakesep.analysis.metrics.metric import Metric
+from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.case_file.case import Case
 from drakesep.units import unit_of, with_unit
 

@@ -1,6 +1,6 @@
 """The metrics that runs are judged by, of a whole batch at once, from its steps.
 
-Functionals of signals over time are those of `drakesep.analysis.metrics.registry`. A
+Functionals of signals over time are those of `drakesep.analysis.metrics.metric`. A
 few are gathered step by step, the others made of them at the end.
 
 Every metric has its derivative. At a kink (a rate that is zero, two peaks as high, two
@@ -19,7 +19,7 @@ from drakesep.analysis.engines.jax.step_signals import (
     rows,
     unwrapped,
 )
-from drakesep.analysis.metrics.registry import (
+from drakesep.analysis.metrics.metric import (
     ANGLE,
     Combined,
     Functional,

@@ -13,16 +13,18 @@ from separations import FREE, generic_pair
 from toy_metrics import OTHERS, RELATIVE, RELATIVE_MIN, WHILE_PUSHED, registered
 
 from drakesep.analysis.engines.jax.batch import Batch
-from drakesep.analysis.metrics.objectives import OBJECTIVES, ObjectiveName, highest
-from drakesep.analysis.metrics.of_run import metrics_of_run
-from drakesep.analysis.metrics.registry import (
+from drakesep.analysis.metrics.metric import (
     ANGLE,
-    METRICS,
     RATE,
     Functional,
     Kind,
     Metric,
     Moment,
+)
+from drakesep.analysis.metrics.objectives import OBJECTIVES, ObjectiveName, highest
+from drakesep.analysis.metrics.of_run import metrics_of_run
+from drakesep.analysis.metrics.registry import (
+    METRICS,
     find_metric,
     forget_metric,
     register_metric,

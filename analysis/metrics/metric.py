@@ -1,0 +1,212 @@
+"""What a metric is: a functional of a signal at some time of the run.
+
+Such is the largest magnitude of B's rate after separation. Two interpreters know the
+functionals: `drakesep.analysis.metrics.of_run`, on a run's samples, and
+`drakesep.analysis.engines.jax.metrics_fold`, on the steps of a batch.
+"""
+
+import enum
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, TypeAlias
+
+from drakesep.systems.checks import InputError
+from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ, with_axis
+
+
+Sense: TypeAlias = Literal["<=", ">="]
+
+
+class Kind(enum.Enum):
+    """What a metric's number is: its unit at the edges follows from it."""
+
+    RATE = "rate"
+    ANGLE = "angle"
+    NORM_OF_RATE = "root of the integral of a squared rate"
+    SPEED = "speed"
+    TIME = "time"
+    CLEARANCE = "clearance"
+
+
+class Moment(enum.Enum):
+    """A time of a run."""
+
+    START = "the start"
+    RELEASE = "the first release"
+    """When the first attachment of B lets go."""
+    SEPARATION = "separation"
+    """When all attachments of B have let go, and the last spring has reached its
+    stroke."""
+    END = "the end"
+
+
+class Window(NamedTuple):
+    """A time of a run from one moment to another."""
+
+    start: Moment
+    end: Moment
+    words: str
+
+
+WHOLE_RUN = Window(Moment.START, Moment.END, "over the whole run")
+SINCE_RELEASE = Window(Moment.RELEASE, Moment.END, "since the first release")
+AFTER_SEPARATION = Window(Moment.SEPARATION, Moment.END, "after separation")
+
+
+class Functional(enum.Enum):
+    """What is made of a signal."""
+
+    VALUE = "value"
+    MAGNITUDE = "magnitude"
+    SMALLEST = "smallest value"
+    LARGEST = "largest value"
+    SMALLEST_MAGNITUDE = "smallest magnitude"
+    LARGEST_MAGNITUDE = "largest magnitude"
+    INTEGRAL_OF_MAGNITUDE = "integral of the magnitude"
+    INTEGRAL_OF_SQUARE = "integral of the square"
+    TIME_WITHIN = "time within limits"
+    TIME = "time"
+    """Of a moment, without a signal."""
+    DISTANCE = "smallest distance between parts"
+    """Measured apart, of some runs only."""
+
+
+AT_A_MOMENT = frozenset({Functional.VALUE, Functional.MAGNITUDE, Functional.TIME})
+_OF_NO_SIGNAL = frozenset({Functional.TIME, Functional.DISTANCE})
+_SIGNED = frozenset({Functional.VALUE, Functional.SMALLEST, Functional.LARGEST})
+_MAGNITUDES = frozenset(
+    {Functional.MAGNITUDE, Functional.SMALLEST_MAGNITUDE, Functional.LARGEST_MAGNITUDE}
+)
+
+
+class Combined(enum.Enum):
+    """What is made of the components of a signal."""
+
+    EACH = "each"
+    SUM = "sum"
+    ROOT_OF_SUM = "root of the sum"
+    SMALLEST = "smallest"
+
+
+class Signal(NamedTuple):
+    """Components of the motion of B over time."""
+
+    words: str
+    quantity: str
+    """Field of `Motion`, and of `RelativeMotion`."""
+    axes: tuple[str, ...] = XYZ
+    """What the components are called in names; empty for one alone."""
+    components: tuple[int, ...] = (0, 1, 2)
+
+
+RATE = Signal("rate of B in W (w_WB_B)", "rate")
+RELATIVE_RATE = Signal("rate of B relative to A (w_AB_B)", "relative_rate")
+ANGLE = Signal("roll, pitch and yaw of B in W", "angle", ROLL_PITCH_YAW)
+LONGITUDINAL_SPEED = Signal(
+    "longitudinal speed of B's CG as seen from A", "relative_velocity", ("",), (0,)
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Metric:
+    """A number that judges a run, or one for each component of its signal.
+
+    Raises:
+        ValueError: the functional does not go with the signal or the time.
+    """
+
+    stem: str
+    """Its name; that of a component ends with its axis."""
+    kind: Kind
+    functional: Functional
+    signal: Signal | None = None
+    when: Window | Moment = WHOLE_RUN
+    """A window, or a moment for what is looked at once."""
+    combined: Combined = Combined.EACH
+    sign: float = 1.0
+    """-1 for less the functional."""
+    at_most: str = ""
+    """Stem of the metric that tells whether a limit from above is kept at all times;
+    itself if empty."""
+    at_least: str = ""
+    """Of the one that tells of a limit from below."""
+    directions: tuple[str, str] | None = None
+    """Of a magnitude: stems of what is large where it is large upwards, and of what is
+    small where it is large downwards."""
+    objective: str = ""
+    """Name of the paper's objective that it is."""
+
+    def __post_init__(self) -> None:
+        """Check that the fields go together."""
+        if (self.signal is None) != (self.functional in _OF_NO_SIGNAL):
+            wanted = "no signal" if self.signal else "a signal"
+            raise InputError(f"{self.stem}: {self.functional.value} needs {wanted}")
+        if isinstance(self.when, Moment) != (self.functional in AT_A_MOMENT):
+            wanted = "a window" if isinstance(self.when, Moment) else "a moment"
+            raise InputError(f"{self.stem}: {self.functional.value} needs {wanted}")
+        if self.functional is Functional.TIME_WITHIN and (
+            self.signal != ANGLE or self.when != WHOLE_RUN
+        ):
+            raise InputError(
+                f"{self.stem}: limits are those of the angles, over the whole run"
+            )
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Of its names; one that is empty if it is a single number."""
+        if self.signal is None or self.combined is not Combined.EACH:
+            return ("",)
+        return self.signal.axes
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of its numbers, in the order of its axes."""
+        return tuple(with_axis(self.stem, axis) for axis in self.axes)
+
+    @property
+    def of_every_run(self) -> bool:
+        """Whether it is told of each run; else it is measured apart, of some."""
+        return self.functional is not Functional.DISTANCE
+
+    @property
+    def windowed(self) -> bool:
+        """Whether it can look at another part of a run."""
+        at_once = self.functional in AT_A_MOMENT
+        within = self.functional is Functional.TIME_WITHIN
+        return self.of_every_run and not at_once and not within
+
+    @property
+    def is_magnitude(self) -> bool:
+        """Whether it is of a signal's magnitude, whose limits have two sides."""
+        return self.functional in _MAGNITUDES
+
+    @property
+    def is_of_signal_itself(self) -> bool:
+        """Whether it is a value or magnitude that one component of its signal has."""
+        return self.combined is Combined.EACH and (
+            self.is_magnitude or self.functional in _SIGNED
+        )
+
+    @property
+    def never_negative(self) -> bool:
+        """Whether it cannot be below zero."""
+        return self.sign > 0.0 and self.functional not in _SIGNED
+
+    @property
+    def words(self) -> str:
+        """What it is, in words."""
+        text: str = self.functional.value
+        if self.functional is Functional.DISTANCE:
+            return text
+        if self.signal is not None:
+            text = f"{text} of the {self.signal.words},"
+        if isinstance(self.when, Moment):
+            text = f"{text} at {self.when.value}"
+        else:
+            text = f"{text} {self.when.words}"
+        if self.combined is not Combined.EACH:
+            text = f"{self.combined.value} over the axes: {text}"
+        return text if self.sign > 0.0 else f"less the {text}"
+
+    def judged_by(self, sense: Sense) -> str:
+        """Return the stem of the metric that tells whether a limit is kept."""
+        return (self.at_most if sense == "<=" else self.at_least) or self.stem
