@@ -13,11 +13,7 @@ from drakesep.systems.diagram.wrenches import WrenchSum
 from drakesep.systems.equations import joints as joint_laws
 from drakesep.systems.equations import relative_motion as motion_laws
 from drakesep.systems.equations.joints import NO_TURN, HeldJoint, Pull, Turn
-from drakesep.systems.equations.mated_stack import (
-    axis_on_B,
-    mated_orientation,
-    pad_on_B,
-)
+from drakesep.systems.equations.mated_stack import held_joint, mated_orientation
 from drakesep.systems.equations.relative_motion import BodyState, PairState
 from drakesep.systems.model.joints import JointType, holds_all_rotations
 from drakesep.systems.model.parameters import names_of
@@ -196,10 +192,8 @@ class CfeBushing(LeafSystem):
         loads = [0.0] * (6 * self._size)
         for pair in self._held_pairs(context):
             for i, joint, _, pull in pair.held:
-                moment_A = joint_laws.turning_torque(pair.turn, joint.in_A(pull.moment))
-                torque = add(pull.torque, joint.in_J(moment_A))
-                start = 6 * i
-                loads[start : start + 6] = [*torque, *pull.force]
+                torque, force = joint_laws.joint_load(joint, pair.turn, pull)
+                loads[6 * i : 6 * i + 6] = [*torque, *force]
         output.SetFromVector(loads)
 
     def _calc_energy(self, context: Context, output: BasicVector) -> None:
@@ -210,14 +204,11 @@ class CfeBushing(LeafSystem):
 
 
 def _joint_rows(separation: Separation) -> list[JointRow]:
-    rows = []
-    for attachment in separation.attachments:
-        K_F, D_F, K_T, D_T = attachment.joint.held_gains()
-        pad_A = attachment.p_AoPad_A
-        pad_B = pad_on_B(separation, attachment, pad_A)
-        axis_B = axis_on_B(separation, attachment)
-        rows.append(JointRow(K_F, D_F, K_T, D_T, pad_A, pad_B, axis_B))
-    return rows
+    joints = [held_joint(separation, each) for each in separation.attachments]
+    return [
+        JointRow(*(getattr(joint, name) for name in JointRow._fields))
+        for joint in joints
+    ]
 
 
 def _pairs(separation: Separation) -> dict[tuple[int, int], list[_Joint]]:

@@ -303,6 +303,18 @@ def joint_pull(
     return r_A, Pull(force, torque, moment, energy)
 
 
+def joint_load(joint: HeldJoint, turn: Turn, pull: Pull) -> tuple[Vector, Vector]:
+    """Return the torque about B's pad, N m, and the force, N, on B, in the frame J.
+
+    Args:
+        joint: the joint.
+        turn: of B in A.
+        pull: what it does.
+    """
+    moment_A = turning_torque(turn, joint.in_A(pull.moment))
+    return add(pull.torque, joint.in_J(moment_A)), pull.force
+
+
 def pull_at_origin(
     joint: HeldJoint, r_A: Vector, pull: Pull
 ) -> tuple[Vector, Vector, Vector]:

@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 from drakesep.systems.checks import Vector3
+from drakesep.systems.equations.joints import HeldJoint
 from drakesep.systems.model.separation import Attachment, Body, Separation
 from drakesep.systems.vectors import (
     Ops,
@@ -49,6 +50,19 @@ def mated_orientation(A: Body, B: Body) -> Quaternion:
     """Return the orientation q_AB of one body in another while mated."""
     q_SA, q_SB = quaternion(A.rpy_AB, math), quaternion(B.rpy_AB, math)
     return multiply(conjugate(q_SA), q_SB)
+
+
+def held_joint(separation: Separation, attachment: Attachment) -> HeldJoint:
+    """Return the joint of an attachment, as it stands while mated."""
+    joint, pad_A = attachment.joint, attachment.p_AoPad_A
+    return HeldJoint(
+        joint.type,
+        joint.R_AJ_if_turned,
+        *joint.held_gains(),
+        pad_A,
+        pad_on_B(separation, attachment, pad_A),
+        axis_on_B(separation, attachment),
+    )
 
 
 class MatedMotion(NamedTuple):

@@ -1,0 +1,104 @@
+"""What joints and springs do over a run, from the motion of its bodies.
+
+A run keeps its motion; loads and forces follow from it by the laws that drove it.
+"""
+
+import numpy as np
+
+from drakesep.systems.arrays import Array
+from drakesep.systems.equations.joints import (
+    NO_TURN,
+    joint_load,
+    joint_pull,
+    rotation_deviation,
+)
+from drakesep.systems.equations.mated_stack import held_joint, mated_orientation
+from drakesep.systems.equations.pushers import (
+    positive_part,
+    push_displacement,
+    push_place,
+)
+from drakesep.systems.equations.relative_motion import (
+    BodyState,
+    body_state,
+    pair_state,
+)
+from drakesep.systems.equations.springs import law_of
+from drakesep.systems.model.joints import holds_all_rotations
+from drakesep.systems.model.pushers import Pusher
+from drakesep.systems.model.run import Run
+from drakesep.systems.model.separation import Attachment
+
+
+def joint_loads(run: Run) -> dict[str, Array]:
+    """Return the loads of each joint at the times of a run's trajectory.
+
+    Args:
+        run: a completed run.
+
+    Returns:
+        By the attachments' names, (n, 6): torque about B's pad, N m, and force, N, on
+        B, in the joint's frame, fixed in A, as the port `joint_loads` has them; zero
+        from the release on.
+
+    Raises:
+        RuntimeError: the run failed.
+    """
+    time = run.completed_trajectory.time
+    loads = {}
+    for attachment in run.separation.attachments:
+        holds = time < run.releases[attachment.name]
+        loads[attachment.name] = np.where(holds[:, None], _load(run, attachment), 0.0)
+    return loads
+
+
+def _load(run: Run, attachment: Attachment) -> Array:
+    separation = run.separation
+    joint = held_joint(separation, attachment)
+    A, B = (_states(run, name) for name in (attachment.A, attachment.B))
+    motion, turn = pair_state(A, B), NO_TURN
+    if holds_all_rotations(joint.type):
+        bodies = (separation.body(name) for name in (attachment.A, attachment.B))
+        turn = rotation_deviation(A, B, mated_orientation(*bodies), motion.w_AB, np)
+    _, pull = joint_pull(joint, motion, turn, np)
+    torque, force = joint_load(joint, turn, pull)
+    n = len(run.completed_trajectory.time)
+    return np.stack([np.broadcast_to(x, n) for x in (*torque, *force)], axis=1)
+
+
+def spring_forces(run: Run) -> dict[str, Array]:
+    """Return the force of each spring at the times of a run's trajectory.
+
+    Args:
+        run: a completed run.
+
+    Returns:
+        By the springs' names, (n,) N along their axes, on B; zero before the release,
+        and from the end of the stroke on.
+
+    Raises:
+        RuntimeError: the run failed.
+    """
+    time = run.completed_trajectory.time
+    forces = {}
+    for attachment, spring in run.separation.pushing:
+        release, end = run.releases[attachment.name], run.stroke_ends[spring.name]
+        pushes = (release <= time) & (time < end)
+        forces[spring.name] = np.where(pushes, _force(run, attachment, spring), 0.0)
+    return forces
+
+
+def _force(run: Run, attachment: Attachment, spring: Pusher) -> Array:
+    law = law_of(spring)
+    if law.by_time:
+        age = run.completed_trajectory.time - run.releases[attachment.name]
+        return np.asarray(law.force(spring, age, 0.0, np))
+    A, B = (_states(run, name) for name in (attachment.A, attachment.B))
+    place = push_place(run.separation, attachment, spring)
+    displacement, speed = push_displacement(A, B, *place)
+    force = law.force(spring, displacement, speed, np)
+    return np.asarray(positive_part(force))
+
+
+def _states(run: Run, body: str) -> BodyState:
+    return body_state(run.completed_trajectory.of(body).T, 0, 7)
