@@ -4,7 +4,10 @@ from .case_file.errors import CaseError as CaseError
 from .case_file.objectives import case_objectives as case_objectives
 from .case_file.reader import builtin_cases as builtin_cases
 from .case_file.reader import load_case as load_case
+from .results.reading import Results as Results
+from .results.reading import read_results as read_results
 from .studies.animate import animate as animate
+from .studies.animate import animate_results as animate_results
 from .studies.clearance import Clearances as Clearances
 from .studies.clearance import clearance as clearance
 from .studies.simulate import Simulated as Simulated
@@ -14,3 +17,4 @@ from .studies.verification import verify as verify
 from .studies.worst_case.plan import Progress as Progress
 from .studies.worst_case.procedure import worst_case as worst_case
 from .studies.worst_case.result import WorstCases as WorstCases
+from .version import __version__ as __version__

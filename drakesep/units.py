@@ -149,3 +149,13 @@ def with_unit(name: str) -> str:
     """Return the name that carries its unit: ``payload.cg_x_mm``."""
     suffix = unit_of(name).suffix
     return f"{name}_{suffix}" if suffix else name
+
+
+def split_unit(name: str) -> tuple[str, Unit]:
+    """Return a name without the unit that it carries, and that unit.
+
+    Of units whose suffix it ends with, the longest: ``rate_x_deg_s`` is in deg/s.
+    """
+    fitting = [s for s in _UNITS if s and name.endswith(f"_{s}")]
+    suffix = max(fitting, key=len, default="")
+    return name.removesuffix(f"_{suffix}") if suffix else name, _UNITS[suffix]

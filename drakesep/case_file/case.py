@@ -3,10 +3,19 @@
 Keys carry their units; a `Case` hands everything on in SI and radians.
 """
 
+import io
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from pydantic import Field, PrivateAttr, ValidationError, model_validator
+from pydantic import (
+    Field,
+    PrivateAttr,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
+from ruamel.yaml import YAML
 
 from drakesep.analysis.analysis_case import AnalysisCase, ClearancePairs
 from drakesep.analysis.metrics.requirements import Requirement
@@ -25,7 +34,7 @@ from drakesep.case_file.others import (
     RequirementSection,
     RunSection,
 )
-from drakesep.case_file.section import Name, Positive, Section
+from drakesep.case_file.section import Name, Positive, Section, files_of
 from drakesep.case_file.values import parameter_of, values_in_si
 from drakesep.systems.checks import named
 from drakesep.systems.model.integration import Integration
@@ -67,10 +76,13 @@ class Case(Section):
     published: list[PublishedSection] = Field(default_factory=list)
 
     _record: AnalysisCase = PrivateAttr()
+    _read: tuple[str, str] | None = PrivateAttr(default=None)
+    """From where, and the text; None if it was made or changed in Python."""
 
     @model_validator(mode="after")
-    def _turn_into_si(self) -> Self:
+    def _turn_into_si(self, info: ValidationInfo) -> Self:
         self._record = self._in_si()
+        self._read = (info.context or {}).get("read")
         return self
 
     def _in_si(self) -> AnalysisCase:
@@ -162,6 +174,27 @@ class Case(Section):
     def in_si(self) -> AnalysisCase:
         """Return the case in SI and radians, as studies take it."""
         return self._record
+
+    @property
+    def source(self) -> str | None:
+        """The file or built-in case that it was read from; None if it was not."""
+        return None if self._read is None else self._read[0]
+
+    @property
+    def text(self) -> str:
+        """The case as a case file has it: that which was read, or one of its own."""
+        if self._read is not None:
+            return self._read[1]
+        stream = io.StringIO()
+        yaml = YAML(typ="safe", pure=True)
+        yaml.representer.sort_base_mapping_type_on_output = False  # tables follow it
+        yaml.dump(self.model_dump(mode="json", exclude_none=True), stream)
+        return stream.getvalue()
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The meshes and models that it names."""
+        return tuple(dict.fromkeys(map(Path, files_of(self))))
 
     def replaced(self, **sections: Any) -> Self:
         """Return the case with some of its sections changed, checked as a file is.

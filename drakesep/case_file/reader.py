@@ -57,7 +57,8 @@ def load_case(source: str | Path) -> Case:
         wanted = "must have a value, got none"
         raise CaseError("\n".join(f"{source}: {key}: {wanted}" for key in empty))
     try:
-        return Case.model_validate(data, context={"folder": path.parent})
+        context = {"folder": path.parent, "read": (str(source), text)}
+        return Case.model_validate(data, context=context)
     except ValidationError as error:
         raise explained(error, f"{source}: ") from error
 

@@ -1,5 +1,6 @@
 """What all sections of a case file are made of."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -73,6 +74,20 @@ class Section(BaseModel):
                 if key not in cls.model_fields:
                     raise ValueError(unknown("key", key, cls.model_fields))
         return data
+
+
+def files_of(value: Any) -> Iterator[str]:
+    """Yield the paths of the files that a section names, and sections within it."""
+    if isinstance(value, Section):
+        for name in type(value).model_fields:
+            entry = getattr(value, name)
+            if name == "file":
+                yield entry
+            else:
+                yield from files_of(entry)
+    elif isinstance(value, dict | list):
+        for entry in value.values() if isinstance(value, dict) else value:
+            yield from files_of(entry)
 
 
 def check_one(section: Section, keys: tuple[str, ...]) -> None:

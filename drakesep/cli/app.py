@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from drakesep.analysis.search.effort import Effort
+    from drakesep.results.folder import ResultsFolder
 
 
 app = typer.Typer(
@@ -109,10 +110,11 @@ def simulate(
 
     console = _console()
     loaded = load_case(case)
-    folder = _folder(output, loaded.name, "simulate")
-    with console.status("flying"):
-        result = simulate.simulate(loaded, values)
-        result.save(folder)
+    with (
+        _results(output, loaded.name, "simulate") as folder,
+        console.status("flying"),
+    ):
+        result = simulate.simulate(loaded, values, output=folder)
     if not result.completed:
         _fail(FAILED, result.labelled.status)
     print_simulated(console, result)
@@ -136,10 +138,11 @@ def clearance(
 
     console = _console()
     loaded = load_case(case)
-    folder = _folder(output, loaded.name, "clearance")
-    with console.status("flying and measuring"):
-        study = clearance.clearance(loaded, values)
-        study.save(folder)
+    with (
+        _results(output, loaded.name, "clearance") as folder,
+        console.status("flying and measuring"),
+    ):
+        study = clearance.clearance(loaded, values, output=folder)
     print_clearances(console, study)
     _say_where(console, folder)
     if not study.clear:
@@ -148,11 +151,19 @@ def clearance(
 
 @app.command()
 def animate(
-    case: CaseArgument,
+    case: Annotated[
+        str,
+        typer.Argument(
+            help="A case file, the name of a built-in case, or a folder of results."
+        ),
+    ],
     output: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", help="The page; results/CASE/animate.html if not given."
+            "--output",
+            "-o",
+            help="The page; results/CASE/animate.html if not given, or of a folder "
+            "FOLDER.html beside it.",
         ),
     ] = None,
     runs: Annotated[
@@ -172,12 +183,18 @@ def animate(
         ),
     ] = None,
 ) -> None:
-    """Animate the nominal run and worst cases in one HTML page, for a browser."""
+    """Animate the nominal run and worst cases in one HTML page, for a browser.
+
+    Of a folder of results, the runs that it keeps: nothing is flown.
+    """
     from drakesep.case_file.reader import load_case
     from drakesep.studies import animate
     from drakesep.tables.run_tables import read_runs
 
     console = _console()
+    if Path(case).is_dir():
+        _animate_folder(console, Path(case), labels, output, runs)
+        return
     loaded = load_case(case)
     if labels and runs is None:
         raise InputError("--run: needs --runs, the table that has it")
@@ -185,6 +202,29 @@ def animate(
     file = output or Path("results") / loaded.name / "animate.html"
     with console.status("flying and measuring"):
         shown = animate.animate(loaded, chosen, output=file)
+    _say_animated(console, file, shown)
+
+
+def _animate_folder(
+    console: "Console",
+    folder: Path,
+    labels: list[str] | None,
+    output: Path | None,
+    runs: Path | None,
+) -> None:
+    from drakesep.results.reading import read_results
+    from drakesep.studies import animate
+
+    if runs is not None:
+        raise InputError(f"--runs: {folder} has its own runs; name them with --run")
+    file = output or folder.with_suffix(".html")
+    with console.status("measuring"):
+        results = read_results(folder)
+        shown = animate.animate_results(results, labels, output=file)
+    _say_animated(console, file, shown)
+
+
+def _say_animated(console: "Console", file: Path, shown: list[str]) -> None:
     console.print(f"The animation is {file}: open it in a browser", markup=False)
     console.print(f"It shows {', '.join(shown)}", markup=False)
 
@@ -236,8 +276,8 @@ def worst_case(
 
     console = _console()
     loaded = load_case(case)
-    folder = _folder(output, loaded.name, "worst-case")
-    with _interruptible(folder), progress_bar(console) as on_progress:
+    folder = _results(output, loaded.name, "worst-case")
+    with _interruptible(folder), folder, progress_bar(console) as on_progress:
         study = procedure.worst_case(
             loaded,
             objectives,
@@ -288,14 +328,14 @@ def verify(
 
     console = _console()
     loaded = load_case(case)
-    folder = _folder(output, loaded.name, "verify")
+    folder = _results(output, loaded.name, "verify")
     alone = WantedSearches.named(search).drake_alone or not loaded.dispersions
     # It is started now, to import what it draws with while we import the engines.
     with BackgroundProcess(1 if alone else workers) as background:
         from drakesep.cli.progress import progress_bar
         from drakesep.studies import verification
 
-        with _interruptible(folder), progress_bar(console) as on_progress:
+        with _interruptible(folder), folder, progress_bar(console) as on_progress:
             study = verification.verify(
                 loaded,
                 searches=search,
@@ -318,16 +358,16 @@ def verify(
 
 
 @contextlib.contextmanager
-def _interruptible(folder: Path) -> Iterator[None]:
+def _interruptible(folder: "ResultsFolder") -> Iterator[None]:
     """End in one line if the user interrupts."""
     try:
         yield
     except KeyboardInterrupt:
-        _fail(INTERRUPTED, f"interrupted; what was done is in {folder}")
+        _fail(INTERRUPTED, f"interrupted; what was done is in {folder.path}")
 
 
-def _say_where(console: "Console", folder: Path) -> None:
-    console.print(f"Tables and plots are in {folder}", markup=False)
+def _say_where(console: "Console", folder: "ResultsFolder") -> None:
+    console.print(f"Tables and plots are in {folder.path}", markup=False)
 
 
 def _parse_changes(texts: list[str]) -> dict[str, float]:
@@ -356,10 +396,11 @@ def _console() -> "Console":
     return console
 
 
-def _folder(output: Path | None, case: str, command: str) -> Path:
-    from drakesep.studies.output import writable_folder
+def _results(output: Path | None, case: str, command: str) -> "ResultsFolder":
+    from drakesep.results.folder import ResultsFolder
 
-    return writable_folder(output or Path("results") / case / command)
+    directory = output or Path("results") / case / command
+    return ResultsFolder(directory, command, command=sys.argv[1:])
 
 
 def _fail(code: int, message: str) -> NoReturn:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.plots.approach import Approach
-from drakesep.plots.style import COLOURS, DASHES, LIMIT
+from drakesep.plots.style import COLOURS, DASHES, LIMIT, save_plot
 from drakesep.systems.arrays import Array
 from drakesep.units import unit_of
 
@@ -21,7 +21,7 @@ def save_clearance(
 ) -> None:
     """Write clearance.png into a folder."""
     figure = clearance_figure(time, separation, curves)
-    figure.savefig(folder / "clearance.png", dpi=130)
+    save_plot(figure, folder / "clearance.png")
 
 
 def clearance_figure(
@@ -73,7 +73,7 @@ def save_approaches(
 ) -> None:
     """Write worst_clearance.png into a folder."""
     figure = approaches_figure(approaches, limit)
-    figure.savefig(folder / "worst_clearance.png", dpi=130)
+    save_plot(figure, folder / "worst_clearance.png")
 
 
 def approaches_figure(approaches: Sequence[Approach], limit: float | None) -> Figure:

@@ -12,7 +12,7 @@ from drakesep.analysis.metrics.metric import Metric, Moment
 from drakesep.analysis.metrics.of_run import time_of
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.metrics.requirements import Requirement
-from drakesep.plots.style import COLOURS, DASHES, LIMIT
+from drakesep.plots.style import COLOURS, DASHES, LIMIT, save_plot
 from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ
 from drakesep.systems.model.run import Run
 from drakesep.tables.labelled_run import LabelledRun
@@ -43,8 +43,8 @@ def save_motion(
     runs: Sequence[LabelledRun], limits: Sequence[Requirement], folder: Path
 ) -> None:
     """Write translation.png and rotation.png of completed runs into a folder."""
-    translation_figure(runs, limits).savefig(folder / "translation.png", dpi=130)
-    rotation_figure(runs, limits).savefig(folder / "rotation.png", dpi=130)
+    save_plot(translation_figure(runs, limits), folder / "translation.png")
+    save_plot(rotation_figure(runs, limits), folder / "rotation.png")
 
 
 def translation_figure(

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
 
-from drakesep.plots.style import COLOURS
+from drakesep.plots.style import COLOURS, save_plot
 from drakesep.systems.arrays import Array
 from drakesep.systems.geometry.bounding_tree import (
     Node,
@@ -41,7 +41,7 @@ def save_swept(run: Run, pairs: Sequence[Names], folder: Path) -> None:
     """Write swept.png into a folder, if parts of A and B are in the pairs."""
     stays, moves = _in_pairs(run, pairs)
     if stays and moves:
-        swept_figure(run, pairs).savefig(folder / "swept.png", dpi=130)
+        save_plot(swept_figure(run, pairs), folder / "swept.png")
 
 
 def _in_pairs(

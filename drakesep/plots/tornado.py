@@ -8,6 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from drakesep.plots.style import save_plot
+
 
 _BARS = 8
 """Parameters in a panel of the tornado plot: those that matter most."""
@@ -16,7 +18,7 @@ _ACROSS = 4
 
 def save_tornado(sensitivities: pd.DataFrame, folder: Path) -> None:
     """Write tornado.png into a folder."""
-    tornado_figure(sensitivities).savefig(folder / "tornado.png", dpi=110)
+    save_plot(tornado_figure(sensitivities), folder / "tornado.png", dpi=110)
 
 
 def tornado_figure(sensitivities: pd.DataFrame) -> Figure:

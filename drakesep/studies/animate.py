@@ -1,16 +1,20 @@
 """Runs of a case as a page that a browser plays."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.case_file.case import Case
 from drakesep.case_file.reader import analysis_case_of
 from drakesep.case_file.values import values_in_si
+from drakesep.files import write_text
+from drakesep.results.folder import writable_folder
+from drakesep.results.reading import Results
 from drakesep.studies.clearance import check_geometry
-from drakesep.studies.output import writable_folder
+from drakesep.systems.model.run import Run
 from drakesep.systems.simulation.simulation import Simulation
-from drakesep.tables.roles import Nominal, label_of
+from drakesep.tables.roles import Changed, Nominal, Worst, label_of
+from drakesep.tables.run_tables import shown_first
 
 
 def animate(
@@ -45,6 +49,43 @@ def animate(
             values[label] = values_in_si(case.separation, changed)
     simulation = Simulation(case.separation, case.integration)
     flown = {label: simulation.run(changed) for label, changed in values.items()}
+    return _write(case, flown, Path(output))
+
+
+def animate_results(
+    results: Results, labels: Sequence[str] | None = None, *, output: str | Path
+) -> list[str]:
+    """Write an HTML page that animates runs of a results folder; nothing is flown.
+
+    Args:
+        results: as `read_results` returns them.
+        labels: of the runs; the first is shown first. If None, the nominal or changed
+            run, then the worst cases of the paper's objectives and of the clearance,
+            all worst cases if there are none of these, and if there are none at all
+            the published runs.
+        output: the file.
+
+    Returns:
+        The labels of the runs that it shows.
+
+    Raises:
+        ValueError: the folder has no such run, or no two bodies have geometry.
+        RuntimeError: a run has failed.
+    """
+    check_geometry(results.case.separation)
+    runs = {label: results.run(label) for label in labels or results.labels}
+    if labels is None:
+        roles = {label: one.role for label, one in runs.items()}
+        first = [k for k, role in roles.items() if isinstance(role, Nominal | Changed)]
+        worst = [k for k, role in roles.items() if isinstance(role, Worst)]
+        others = [k for k in roles if k not in first]
+        runs = {k: runs[k] for k in (*first, *(shown_first(worst) or others))}
+    flown = {label: one.run for label, one in runs.items()}
+    return _write(results.case, flown, Path(output))
+
+
+def _write(case: AnalysisCase, flown: Mapping[str, Run], file: Path) -> list[str]:
+    """Write the page; return the labels of its runs."""
     # Imported here, where something is drawn.
     from drakesep.plots.animation import animation
 
@@ -55,7 +96,6 @@ def animate(
         touching=measured.touching,
         title=f"{case.name}: separation of {separation.B} from {separation.A}",
     )
-    file = Path(output)
     writable_folder(file.parent)
-    file.write_text(page, encoding="utf-8")
+    write_text(file, page)
     return list(flown)

@@ -12,17 +12,22 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.clearance.of_run import PARTED, ClearanceAnalysis
 from drakesep.case_file.case import Case
-from drakesep.case_file.reader import analysis_case_of
 from drakesep.case_file.values import values_in_si
-from drakesep.studies.output import writable_folder
+from drakesep.results.asked import Asked
+from drakesep.results.catalogue import CLEARANCE
+from drakesep.results.folder import Output, ResultsFolder, results_folder
+from drakesep.results.recorded_runs import save_runs
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.geometry.relative_path import RelativePath
+from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.part_pairs import owners_of
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.simulation.simulation import Simulation
 from drakesep.tables.columns import in_units, write_csv
+from drakesep.tables.labelled_run import LabelledRun, measured
+from drakesep.tables.roles import Changed, Nominal
 from drakesep.units import unit_of, with_unit
 
 
@@ -30,8 +35,10 @@ from drakesep.units import unit_of, with_unit
 class Clearances:
     """How near the parts of a case come in one run."""
 
-    case: AnalysisCase
-    run: Run
+    asked: Asked = field(repr=False)
+    """With the case."""
+    labelled: LabelledRun
+    """The run, with its metrics."""
     values: Mapping[str, float]
     """What was changed, by parameter name with unit."""
 
@@ -39,6 +46,16 @@ class Clearances:
     """That has measured it."""
     found: tuple[Clearance, ...]
     """The smallest distance of each pair, over continuous time."""
+
+    @property
+    def case(self) -> AnalysisCase:
+        """The case."""
+        return self.asked.case
+
+    @property
+    def run(self) -> Run:
+        """The run itself."""
+        return self.labelled.run
 
     @functools.cached_property
     def distances(self) -> Array:
@@ -129,16 +146,28 @@ class Clearances:
         return all(one.contact is None for one in self.found)
 
     def save(self, directory: str | Path) -> None:
-        """Write the tables and the plots into a folder."""
+        """Write tables, plots and `study.json` into a folder.
+
+        Raises:
+            ValueError: it cannot be written, another study is writing it, or it holds
+                the results of another kind of study.
+        """
+        with ResultsFolder(directory, CLEARANCE) as folder:
+            folder.begin(self.asked)
+            self._write(folder)
+
+    def _write(self, results: ResultsFolder) -> None:
         # Half a second to import, where it is drawn.
         from drakesep.plots.clearance_plots import save_clearance
         from drakesep.plots.swept_volume import save_swept
 
-        folder = writable_folder(directory)
+        folder = results.path
+        save_runs([self.labelled], self.case.separation, folder)
         write_csv(self.summary, folder / "clearance_summary.csv")
         write_csv(self.over_time, folder / "clearance.csv")
         save_clearance(self._time, self.separation, self._curves, folder)
         save_swept(self.run, self.analysis.names, folder)
+        results.end(verdict="clear" if self.clear else "contact")
 
     @property
     def _curves(self) -> dict[str, tuple[Array, Clearance]]:
@@ -152,6 +181,8 @@ class Clearances:
 def clearance(
     case: Case | AnalysisCase | str | Path,
     values: Mapping[str, float] | None = None,
+    *,
+    output: Output | None = None,
 ) -> Clearances:
     """Fly a case once, and measure how near its bodies' geometry comes.
 
@@ -159,26 +190,37 @@ def clearance(
         case: a case, in SI or as a file holds it, a case file, or the name of a
             built-in case.
         values: new values by parameter name with unit, ``payload.mass_kg``.
+        output: folder that receives tables and plots.
 
     Raises:
-        ValueError: the case or a value is wrong, no two bodies have geometry, or some
-            of it overlaps while mated.
+        ValueError: the case or a value is wrong, no two bodies have geometry, some of
+            it overlaps while mated, or the folder cannot be written.
         RuntimeError: the run fails.
     """
-    case = analysis_case_of(case)
+    asked = Asked.of(CLEARANCE, case, values=values)
+    case, values = asked.case, values or {}
     check_geometry(case.separation)
-    values = values or {}
-    run = Simulation(case.separation, case.integration).run(
-        values_in_si(case.separation, values)
-    )
-    if run.motion is None:
-        raise RuntimeError(f"the run failed: {run.message}")
-    measured = case.clearance
-    analysis = ClearanceAnalysis(
-        run.separation, measured.pairs, touching=measured.touching
-    )
-    found = tuple(analysis.of(run))
-    return Clearances(case=case, run=run, values=values, analysis=analysis, found=found)
+    changed = values_in_si(case.separation, values)
+    flown = with_values(case.separation, changed)
+    of = case.clearance
+    analysis = ClearanceAnalysis(flown, of.pairs, touching=of.touching)
+    with results_folder(output, CLEARANCE) as folder:
+        if folder is not None:  # what is refused leaves it alone
+            folder.begin(asked)
+        run = Simulation(case.separation, case.integration).run(changed)
+        if run.motion is None:
+            raise RuntimeError(f"the run failed: {run.message}")
+        role = Changed() if values else Nominal()
+        study = Clearances(
+            labelled=measured(role, run, case.deviation_limits),
+            values=values,
+            analysis=analysis,
+            found=tuple(analysis.of(run)),
+            asked=asked.over(),
+        )
+        if folder is not None:
+            study._write(folder)
+    return study
 
 
 def check_geometry(separation: Separation) -> None:

@@ -2,16 +2,19 @@
 
 import functools
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.case_file.case import Case
-from drakesep.case_file.reader import analysis_case_of
 from drakesep.case_file.values import values_in_si
-from drakesep.studies.output import writable_folder
+from drakesep.results.asked import Asked
+from drakesep.results.catalogue import SIMULATE
+from drakesep.results.folder import Output, ResultsFolder, results_folder
+from drakesep.results.recorded_runs import save_runs
+from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.run import Run
 from drakesep.systems.simulation.simulation import Simulation
 from drakesep.tables.columns import write_csv
@@ -25,11 +28,17 @@ from drakesep.tables.run_tables import motion_table, runs_table
 class Simulated:
     """One run of a case."""
 
-    case: AnalysisCase
+    asked: Asked = field(repr=False)
+    """With the case."""
     labelled: LabelledRun
     """The run with its metrics, and how it ended."""
     values: Mapping[str, float]
     """What was changed, by parameter name with unit."""
+
+    @property
+    def case(self) -> AnalysisCase:
+        """The case."""
+        return self.asked.case
 
     @property
     def run(self) -> Run:
@@ -60,13 +69,25 @@ class Simulated:
         return not self.labelled.outcome.failed
 
     def save(self, directory: str | Path) -> None:
-        """Write the tables and plots into a folder."""
-        folder = writable_folder(directory)
-        for name in ("contacts.csv", "contact_forces.csv"):  # of an earlier run
-            (folder / name).unlink(missing_ok=True)
+        """Write tables, plots and `study.json` into a folder.
+
+        Raises:
+            ValueError: it cannot be written, another study is writing it, or it holds
+                the results of another kind of study.
+        """
+        with ResultsFolder(directory, SIMULATE) as folder:
+            folder.begin(self.asked)
+            self._write(folder)
+
+    def _write(self, results: ResultsFolder) -> None:
+        folder = results.path
         write_csv(self.summary, folder / "summary.csv")
-        if not self.completed:
-            return
+        save_runs([self.labelled], self.case.separation, folder)
+        if self.completed:
+            self._write_motion(folder)
+        results.end(failed="" if self.completed else self.run.message)
+
+    def _write_motion(self, folder: Path) -> None:
         write_csv(self.motion, folder / "motion.csv")
         if self.run.separation.recontact is not None:
             write_csv(self.contacts, folder / "contacts.csv")
@@ -80,6 +101,8 @@ class Simulated:
 def simulate(
     case: Case | AnalysisCase | str | Path,
     values: Mapping[str, float] | None = None,
+    *,
+    output: Output | None = None,
 ) -> Simulated:
     """Fly a case once.
 
@@ -87,15 +110,22 @@ def simulate(
         case: a case, in SI or as a file holds it, a case file, or the name of a
             built-in case.
         values: new values by parameter name with unit, ``payload.mass_kg``.
+        output: folder that receives tables and plots.
 
     Raises:
-        ValueError: the case or a value is wrong.
+        ValueError: the case or a value is wrong, or the folder cannot be written.
     """
-    case = analysis_case_of(case)
-    values = values or {}
-    run = Simulation(case.separation, case.integration).run(
-        values_in_si(case.separation, values)
-    )
-    role = Changed() if values else Nominal()
-    labelled = measured(role, run, case.deviation_limits)
-    return Simulated(case=case, labelled=labelled, values=values)
+    asked = Asked.of(SIMULATE, case, values=values)
+    case, values = asked.case, values or {}
+    changed = values_in_si(case.separation, values)
+    with_values(case.separation, changed)  # what is refused leaves the folder alone
+    with results_folder(output, SIMULATE) as folder:
+        if folder is not None:
+            folder.begin(asked)
+        run = Simulation(case.separation, case.integration).run(changed)
+        role = Changed() if values else Nominal()
+        labelled = measured(role, run, case.deviation_limits)
+        result = Simulated(asked=asked.over(), labelled=labelled, values=values)
+        if folder is not None:
+            result._write(folder)
+    return result

@@ -10,16 +10,17 @@ import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.requirements import Finding, assess
-from drakesep.analysis.search.effort import Effort
+from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.case_file.case import Case
 from drakesep.case_file.objectives import choose_objectives, the_clearance
-from drakesep.case_file.reader import analysis_case_of
 from drakesep.plots.pictures import Pictures
+from drakesep.results.asked import Asked
+from drakesep.results.catalogue import VERIFY
+from drakesep.results.folder import Output, results_folder
 from drakesep.studies.background_process import BackgroundProcess
-from drakesep.studies.output import writable_folder
 from drakesep.studies.tolerance_growth import Growths, find_growths
 from drakesep.studies.worst_case.plan import OnProgress, StudyPlan
-from drakesep.studies.worst_case.procedure import carried_out
+from drakesep.studies.worst_case.procedure import carried_out, ended
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.studies.worst_case.searches import WantedSearches
 from drakesep.studies.worst_case.session import session
@@ -79,6 +80,13 @@ class Verification(WorstCases):
         return self.completed and all(finding.met for finding in self.findings)
 
     @property
+    def verdict(self) -> str | None:
+        """``met`` or ``not met``; None if the study is not completed."""
+        if not self.completed:
+            return None
+        return "met" if self.passed else "not met"
+
+    @property
     def pictures(self) -> Pictures:
         """What shows the runs, and their motions."""
         flown = {one.label: one.run.motion for one in self.runs}
@@ -91,7 +99,7 @@ def verify(
     *,
     searches: Sequence[str] | None = None,
     growth: bool | None = None,
-    output: str | Path | None = None,
+    output: Output | None = None,
     workers: int | None = None,
     on_progress: OnProgress | None = None,
     background: BackgroundProcess | None = None,
@@ -119,33 +127,40 @@ def verify(
             folder cannot be written.
         RuntimeError: the nominal run fails.
     """
-    case = analysis_case_of(case)
+    asked = Asked.of(
+        VERIFY,
+        case,
+        seed=SearchSettings(**effort).seed,
+        **{"searches": searches, "growth": growth, **effort},
+    )
+    case = asked.case
     if not case.requirements:
         raise InputError("requirements: a case to verify must have some, got none")
-    folder = None if output is None else writable_folder(output)
     objectives = choose_objectives(case, None)
-    plan = StudyPlan(
-        case=case,
-        # Without dispersions, the nominal and the published runs are all there is.
-        objectives=objectives if case.tolerances else (),
-        searches=WantedSearches.named(searches),
-        effort=effort,
-        workers=workers,
-        output=folder,
-    )
-    study = Verification(
-        case=case, objectives=plan.objectives, clearance=the_clearance(objectives)
-    )
     with contextlib.ExitStack() as stack:
+        folder = stack.enter_context(results_folder(output, VERIFY))
+        plan = StudyPlan(
+            asked=asked,
+            # Without dispersions, the nominal and the published runs are all there is.
+            objectives=objectives if case.tolerances else (),
+            searches=WantedSearches.named(searches),
+            effort=effort,
+            workers=workers,
+            folder=folder,
+        )
+        study = Verification(
+            asked=asked, objectives=plan.objectives, clearance=the_clearance(objectives)
+        )
         if background is None:
             own = BackgroundProcess(workers if plan.on_batch_engine else 1)
             background = stack.enter_context(own)
-        under_way = stack.enter_context(session(plan, background, on_progress))
-        study = carried_out(study, under_way)
-        if study.objectives and _is_growth_wanted(growth, plan, under_way.nominal):
-            growths, single_growths = find_growths(study.worst, under_way)
-            study = replace(study, growths=growths, single_growths=single_growths)
-        return under_way.write_down(study)
+        with session(plan, background, on_progress) as under_way:
+            study = carried_out(study, under_way)
+            if study.objectives and _is_growth_wanted(growth, plan, under_way.nominal):
+                growths, single_growths = find_growths(study.worst, under_way)
+                study = replace(study, growths=growths, single_growths=single_growths)
+            study = under_way.write_down(study)
+        return ended(study, folder)
 
 
 def _is_growth_wanted(growth: bool | None, plan: StudyPlan, nominal: Run) -> bool:

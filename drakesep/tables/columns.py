@@ -6,6 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from drakesep.analysis.metrics.objectives import Objective
+from drakesep.files import written
 from drakesep.units import SI, Unit, unit_of, with_unit
 
 
@@ -23,7 +24,8 @@ def shown(objective: Objective, value: float) -> float:
 
 def write_csv(frame: pd.DataFrame, path: Path) -> None:
     """Write a table; its floats are written to read back exactly."""
-    frame.to_csv(path, index=False)
+    with written(path) as beside:
+        frame.to_csv(beside, index=False)
 
 
 def in_units(values: Mapping[str, float]) -> dict[str, float]:

@@ -122,9 +122,13 @@ def _worst_cases(file: str | Path, frame: pd.DataFrame) -> list[str]:
             f"{file}: must have a column role, which tells worst cases from other "
             "runs, or labels of runs must be given; got neither"
         )
-    worst = frame.loc[frame["role"] == WORST, "label"].astype(str).tolist()
+    return shown_first(frame.loc[frame["role"] == WORST, "label"].astype(str).tolist())
+
+
+def shown_first(worst: Sequence[str]) -> list[str]:
+    """Return those of the labels of worst cases that are shown if none is asked for."""
     of_these = [label_of(Worst(name)) for name in (*OBJECTIVES, LOWEST)]
-    return [label for label in worst if label in of_these] or worst
+    return [label for label in worst if label in of_these] or list(worst)
 
 
 def metrics_table(metrics: Mapping[str, float]) -> pd.DataFrame:

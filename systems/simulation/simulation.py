@@ -12,6 +12,7 @@ from drakesep.systems.arrays import Array
 from drakesep.systems.diagram.motion_analysis import Measured
 from drakesep.systems.diagram.separation_system import SeparationSystem
 from drakesep.systems.equations import relative_motion as motion_laws
+from drakesep.systems.equations.motion_of_run import relative_motion_of
 from drakesep.systems.equations.pushers import push_displacement, push_place
 from drakesep.systems.equations.springs import law_of
 from drakesep.systems.model.integration import Integration
@@ -266,23 +267,23 @@ def _sample(
     x, xdot = recorder.sample(times)
     names = tuple(body.name for body in separation.bodies)
     bodies = layout.read(x)
-    A, B = bodies[names.index(separation.A)], bodies[names.index(separation.B)]
-    _, v = layout.starts[names.index(separation.B)]
-    measured = Measured.of(separation)
-    motion = motion_laws.relative_motion(
-        A, B, measured.p_BoBcm_B, measured.mated_p_AoBcm_A, np
-    )
-    acceleration = motion_laws.cg_acceleration(
-        B, measured.p_BoBcm_B, tuple(xdot[v : v + 3]), tuple(xdot[v + 3 : v + 6])
-    )
-    momentum = x[layout.size :]
     states = np.array([[*b.q_WB, *b.p_WBo, *b.w_WB, *b.v_WBo] for b in bodies])
     trajectory = Trajectory(names=names, time=times, states=np.moveaxis(states, -1, 0))
+    b = names.index(separation.B)
+    _, v = layout.starts[b]
+    measured = Measured.of(separation)
+    acceleration = motion_laws.cg_acceleration(
+        bodies[b],
+        measured.p_BoBcm_B,
+        tuple(xdot[v : v + 3]),
+        tuple(xdot[v + 3 : v + 6]),
+    )
+    momentum = x[layout.size :]
     sampled = Motion(
         time=times,
         acceleration=np.stack(acceleration, axis=1),
         linear_momentum_change=measured.mass * momentum[:3].T,
         angular_momentum_change=measured.inertia * momentum[3:].T,
-        **{name: np.stack(vector, axis=1) for name, vector in motion._asdict().items()},
+        **relative_motion_of(separation, trajectory),
     )
     return sampled, trajectory

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TypeAlias
 
 from drakesep.analysis.analysis_case import AnalysisCase
@@ -10,6 +9,8 @@ from drakesep.analysis.metrics.objectives import Objective
 from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.analysis.search.expensive_objectives import check_expensive
 from drakesep.analysis.search.problem import SearchProgress
+from drakesep.results.asked import Asked
+from drakesep.results.folder import ResultsFolder
 from drakesep.studies.worst_case.searches import WantedSearches
 from drakesep.tables.roles import check_labels
 
@@ -23,7 +24,8 @@ class StudyPlan:
             objectives, or a published run bears the label of one that will be found.
     """
 
-    case: AnalysisCase
+    asked: Asked
+    """With the case."""
     objectives: tuple[Objective, ...] = ()
     """To be maximised; without any, the nominal and the published runs are all."""
     searches: WantedSearches = field(default_factory=WantedSearches)
@@ -31,8 +33,8 @@ class StudyPlan:
     """How hard to search; what is left out, the length of a run decides."""
     workers: int | None = None
     """Processes that fly Drake; one per core if None; with 1, the caller's does all."""
-    output: Path | None = None
-    """Folder that receives the tables as the study goes on."""
+    folder: ResultsFolder | None = None
+    """That receives tables and plots as the study goes on."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -40,6 +42,11 @@ class StudyPlan:
         if self.searches.names and not self.searches.drake_alone:
             check_expensive(self.objectives, self.searches.names)
         check_labels(self.case, [objective.name for objective in self.objectives])
+
+    @property
+    def case(self) -> AnalysisCase:
+        """The case."""
+        return self.asked.case
 
     @property
     def on_batch_engine(self) -> bool:

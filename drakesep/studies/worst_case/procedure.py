@@ -5,6 +5,7 @@ it has found is written down after it, so that an interrupted study leaves that.
 """
 
 import copy
+import functools
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -15,16 +16,18 @@ import numpy as np
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.objective import LowestClearance
 from drakesep.analysis.metrics.objectives import AnyObjective
-from drakesep.analysis.search.effort import Effort
+from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.analysis.search.judge import find_worst_cases
 from drakesep.analysis.search.problem import Problem, Searched
 from drakesep.analysis.search.sqp import Start, slopes_at
 from drakesep.case_file.case import Case
 from drakesep.case_file.objectives import choose_objectives, the_clearance
-from drakesep.case_file.reader import analysis_case_of
 from drakesep.plots.pictures import Tornado
+from drakesep.results.asked import Asked
+from drakesep.results.catalogue import WORST_CASE
+from drakesep.results.folder import Output, ResultsFolder, results_folder
+from drakesep.results.recorded_runs import save_runs
 from drakesep.studies.background_process import BackgroundProcess
-from drakesep.studies.output import writable_folder
 from drakesep.studies.worst_case.confirmation import confirmed
 from drakesep.studies.worst_case.plan import OnProgress, StudyPlan
 from drakesep.studies.worst_case.result import WorstCases
@@ -49,7 +52,7 @@ def worst_case(
     objectives: Sequence[AnyObjective] | AnyObjective | None = None,
     *,
     searches: Sequence[str] | None = None,
-    output: str | Path | None = None,
+    output: Output | None = None,
     workers: int | None = None,
     on_progress: OnProgress | None = None,
     **effort: Unpack[Effort],
@@ -63,7 +66,7 @@ def worst_case(
             the paper's and those of the requirements if None.
         searches: names out of `SEARCHES`, in the order in which they go; or
             ``["drake"]``, which flies Drake alone; `default_searches` if None.
-        output: folder that receives the tables as the study goes on.
+        output: folder that receives tables and plots, tables as the study goes on.
         workers: number of processes that fly Drake; one per core if None; with 1, the
             caller's does all.
         on_progress: called as the study goes on.
@@ -75,25 +78,41 @@ def worst_case(
             be written.
         RuntimeError: the nominal run fails.
     """
-    case = analysis_case_of(case)
-    if not case.tolerances:
+    asked = Asked.of(
+        WORST_CASE,
+        case,
+        seed=SearchSettings(**effort).seed,
+        **{"objectives": objectives, "searches": searches, **effort},
+    )
+    if not asked.case.tolerances:
         raise InputError("dispersions: a worst case needs some, got none")
-    plan = StudyPlan(
-        case=case,
-        objectives=choose_objectives(case, objectives),
-        searches=WantedSearches.named(searches),
-        effort=effort,
-        workers=workers,
-        output=None if output is None else writable_folder(output),
-    )
-    study = WorstCases(
-        case=case, objectives=plan.objectives, clearance=the_clearance(plan.objectives)
-    )
-    with (
-        BackgroundProcess(workers=1) as none,  # what little is drawn, is drawn here
-        session(plan, none, on_progress) as under_way,
-    ):
-        return carried_out(study, under_way)
+    chosen = choose_objectives(asked.case, objectives)
+    with results_folder(output, WORST_CASE) as folder:
+        plan = StudyPlan(
+            asked=asked,
+            objectives=chosen,
+            searches=WantedSearches.named(searches),
+            effort=effort,
+            workers=workers,
+            folder=folder,
+        )
+        study = WorstCases(
+            asked=asked, objectives=chosen, clearance=the_clearance(chosen)
+        )
+        with (
+            BackgroundProcess(workers=1) as none,  # what little is drawn, is drawn here
+            session(plan, none, on_progress) as under_way,
+        ):
+            study = carried_out(study, under_way)
+        return ended(study, folder)
+
+
+def ended(study: _Study, folder: ResultsFolder | None) -> _Study:
+    """Return a study that is over; its folder says how it ended."""
+    study = replace(study, asked=study.asked.over())
+    if folder is not None:
+        folder.end(failed=study.failure, verdict=study.verdict)
+    return study
 
 
 def carried_out(study: _Study, under_way: Session) -> _Study:
@@ -102,12 +121,20 @@ def carried_out(study: _Study, under_way: Session) -> _Study:
     Without objectives, the nominal and the published runs are all there is.
     """
     study = under_way.write_down(with_references(study, under_way))
+    _record(study.runs, under_way)
     if study.objectives:
+        references = len(study.runs)
         study = searched(study, under_way)
         under_way.draw(Tornado(study.nearest_sensitivities).save)
         study = under_way.write_down(confirmed(study, under_way))
+        _record(study.runs[references:], under_way)
     under_way.draw(study.pictures.save)
     return study
+
+
+def _record(runs: Sequence[LabelledRun], under_way: Session) -> None:
+    nominal = under_way.plan.case.separation
+    under_way.draw(functools.partial(save_runs, runs, nominal))
 
 
 def with_references(study: _Study, under_way: Session) -> _Study:

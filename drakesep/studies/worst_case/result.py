@@ -14,7 +14,9 @@ from drakesep.analysis.search.problem import FROM_NOMINAL, Candidate, Searched
 from drakesep.analysis.search.sqp import Iteration
 from drakesep.plots.approach import Approach
 from drakesep.plots.pictures import Pictures, Tornado
-from drakesep.studies.output import writable_folder
+from drakesep.results.asked import Asked
+from drakesep.results.folder import ResultsFolder
+from drakesep.results.recorded_runs import save_runs
 from drakesep.systems.arrays import Array
 from drakesep.tables.columns import write_csv
 from drakesep.tables.comparison import comparison_table
@@ -35,7 +37,8 @@ from drakesep.tables.table_4 import table_4
 class WorstCases:
     """The nominal run, the published worst cases, and the worst found."""
 
-    case: AnalysisCase
+    asked: Asked = field(repr=False)
+    """With the case."""
     objectives: tuple[Objective, ...] = ()
     runs: tuple[LabelledRun, ...] = ()
     searched: tuple[Searched, ...] = ()
@@ -46,6 +49,11 @@ class WorstCases:
     """(m, n) of the objectives at the nominal, with the scaled parameters."""
     clearance: LowestClearance | None = field(default=None, repr=False)
     """That tells how near the nominal and published runs come; None if not asked."""
+
+    @property
+    def case(self) -> AnalysisCase:
+        """The case."""
+        return self.asked.case
 
     @property
     def share_unphysical(self) -> float:
@@ -142,9 +150,20 @@ class WorstCases:
         """Whether no run failed, and Drake confirmed every worst case."""
         return not any(one.outcome.failed for one in self.runs)
 
+    @property
+    def failure(self) -> str:
+        """What of the study failed; empty if it is completed."""
+        failed = [one for one in self.runs if one.outcome.failed]
+        return "; ".join(f"{one.label}: {one.status}" for one in failed)
+
+    @property
+    def verdict(self) -> str | None:
+        """Of the study, as `study.json` has it; a search for worst cases gives none."""
+        return None
+
     def save_tables(self, directory: str | Path) -> None:
         """Write the tables, as far as there are any, into a folder."""
-        folder = writable_folder(directory)
+        folder = Path(directory)
         write_csv(self.table, folder / "worst_cases.csv")
         if self.searched:
             write_csv(self.searches, folder / "searches.csv")
@@ -159,12 +178,21 @@ class WorstCases:
             write_csv(self.comparison, folder / "comparison.csv")
 
     def save(self, directory: str | Path) -> None:
-        """Write the tables, and what shows the runs, into a folder."""
-        self.save_tables(directory)
-        folder = Path(directory)
-        if self.worst:
-            Tornado(self.nearest_sensitivities).save(folder)
-        self.pictures.save(folder)
+        """Write tables, plots and `study.json` into a folder.
+
+        Raises:
+            ValueError: it cannot be written, another study is writing it, or it holds
+                the results of another kind of study.
+        """
+        with ResultsFolder(directory, self.asked.study) as results:
+            results.begin(self.asked)
+            folder = results.path
+            self.save_tables(folder)
+            save_runs(self.runs, self.case.separation, folder)
+            if self.worst:
+                Tornado(self.nearest_sensitivities).save(folder)
+            self.pictures.save(folder)
+            results.end(failed=self.failure, verdict=self.verdict)
 
     @property
     def pictures(self) -> Pictures:

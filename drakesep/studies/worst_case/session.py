@@ -17,7 +17,6 @@ from drakesep.analysis.metrics.objectives import Objective
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import Problem, SearchProgress
 from drakesep.studies.background_process import BackgroundProcess
-from drakesep.studies.output import clear_results
 from drakesep.studies.worst_case.plan import OnProgress, Progress, StudyPlan
 from drakesep.studies.worst_case.searches import affordable, is_light
 from drakesep.systems.arrays import Array
@@ -68,14 +67,14 @@ class Session:
 
     def write_down(self, study: _Study) -> _Study:
         """Return what a step leaves, with its tables in the folder, if there is one."""
-        if self.plan.output is not None:
-            study.save_tables(self.plan.output)
+        if self.plan.folder is not None:
+            study.save_tables(self.plan.folder.path)
         return study
 
     def draw(self, save: Callable[[Path], None]) -> None:
         """Begin to draw into the folder, if there is one, while the study goes on."""
-        if self.plan.output is not None:
-            folder = self.plan.output.absolute()
+        if self.plan.folder is not None:
+            folder = self.plan.folder.path.absolute()
             self._drawings.append(self.background.submit(save, folder))
 
     def wait_for_drawings(self) -> None:
@@ -108,8 +107,8 @@ def session(
     """
     case = plan.case
     batch = _batch_of(case) if plan.on_batch_engine else None
-    if plan.output is not None:
-        clear_results(plan.output)
+    if plan.folder is not None:
+        plan.folder.begin(plan.asked)
     nominal = _fly_nominal(case)
     light = is_light(nominal.steps)
     few = batch is not None and light and plan.workers is None

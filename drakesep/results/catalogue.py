@@ -1,0 +1,609 @@
+"""Which files a results folder has, and what their columns mean.
+
+Said once: `study.json` and the page ``docs/results.md`` list them from here. A name in
+braces stands for many: ``{label}`` for that of a run, ``{metric}`` for each metric,
+whose meaning is that of its registry.
+"""
+
+import functools
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import pandas as pd
+
+from drakesep.analysis.metrics.registry import find_metric
+from drakesep.analysis.search.judge import CONFIDENCE
+from drakesep.analysis.search.registry import SEARCHES
+from drakesep.results import recorded_runs
+from drakesep.systems.model.parameters import ParameterName
+from drakesep.units import records, split_unit
+
+
+SIMULATE, CLEARANCE = "simulate", "clearance"
+WORST_CASE, VERIFY = "worst-case", "verify"
+STUDIES = (SIMULATE, CLEARANCE, WORST_CASE, VERIFY)
+"""Those that write a folder."""
+
+
+class Column(NamedTuple):
+    """A column of a table, or many by a name in braces."""
+
+    name: str
+    unit: str
+    what: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class FileKind:
+    """A file, or many by a name in braces."""
+
+    name: str
+    studies: tuple[str, ...]
+    """That write it."""
+    what: str
+    row: str = ""
+    """What a row of the table is for; empty if it is no table."""
+    columns: tuple[Column, ...] = ()
+
+    def named(self, label: str) -> str:
+        """Return its name for a run, if it has one for each."""
+        return self.name.replace("{label}", label)
+
+    @property
+    def of_each_run(self) -> bool:
+        """Whether there is one for each run."""
+        return "{label}" in self.name
+
+
+class FileInFolder(NamedTuple):
+    """A file that is there, and what it holds."""
+
+    name: str
+    what: str
+    row: str
+    columns: tuple[Column, ...]
+
+
+_SAME = "as `unit` says"
+_LABEL = Column("label", "", "Of the run, by which plots and files name it.")
+_ROLE = Column(
+    "role",
+    "",
+    "What the run is: `nominal`, `changed`, `published`, `worst`, or the name of the "
+    "search that ended there.",
+)
+_RUN = (
+    _LABEL,
+    _ROLE,
+    Column("{parameter}", "in the name", "Value of the parameter in the run."),
+    Column("{metric}", "in the name", "The metric of the run, see metrics.md."),
+    Column("nearest", "", "The parts that come nearest, if that was measured."),
+    Column("nearest_time_s", "s", "When they do."),
+    Column("iterations", "", "Of the search that ended there; empty if none did."),
+    Column(
+        "evaluations",
+        "",
+        "Runs flown for it; of a worst case, by all searches for all objectives.",
+    ),
+    Column(
+        "status",
+        "",
+        "How the run ended, or the search: `completed`, `confirmed` (in Drake), "
+        "`converged`, ..., or `failed` with the reason.",
+    ),
+)
+_TIME = Column("time_s", "s", "Since the start of the run.")
+_MOTION = (
+    _TIME,
+    Column("rate_{axis}_deg_s", "deg/s", "Angular velocity of B in W, in B's axes."),
+    Column(
+        "relative_rate_{axis}_deg_s",
+        "deg/s",
+        "Angular velocity of B in A, in B's axes.",
+    ),
+    Column("angle_{axis}_deg", "deg", "Roll, pitch and yaw of B in W."),
+    Column(
+        "relative_position_{axis}_m", "m", "B's CG from its mated place, in A's axes."
+    ),
+    Column(
+        "relative_velocity_{axis}_m_s",
+        "m/s",
+        "Velocity of B's CG as seen from A, in A's axes.",
+    ),
+    Column("acceleration_{axis}_m_s2", "m/s²", "Acceleration of B's CG in W."),
+    Column(
+        "linear_momentum_change_{axis}_N_s",
+        "N s",
+        "Given to B by the springs, in B's axes (Eq. 6).",
+    ),
+    Column(
+        "angular_momentum_change_{axis}_N_m_s",
+        "N m s",
+        "Given to B by the springs about its CG, in B's axes (Eq. 7).",
+    ),
+)
+_OBJECTIVE = Column("objective", "", "Whose worst case it is.")
+_UNIT = Column("unit", "", "Of the values in the row.")
+
+_OF_RUNS = (
+    FileKind(
+        name="motion.csv",
+        studies=(SIMULATE,),
+        what="The motion of B.",
+        row="sample time",
+        columns=_MOTION,
+    ),
+    FileKind(
+        name="motion_{label}.csv",
+        studies=(VERIFY,),
+        what="The motion of B in a run.",
+        row="sample time",
+        columns=_MOTION,
+    ),
+    FileKind(
+        name="runs/{label}.csv",
+        studies=STUDIES,
+        what="The motion of every body in W, and what joints and springs do, in SI: "
+        "what plots and animations are made of.",
+        row="sample time",
+        columns=(
+            _TIME,
+            Column("{body}.orientation_{axis}", "", "Quaternion q_WB, w first."),
+            Column("{body}.position_{axis}_m", "m", "Of the body's origin in W."),
+            Column(
+                "{body}.angular_velocity_{axis}_rad_s", "rad/s", "In W, in W's axes."
+            ),
+            Column("{body}.velocity_{axis}_m_s", "m/s", "Of the body's origin in W."),
+            Column("{body}.acceleration_{axis}_m_s2", "m/s²", "Of B's CG in W."),
+            Column(
+                "{body}.linear_momentum_change_{axis}_N_s",
+                "N s",
+                "Given to B by the springs, in B's axes (Eq. 6).",
+            ),
+            Column(
+                "{body}.angular_momentum_change_{axis}_N_m_s",
+                "N m s",
+                "Given to B by the springs about its CG, in B's axes (Eq. 7).",
+            ),
+            Column(
+                "{attachment}.torque_{axis}_N_m",
+                "N m",
+                "Of the joint on B about its pad, in the joint's frame, fixed in A.",
+            ),
+            Column(
+                "{attachment}.force_{axis}_N",
+                "N",
+                "Of the joint on B, in the joint's frame, fixed in A.",
+            ),
+            Column("{spring}.force_N", "N", "Of the spring on B, along its axis."),
+        ),
+    ),
+    FileKind(
+        name="runs/{label}.json",
+        studies=STUDIES,
+        what="What the run is: its role, the parameters that it changes, when "
+        "attachments let go and strokes ended, how it ended, its metrics, contacts; "
+        "all in SI.",
+    ),
+)
+
+_OF_ONE_RUN = (
+    FileKind(
+        name="summary.csv",
+        studies=(SIMULATE,),
+        what="The run: parameters, metrics, how it ended.",
+        row="run",
+        columns=_RUN,
+    ),
+    FileKind(
+        name="contacts.csv",
+        studies=(SIMULATE,),
+        what="Contacts of parts that push each other, if the case has `recontact`.",
+        row="contact",
+        columns=(
+            Column("first", "", "One part."),
+            Column("second", "", "The other."),
+            Column("contact_time_s", "s", "When they touch."),
+            Column("contact_end_s", "s", "When they have parted."),
+            Column("force_max_N", "N", "The largest force between them."),
+            Column("impulse_N_s", "N s", "Integral of the force on the second."),
+        ),
+    ),
+    FileKind(
+        name="contact_forces.csv",
+        studies=(SIMULATE,),
+        what="Forces between parts that touch again.",
+        row="integration step in contact",
+        columns=(
+            _TIME,
+            Column("first", "", "One part."),
+            Column("second", "", "The other."),
+            Column("force_N", "N", "Magnitude of the force."),
+            Column("force_{axis}_N", "N", "On the second, in W."),
+        ),
+    ),
+    FileKind(
+        name="clearance_summary.csv",
+        studies=(CLEARANCE,),
+        what="How near parts of two bodies come, the nearest first.",
+        row="pair of parts",
+        columns=(
+            Column("{side}", "", "Name of the part."),
+            Column("{side}_body", "", "Its body."),
+            Column("{side}_role", "", "What it is, if the case says so."),
+            Column("clearance_mm", "mm", "Smallest distance; 0 if they touch."),
+            Column("time_s", "s", "When."),
+            Column(
+                "separation_mm", "mm", "How far B's origin has moved along A's x then."
+            ),
+            Column(
+                "{side}_position_{axis}_mm", "mm", "Nearest point, in its body's axes."
+            ),
+            Column("contact_time_s", "s", "When they first touch; empty if never."),
+            Column(
+                "closing_speed_m_s", "m/s", "At which they approach along the normal."
+            ),
+            Column("status", "", "`clear`, `contact`, or `parted` of touching parts."),
+        ),
+    ),
+    FileKind(
+        name="clearance.csv",
+        studies=(CLEARANCE,),
+        what="How near parts are over time.",
+        row="sample time",
+        columns=(
+            _TIME,
+            Column("separation_mm", "mm", "How far B's origin has moved along A's x."),
+            Column("{part}_to_{part}_mm", "mm", "Distance of the two parts."),
+        ),
+    ),
+)
+
+_SEARCHED = (WORST_CASE, VERIFY)
+_WORST_CASES = (
+    FileKind(
+        name="worst_cases.csv",
+        studies=_SEARCHED,
+        what="All runs flown in Drake: nominal, published, ends of SQP, worst.",
+        row="run",
+        columns=_RUN,
+    ),
+    FileKind(
+        name="comparison.csv",
+        studies=_SEARCHED,
+        what="The paper's objectives.",
+        row="objective of the paper",
+        columns=(
+            Column("objective", "", "Its metric."),
+            _UNIT,
+            Column("nominal", _SAME, "In the nominal run."),
+            Column("published", _SAME, "The worst of the published runs."),
+            Column("sqp", _SAME, "Where SQP from the nominal ended."),
+            Column("worst", _SAME, "Of all runs."),
+            Column("which_run", "", "Label of the worst."),
+            Column("above_nominal_percent", "%", "Of the nominal's magnitude."),
+            Column("above_published_percent", "%", "Of the published's magnitude."),
+        ),
+    ),
+    FileKind(
+        name="evidence.csv",
+        studies=_SEARCHED,
+        what="Why worst cases may be believed, see worst_cases.md.",
+        row="worst case",
+        columns=(
+            _OBJECTIVE,
+            _UNIT,
+            Column("worst", _SAME, "As the searches have it."),
+            Column("in_drake", _SAME, "In the run that Drake flew there."),
+            Column("difference", _SAME, "Of the two."),
+            Column("found_by", "", "The search that found it."),
+            Column("{search}", _SAME, "The worst that this search found."),
+            Column("starts", "", "Of the ascents."),
+            Column("ended_there", "", "How many of them ended at the worst case."),
+            Column("local_maxima", "", "Values of local maxima, and how many ended."),
+            Column("unfinished", "", "Ascents that stopped at the iteration limit."),
+            Column("at_bounds", "", "Parameters at a bound."),
+            Column("active_constraints", "", "Others that hold it."),
+            Column(
+                "optimality_residual",
+                "",
+                "What is left of the slope, as a part of it, within the bounds.",
+            ),
+            Column("random_samples", "", "That were flown."),
+            Column("failed_samples", "", "Of these."),
+            Column(
+                f"fraction_beyond_at_{CONFIDENCE:.0%}".replace("%", "_percent"),
+                "",
+                "Share of the tolerances that may be worse, at this confidence.",
+            ),
+        ),
+    ),
+    FileKind(
+        name="searches.csv",
+        studies=_SEARCHED,
+        what="What was searched.",
+        row="search",
+        columns=(
+            Column("search", "", "Its name."),
+            Column("what", "", "What it looked at."),
+            Column("points", "", "Runs that it flew."),
+            Column("failed", "", "Of these."),
+            Column("first_failure", "", "Why the first failed."),
+            Column(
+                "unphysical_share_of_tolerances",
+                "",
+                "Share of the tolerances whose inertias no body can have.",
+            ),
+        ),
+    ),
+    FileKind(
+        name="candidates.csv",
+        studies=_SEARCHED,
+        what="The best point of each search.",
+        row="objective and search",
+        columns=(
+            _OBJECTIVE,
+            Column("search", "", "Its name."),
+            Column("value", _SAME, "Of the objective's metric."),
+            _UNIT,
+            Column("{parameter}", "in the name", "Its value there."),
+        ),
+    ),
+    FileKind(
+        name="history.csv",
+        studies=_SEARCHED,
+        what="The way of SQP from the nominal.",
+        row="iterate",
+        columns=(
+            _OBJECTIVE,
+            Column("iteration", "", "Its number; 0 is the nominal."),
+            Column("value", _SAME, "Of the objective's metric."),
+            _UNIT,
+            Column("evaluations", "", "So far."),
+            Column("{parameter}", "in the name", "Its value there."),
+        ),
+    ),
+    FileKind(
+        name="worst_points.csv",
+        studies=_SEARCHED,
+        what="Where worst cases are: M at the upper bound, m at the lower, or a value.",
+        row="parameter",
+        columns=(
+            Column("parameter", "", "With its unit."),
+            Column("{objective}", "in the row's name", "At its worst case."),
+        ),
+    ),
+    FileKind(
+        name="sensitivities.csv",
+        studies=_SEARCHED,
+        what="What a whole tolerance does, to first order.",
+        row="worst case and parameter",
+        columns=(
+            _OBJECTIVE,
+            _UNIT,
+            Column("parameter", "", "With its unit."),
+            Column("tolerance", "in `parameter`", "To either side."),
+            Column("per_tolerance_at_nominal", _SAME, "Change, at the nominal."),
+            Column("per_tolerance_at_worst", _SAME, "Change, at the worst case."),
+            Column("at_worst", "", "M or m at a bound; empty within."),
+            Column(
+                "multiplier",
+                _SAME,
+                "Gain of the worst case for a whole tolerance more.",
+            ),
+        ),
+    ),
+    FileKind(
+        name="requirements.csv",
+        studies=(VERIFY,),
+        what="The verdict.",
+        row="requirement and axis",
+        columns=(
+            Column("requirement", "", "Its quantity, and when it holds."),
+            Column("axis", "", "Empty if it has none."),
+            _UNIT,
+            Column("sense", "", "`<=` or `>=`."),
+            Column("limit", _SAME, "That is required."),
+            Column("nominal", _SAME, "In the nominal run."),
+            Column("worst", _SAME, "Nearest to the limit, or farthest beyond."),
+            Column("which_run", "", "Label of the worst."),
+            Column("margin", _SAME, "Of the worst; negative beyond the limit."),
+            Column(
+                "growth_factor",
+                "",
+                "On all tolerances together at which it is first violated.",
+            ),
+            Column("looked_up_to", "", "Largest factor that was looked at."),
+            Column("first_tolerance", "", "That alone violates it with least growth."),
+            Column("its_growth_factor", "", "On that tolerance."),
+            Column("verdict", "", "`met`, `not met` or `not looked at`."),
+        ),
+    ),
+    FileKind(
+        name="tolerances.csv",
+        studies=(VERIFY,),
+        what="Tolerances that would violate requirements, the others as they are.",
+        row="requirement and parameter",
+        columns=(
+            Column("requirement", "", "Its quantity."),
+            Column("axis", "", "Empty if it has none."),
+            Column("parameter", "", "With its unit."),
+            Column("tolerance", "in `parameter`", "To either side."),
+            Column("violated_at", "in `parameter`", "The tolerance that violates it."),
+            Column("factor", "", "On the tolerance."),
+            Column("looked_up_to", "", "Largest factor that was looked at."),
+            Column("status", "", "Why it could not be found; empty if it was."),
+        ),
+    ),
+    FileKind(
+        name="table_4.csv",
+        studies=(VERIFY,),
+        what="The paper's Table 4: conditions after separation, then M (maximum), m "
+        "(minimum), Nom (nominal) or the value of each property.",
+        row="condition or property",
+        columns=(
+            Column("condition or property", "", "With its unit."),
+            Column("{label}", "in the row's name", "In this run; printed ones in ()."),
+        ),
+    ),
+)
+
+_PLOTS = (
+    FileKind(
+        name="translation.png",
+        studies=(SIMULATE, *_SEARCHED),
+        what="Velocity, acceleration and momentum change, after the paper's Fig. 6.",
+    ),
+    FileKind(
+        name="rotation.png",
+        studies=(SIMULATE, *_SEARCHED),
+        what="Angles, rates and momentum change, after the paper's Fig. 7.",
+    ),
+    FileKind(
+        name="tornado.png",
+        studies=_SEARCHED,
+        what="What each tolerance does to each objective: sensitivities.csv as a plot.",
+    ),
+    FileKind(
+        name="worst_clearance.png",
+        studies=_SEARCHED,
+        what="The distance of the pair that comes nearest, nominal and worst.",
+    ),
+    FileKind(
+        name="clearance.png", studies=(CLEARANCE,), what="clearance.csv as a plot."
+    ),
+    FileKind(
+        name="swept.png",
+        studies=(CLEARANCE,),
+        what="The space that parts of B sweep past those of A.",
+    ),
+)
+
+_MEMORY = (
+    FileKind(
+        name="study.json",
+        studies=STUDIES,
+        what="What was asked, with what, and how it ended; this list.",
+    ),
+    FileKind(
+        name="case.json",
+        studies=STUDIES,
+        what="The case in SI and radians, with its geometry: exact, and read back by "
+        "`drakesep.read_results`.",
+    ),
+)
+
+GEOMETRY = "geometry"
+"""Folder of the meshes, as they were when they were measured."""
+FILES = (*_MEMORY, *_OF_ONE_RUN, *_WORST_CASES, *_PLOTS, *_OF_RUNS)
+"""All but those of `GEOMETRY`."""
+
+
+def names_of(study: str, labels: Sequence[str]) -> Iterator[tuple[str, FileKind]]:
+    """Yield the names that files of a study may have, each with its kind.
+
+    Args:
+        study: its name.
+        labels: of its runs.
+    """
+    for kind in FILES:
+        if study in kind.studies:
+            for label in labels if kind.of_each_run else [""]:
+                yield kind.named(label), kind
+
+
+def files_in(folder: Path, study: str) -> tuple[FileInFolder, ...]:
+    """Return the files of a study that are in a folder, with what they hold."""
+    labels = recorded_runs.labels_in(folder)
+    found = [
+        FileInFolder(name, kind.what, kind.row, _columns_in(folder / name, kind))
+        for name, kind in names_of(study, labels)
+        if (folder / name).exists()
+    ]
+    meshes = sorted(file.name for file in (folder / GEOMETRY).glob("*"))
+    what = "A mesh of the case, as it was when it was measured."
+    found += [FileInFolder(f"{GEOMETRY}/{name}", what, "", ()) for name in meshes]
+    return tuple(found)
+
+
+def _columns_in(file: Path, kind: FileKind) -> tuple[Column, ...]:
+    if not kind.columns:
+        return ()
+    names = map(str, pd.read_csv(file, nrows=0))
+    return tuple(described(kind, name) or Column(name, "", "") for name in names)
+
+
+def described(kind: FileKind, name: str) -> Column | None:
+    """Return what a column of a table is; None if that is not known.
+
+    Args:
+        kind: of the file.
+        name: of the column.
+    """
+    for column in kind.columns:
+        if column.name == name:
+            return column
+    for column in kind.columns:
+        tell = _MANY.get(column.name, _as_it_stands)
+        if "{" in column.name and (told := tell(column, name)) is not None:
+            return told
+    return None
+
+
+def _as_it_stands(column: Column, name: str) -> Column | None:
+    """Return a column whose name follows the pattern of another, with its meaning."""
+    return Column(name, *column[1:]) if _pattern(column.name).fullmatch(name) else None
+
+
+@functools.cache
+def _pattern(name: str) -> re.Pattern[str]:
+    parts = re.split(r"(\{\w+\})", name)
+    return re.compile("".join(_PARTS.get(p) or re.escape(p) for p in parts))
+
+
+_NAME = "[A-Za-z0-9][A-Za-z0-9_-]*"
+_PARTS = {
+    **{f"{{{what}}}": _NAME for what in ("body", "attachment", "spring", "part")},
+    "{axis}": "w|x|y|z|roll|pitch|yaw".join(("(?:", ")")),
+    "{side}": "(?:first|second)",
+    "{label}": ".+",
+    "{objective}": ".+",
+}
+
+
+def _of_parameter(column: Column, name: str) -> Column | None:
+    owner, _, quantity = name.rpartition(".")
+    stem, unit = split_unit(quantity)
+    parts = ParameterName.of(f"{owner}.{stem}")
+    tables = [p for record in records() for p in record.PARAMETERS]
+    found = next((p for p in tables if p.stem == parts.stem), None)
+    if not owner or found is None:
+        return None
+    axis = f", {parts.axis}" if parts.axis else ""
+    what = f"{found.label[:1].upper()}{found.label[1:]}{axis} of {owner}."
+    return Column(name, unit.symbol, what)
+
+
+def _of_metric(column: Column, name: str) -> Column | None:
+    stem, unit = split_unit(name)
+    found = find_metric(stem)
+    if found is None:
+        return None
+    metric, axis = found
+    words = f"{metric.words[:1].upper()}{metric.words[1:]}"
+    return Column(name, unit.symbol, f"{words}{': ' + axis if axis else ''}.")
+
+
+def _of_search(column: Column, name: str) -> Column | None:
+    return Column(name, *column[1:]) if name in SEARCHES else None
+
+
+_MANY: Mapping[str, Callable[[Column, str], Column | None]] = {
+    "{parameter}": _of_parameter,
+    "{metric}": _of_metric,
+    "{search}": _of_search,
+}
+"""Columns whose meaning is that of a registry."""

@@ -1,0 +1,6 @@
+"""The version of drakesep."""
+
+import importlib.metadata
+
+
+__version__ = importlib.metadata.version("drakesep")

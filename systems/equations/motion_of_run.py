@@ -1,0 +1,30 @@
+"""The motion of B over a run, from that of all bodies."""
+
+import numpy as np
+
+from drakesep.systems.arrays import Array
+from drakesep.systems.equations.mated_stack import place_in_stack
+from drakesep.systems.equations.relative_motion import body_state, relative_motion
+from drakesep.systems.model.run import Trajectory
+from drakesep.systems.model.separation import Separation
+
+
+def relative_motion_of(
+    separation: Separation, trajectory: Trajectory
+) -> dict[str, Array]:
+    """Return the motion of B in W and relative to A, (n, 3) each.
+
+    Args:
+        separation: as it was flown.
+        trajectory: of its bodies at n times.
+
+    Returns:
+        By the names of `RelativeMotion`'s fields.
+    """
+    A, B = (
+        body_state(trajectory.of(name).T, 0, 7) for name in (separation.A, separation.B)
+    )
+    body = separation.body(separation.B)
+    mated = place_in_stack(body, body.p_BoBcm_B)
+    motion = relative_motion(A, B, body.p_BoBcm_B, mated, np)
+    return {name: np.stack(v, axis=1) for name, v in motion._asdict().items()}

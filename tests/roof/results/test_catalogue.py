@@ -1,0 +1,124 @@
+"""Every column that a command writes is in the catalogue; the page is the catalogue."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from one_pair import one_pair
+
+import drakesep
+from drakesep.case_file.reader import builtin_cases
+from drakesep.results.catalogue import FILES, STUDIES, described
+from drakesep.units import split_unit
+
+
+PAGE = Path(__file__).parents[3] / "docs" / "results.md"
+
+
+def studies(case, folder):
+    """Each study of a case, in a folder of its own."""
+    quick = {"searches": ["drake"], "workers": 1}
+    drakesep.simulate(case, output=folder / "simulate")
+    drakesep.clearance(case, output=folder / "clearance")
+    drakesep.verify(case, output=folder / "verify", growth=True, corners=1, **quick)
+    chosen = ["PM", "lowest_clearance"]
+    drakesep.worst_case(case, chosen, output=folder / "worst-case", **quick)
+
+
+def undescribed(folder):
+    said = json.loads((folder / "study.json").read_text(encoding="utf-8"))
+    files = {file["name"]: file for file in said["files"]}
+    there = {str(f.relative_to(folder)) for f in folder.rglob("*") if f.is_file()}
+    assert there == set(files)
+    for name, file in files.items():
+        assert file["what"]
+        if not name.endswith(".csv"):
+            continue
+        assert file["row"]
+        columns = list(pd.read_csv(folder / name, nrows=0))
+        assert [column["name"] for column in file["columns"]] == columns
+        for column in file["columns"]:
+            if not column["what"]:
+                yield name, column["name"]
+
+
+def test_every_column_of_every_command_is_described(tmp_path):
+    case = one_pair(
+        dispersions={"payload.mass_kg": 20},
+        requirements=drakesep.load_case("vega").requirements[:1],
+        published=[],
+    )
+    studies(case, tmp_path)
+    assert {folder.name for folder in tmp_path.iterdir()} == set(STUDIES)
+    for folder in tmp_path.iterdir():
+        assert list(undescribed(folder)) == []
+
+
+@pytest.mark.parametrize("name", sorted(set(builtin_cases()) - {"vega"}))
+def test_columns_of_other_vehicles_are_described(name, tmp_path):
+    drakesep.simulate(name, output=tmp_path)
+    assert list(undescribed(tmp_path)) == []
+
+
+@pytest.mark.parametrize(
+    ("file", "column", "unit", "what"),
+    [
+        ("summary.csv", "payload.cg_x_mm", "mm", "CG, x of payload."),
+        ("summary.csv", "spring_2.force_max_N", "N", "Maximum force of spring_2."),
+        ("summary.csv", "separation_end_s", "s", "Time at separation."),
+        ("motion.csv", "rate_x_deg_s", "deg/s", "Angular velocity of B in W"),
+        ("runs/{label}.csv", "payload.velocity_z_m_s", "m/s", "origin in W"),
+        ("runs/{label}.csv", "attachment_1.torque_x_N_m", "N m", "Of the joint"),
+        ("clearance.csv", "bus_to_ring_mm", "mm", "Distance of the two parts."),
+        ("evidence.csv", "multistart", "as `unit` says", "The worst that this search"),
+    ],
+)
+def test_meaning_and_unit(file, column, unit, what):
+    [kind] = [kind for kind in FILES if kind.name == file]
+    told = described(kind, column)
+    assert told.unit == unit
+    assert what in told.what
+
+
+@pytest.mark.parametrize("column", ["rate_x", "rate_q_deg_s", "payload.mas_kg", "x"])
+def test_what_is_no_column_is_not_described(column):
+    for name in ("motion.csv", "summary.csv", "clearance.csv"):
+        [kind] = [kind for kind in FILES if kind.name == name]
+        assert described(kind, column) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "stem", "suffix"),
+    [
+        ("rate_x_deg_s", "rate_x", "deg_s"),
+        ("G_L2_deg_per_sqrt_s", "G_L2", "deg_per_sqrt_s"),
+        ("damping_N_s_m", "damping", "N_s_m"),
+        ("first_position_x_mm", "first_position_x", "mm"),
+        ("factor", "factor", ""),
+        ("evaluations", "evaluations", ""),
+    ],
+)
+def test_unit_is_the_longest_suffix(name, stem, suffix):
+    found, unit = split_unit(name)
+    assert (found, unit.suffix) == (stem, suffix)
+
+
+def tables():
+    """The catalogue as the page has it."""
+    for kind in FILES:
+        yield f"### `{kind.name}`"
+        row = f" A row for each {kind.row}." if kind.row else ""
+        yield f"{kind.what}{row} Of {', '.join(f'`{s}`' for s in kind.studies)}."
+        if kind.columns:
+            yield "| column | unit | what it is |"
+            yield "|---|---|---|"
+            for column in kind.columns:
+                yield f"| `{column.name}` | {column.unit} | {column.what} |"
+
+
+def test_the_page_is_the_catalogue():
+    """If not, what it should have stands in the message."""
+    _, _, part = PAGE.read_text(encoding="utf-8").partition("## Files\n")
+    lines = [line for line in part.splitlines() if line]
+    assert lines == list(tables()), "\n" + "\n".join(tables())

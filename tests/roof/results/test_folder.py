@@ -1,0 +1,240 @@
+"""The folder that a study writes: whose it is, what goes and stays, how it ended."""
+
+import hashlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import pytest
+from one_pair import one_pair
+from separations import vega
+
+import drakesep
+from drakesep.files import PREFIX, written
+from drakesep.results.folder import ResultsFolder
+from drakesep.systems.checks import InputError
+
+
+def record(folder):
+    return json.loads((folder / "study.json").read_text(encoding="utf-8"))
+
+
+def names(folder):
+    files = (file for file in folder.rglob("*") if file.is_file())
+    return {str(file.relative_to(folder)) for file in files}
+
+
+def overflowing():
+    """A change of VEGA with which the run fails."""
+    return {"spring_1.force_max_N": 1e200}
+
+
+def test_a_failed_run_leaves_nothing_of_the_run_before(tmp_path):
+    drakesep.simulate("vega", output=tmp_path)
+    assert {"motion.csv", "rotation.png", "runs/nominal.csv"} <= names(tmp_path)
+    for mine in ("notes.txt", "motion_mine.csv", "runs/mine.txt"):
+        (tmp_path / mine).write_text("mine")
+    failed = drakesep.simulate("vega", overflowing(), output=tmp_path)
+    assert not failed.completed
+    assert names(tmp_path) == {
+        *("summary.csv", "study.json", "case.json", "runs/run.json"),
+        *("notes.txt", "motion_mine.csv", "runs/mine.txt"),
+    }
+    assert record(tmp_path)["ended"] == "failed"
+    assert record(tmp_path)["message"] == failed.run.message != ""
+
+
+def test_study_that_raises_is_recorded_as_failed(tmp_path):
+    drakesep.clearance(one_pair(), output=tmp_path)
+    with pytest.raises(RuntimeError, match="the run failed"):
+        drakesep.clearance(one_pair(), overflowing(), output=tmp_path)
+    assert names(tmp_path) == {"study.json", "case.json"}
+    assert record(tmp_path)["ended"] == "failed"
+    assert "the run failed" in record(tmp_path)["message"]
+
+
+def test_interrupted_study_says_so(tmp_path):
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    requirements = drakesep.load_case("vega").requirements[:1]
+    case = one_pair(
+        dispersions={"payload.mass_kg": 20}, published=[], requirements=requirements
+    )
+    with pytest.raises(KeyboardInterrupt):
+        drakesep.verify(
+            case,
+            searches=["drake"],
+            workers=1,
+            output=tmp_path,
+            on_progress=interrupt,
+        )
+    assert record(tmp_path)["ended"] == "interrupted"
+    assert record(tmp_path)["runs"] == ["nominal"]
+    assert "requirements.csv" not in names(tmp_path)
+
+
+def test_what_is_refused_leaves_the_folder_alone(tmp_path):
+    drakesep.simulate("vega", output=tmp_path)
+    before = {name: (tmp_path / name).read_bytes() for name in names(tmp_path)}
+    for wrong in ({"payload.mas_kg": 1.0}, {"payload.mass_kg": -1.0}):
+        with pytest.raises(ValueError, match="mas"):
+            drakesep.simulate("vega", wrong, output=tmp_path)
+    with pytest.raises(InputError, match="with those of 'simulate'; give 'clearance'"):
+        drakesep.clearance("vega", output=tmp_path)
+    assert {name: (tmp_path / name).read_bytes() for name in names(tmp_path)} == before
+
+
+def test_two_studies_at_once_are_refused(tmp_path):
+    """Of one process as of two; the lock is gone when the first has left."""
+    with (
+        ResultsFolder(tmp_path, "simulate"),
+        pytest.raises(InputError, match=f"process {os.getpid()} is"),
+    ):
+        drakesep.simulate("vega", output=tmp_path)
+    with ResultsFolder(tmp_path, "simulate"):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_lock_dies_with_its_process(tmp_path):
+    """Killed in the midst of a study: the next one is let in, and clears up."""
+    script = textwrap.dedent(f"""
+        import sys, time, drakesep
+        from drakesep.files import written
+        from drakesep.results.asked import Asked
+        from drakesep.results.folder import ResultsFolder
+
+        with ResultsFolder({str(tmp_path)!r}, "simulate") as folder:
+            folder.begin(Asked.of("simulate", "vega"))
+            (folder.path / "contacts.csv").write_text("of the killed")
+            with written(folder.path / "summary.csv") as half:
+                half.write_text("half")
+                print("writing", flush=True)
+                time.sleep(60)
+    """)
+    process = subprocess.Popen(
+        [sys.executable, "-c", script], stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout.readline() == "writing\n"
+    with pytest.raises(InputError, match=f"process {process.pid} is"):
+        drakesep.simulate("vega", output=tmp_path)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    process.stdout.close()
+    assert record(tmp_path)["ended"] == "under way"
+    assert not (tmp_path / "summary.csv").exists()
+    assert any(name.startswith(PREFIX) for name in names(tmp_path))
+    drakesep.simulate("vega", output=tmp_path)
+    assert record(tmp_path)["ended"] == "completed"
+    assert not any(name.startswith(PREFIX) for name in names(tmp_path))
+    assert "contacts.csv" not in names(tmp_path)
+
+
+def test_a_file_that_fails_leaves_the_one_before(tmp_path):
+    file = tmp_path / "table.csv"
+    file.write_text("before")
+    with pytest.raises(RuntimeError), written(file) as beside:
+        beside.write_text("hal")
+        raise RuntimeError
+    assert file.read_text() == "before"
+    assert names(tmp_path) == {"table.csv"}
+
+
+def test_record_says_what_was_asked(tmp_path):
+    """The case as text, hashes, versions, and the files that there are."""
+    mesh = tmp_path / "box.obj"
+    corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    faces = ["1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"]
+    lines = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {f}" for f in faces]
+    mesh.write_text("\n".join(lines))
+    text = builtin_text().replace(
+        "box: {size_mm: [1840, 1400, 1100]}", "mesh: {file: box.obj, scale: 0.5}"
+    )
+    text += "\nclearance: {pairs: [[bus, adapter_ring]]}\n"
+    case = tmp_path / "mine.yaml"
+    case.write_text(text, encoding="utf-8")
+    out = tmp_path / "out"
+    begun = time.time()
+    drakesep.clearance(case, {"payload.mass_kg": 1870.0}, output=out)
+    said = record(out)
+    assert said["study"] == "clearance"
+    assert said["arguments"] == {"values": {"payload.mass_kg": 1870.0}}
+    assert said["case"]["text"] == text
+    assert said["case"]["sha256"] == hashlib.sha256(text.encode()).hexdigest()
+    assert said["case"]["source"] == str(case)
+    [named] = said["named_files"]
+    assert Path(named["file"]) == mesh
+    assert named["sha256"] == hashlib.sha256(mesh.read_bytes()).hexdigest()
+    assert (out / "geometry" / "bus.obj").read_bytes() == mesh.read_bytes()
+    assert said["versions"]["drakesep"] == drakesep.__version__
+    assert {"drake", "jax", "numpy", "scipy"} <= set(said["versions"])
+    assert 0.0 < said["seconds"] < time.time() - begun + 1.0
+    assert said["verdict"] in ("clear", "contact")
+    listed = {file["name"] for file in said["files"]}
+    assert listed == names(out)  # study.json itself among them
+    # The mesh of the folder is measured, wherever the first has gone.
+    mesh.unlink()
+    again = drakesep.read_results(out).case
+    assert drakesep.clearance(again).clear in (True, False)
+
+
+def builtin_text():
+    from drakesep.case_file.reader import builtin_cases
+
+    return builtin_cases()["vega"].read_text(encoding="utf-8")
+
+
+def test_case_made_in_python_is_written_too(tmp_path):
+    """Changed, its text is that of a case file which gives the same case."""
+    case = drakesep.load_case("vega").replaced(
+        dispersions={"payload.mass_kg": 7.0}, published=[]
+    )
+    drakesep.simulate(case, output=tmp_path / "a")
+    text = record(tmp_path / "a")["case"]["text"]
+    (tmp_path / "again.yaml").write_text(text, encoding="utf-8")
+    assert drakesep.load_case(tmp_path / "again.yaml").in_si() == case.in_si()
+    drakesep.simulate(case.in_si(), output=tmp_path / "b")
+    assert record(tmp_path / "b")["case"]["text"] is None
+    assert drakesep.read_results(tmp_path / "b").case == case.in_si()
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda out: drakesep.simulate("vega", {"payload.mass_kg": 1.87e3}, output=out),
+        lambda out: drakesep.simulate(
+            drakesep.AnalysisCase(separation=vega()), output=out
+        ),
+    ],
+    ids=["by name", "in SI"],
+)
+def test_the_command_that_does_it_again_does(ask, tmp_path):
+    """The same tables, to the byte."""
+    ask(tmp_path / "out")
+    tables = ("summary.csv", "motion.csv", "runs/nominal.csv", "runs/run.csv")
+    files = [tmp_path / "out" / t for t in tables if (tmp_path / "out" / t).exists()]
+    before = {file: file.read_bytes() for file in files}
+    assert len(before) == 3
+    again = record(tmp_path / "out")["again"]
+    again = again.replace("python ", f"{sys.executable} ", 1)
+    subprocess.run(again, shell=True, check=True, capture_output=True)
+    assert {file: file.read_bytes() for file in before} == before
+    assert record(tmp_path / "out")["ended"] == "completed"
+
+
+def test_command_line_is_what_does_it_again(tmp_path, capsys, monkeypatch):
+    from command_line import run
+
+    out = tmp_path / "a folder"
+    arguments = ("simulate", "vega", "--set", "payload.mass_kg=1880", "-o", out)
+    code, _, _ = run(capsys, monkeypatch, *arguments)
+    assert code == 0
+    assert record(out)["again"] == (
+        f"drakesep simulate vega --set payload.mass_kg=1880 -o '{out}'"
+    )

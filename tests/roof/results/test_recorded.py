@@ -1,0 +1,185 @@
+"""From a folder alone: runs, plots, tables and animations are what they were."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from one_pair import one_pair
+
+import drakesep
+from drakesep.analysis.clearance.of_run import ClearanceAnalysis
+from drakesep.plots.motion import save_motion
+from drakesep.plots.pictures import Tornado
+from drakesep.plots.swept_volume import save_swept
+from drakesep.results.case_json import from_json, to_json
+from drakesep.studies.animate import animate_results
+from drakesep.systems.checks import InputError
+from drakesep.tables.columns import write_csv
+from drakesep.tables.run_tables import runs_table
+
+
+@pytest.fixture(scope="module")
+def verified(tmp_path_factory):
+    """VEGA's verification over two parameters, and its folder.
+
+    Without the requirement on clearance, which takes most of the time.
+    """
+    case = one_pair(
+        dispersions={"payload.mass_kg": 20, "payload.cg_y_mm": 13},
+        requirements=drakesep.load_case("vega").requirements[:1],
+        published=[],
+    )
+    folder = tmp_path_factory.mktemp("verified")
+    study = drakesep.verify(case, searches=["drake"], workers=1, output=folder)
+    return study, folder
+
+
+def same(one, other):
+    """Whether two runs are the same, bit for bit."""
+    assert dataclasses.fields(one) == dataclasses.fields(other)
+    for field in dataclasses.fields(one):
+        a, b = getattr(one, field.name), getattr(other, field.name)
+        if field.name in ("motion", "trajectory"):
+            for part in dataclasses.fields(a):
+                np.testing.assert_array_equal(
+                    getattr(a, part.name), getattr(b, part.name), err_msg=part.name
+                )
+        else:
+            assert a == b, field.name
+
+
+def test_runs_are_read_as_they_were(verified):
+    study, folder = verified
+    results = drakesep.read_results(folder)
+    assert set(results.labels) == {one.label for one in study.runs}
+    for one in study.runs:
+        read = results.run(one.label)
+        same(read.run, one.run)
+        for name in ("role", "metrics", "outcome", "nearest", "objective_in_drake"):
+            assert getattr(read, name) == getattr(one, name), name
+
+
+def test_case_is_read_as_it_was(verified):
+    study, folder = verified
+    read = drakesep.read_results(folder).case
+    assert read == study.case
+    assert read.separation.body("payload").parts  # with its geometry
+
+
+@pytest.mark.parametrize("name", ["vega", "dual_launch", "fairing"])
+def test_records_go_through_json(name):
+    case = drakesep.load_case(name).in_si()
+    text = json.dumps(to_json(case), allow_nan=False)
+    assert from_json(json.loads(text)) == case
+
+
+def test_plots_are_made_again(verified, tmp_path):
+    """The paper's figures and the tornado: equal to the byte."""
+    study, folder = verified
+    results = drakesep.read_results(folder)
+    shown = {one.label for one in study.pictures.runs}
+    runs = {one.label: one for one in results.runs if one.label in shown}
+    ordered = [runs[one.label] for one in study.pictures.runs]
+    save_motion(ordered, results.case.requirements, tmp_path)
+    names = study.nearest_sensitivities["objective"].unique()
+    table = results.table("sensitivities.csv").fillna({"at_worst": ""})
+    Tornado(table[table["objective"].isin(names)]).save(tmp_path)
+    for plot in ("translation.png", "rotation.png", "tornado.png"):
+        assert (tmp_path / plot).read_bytes() == (folder / plot).read_bytes(), plot
+
+
+def test_a_table_is_made_again(verified, tmp_path):
+    study, folder = verified
+    results = drakesep.read_results(folder)
+    runs = [results.run(one.label) for one in study.runs]
+    write_csv(runs_table(runs, results.case.box.names), tmp_path / "again.csv")
+    assert (tmp_path / "again.csv").read_bytes() == (
+        folder / "worst_cases.csv"
+    ).read_bytes()
+
+
+def test_clearance_is_measured_again(tmp_path):
+    """Distances of the run that the folder keeps; the picture of what it sweeps."""
+    drakesep.clearance(one_pair(), output=tmp_path)
+    results = drakesep.read_results(tmp_path)
+    run, of = results.run("nominal").run, results.case.clearance
+    analysis = ClearanceAnalysis(run.separation, of.pairs, touching=of.touching)
+    smallest = min(one.minimum for one in analysis.of(run))
+    summary = results.table("clearance_summary.csv")
+    # In mm, through a decimal of full length.
+    assert 1e3 * smallest == pytest.approx(summary["clearance_mm"].min(), rel=1e-12)
+    before = (tmp_path / "swept.png").read_bytes()
+    save_swept(run, analysis.names, tmp_path)
+    assert (tmp_path / "swept.png").read_bytes() == before
+
+
+def test_animation_is_that_of_the_runs_flown(verified, tmp_path):
+    """The page of the folder is that of `animate`, which flies; to the byte."""
+    study, folder = verified
+    results = drakesep.read_results(folder)
+    shown = animate_results(results, output=tmp_path / "read.html")
+    assert shown[0] == "nominal" and "worst_PM" in shown
+    names = study.case.box.names
+    [worst] = [one for one in study.worst if one.name == "PM"]
+    assert set(worst.values) == set(names)
+    animate_results(results, ["nominal", "worst_PM"], output=tmp_path / "two.html")
+    values = {
+        "payload.mass_kg": worst.values["payload.mass"],
+        "payload.cg_y_mm": 1e3 * worst.values["payload.cg_y"],
+    }
+    drakesep.animate(study.case, {"worst_PM": values}, output=tmp_path / "flown.html")
+    assert len((tmp_path / "two.html").read_bytes()) > 100_000
+    assert (tmp_path / "two.html").read_bytes() == (
+        tmp_path / "flown.html"
+    ).read_bytes()
+
+
+def test_command_animates_a_folder(verified, tmp_path, capsys, monkeypatch):
+    from command_line import run
+
+    _, folder = verified
+    page = tmp_path / "page.html"
+    code, out, _ = run(capsys, monkeypatch, "animate", folder, "-o", page)
+    assert code == 0
+    assert "nominal, " in out
+    assert page.stat().st_size > 100_000
+    code, _, err = run(capsys, monkeypatch, "animate", folder, "--run", "worst_XY")
+    assert code == 2
+    assert "unknown run 'worst_XY'" in err
+    code, _, err = run(capsys, monkeypatch, "animate", tmp_path)
+    assert code == 2
+    assert "must be a folder of results, got no study.json" in err
+
+
+@pytest.mark.parametrize(
+    ("file", "text"),
+    [
+        ("study.json", "{"),
+        ("study.json", '{"study": "verify"}'),
+        ("case.json", '{"record": "Bodyy"}'),
+        ("case.json", '{"record": "Body", "mass": 1.0}'),
+        ("case.json", "[]"),
+        ("runs/nominal.json", "{}"),
+        ("runs/nominal.csv", "time_s\n0\n"),
+    ],
+)
+def test_broken_folders_are_refused_by_name(verified, file, text, tmp_path):
+    import shutil
+
+    _, folder = verified
+    broken = tmp_path / "broken"
+    shutil.copytree(folder, broken)
+    (broken / file).write_text(text)
+    with pytest.raises(InputError, match=file.rpartition("/")[2]):
+        drakesep.read_results(broken).run("nominal")
+
+
+def test_tables_of_a_folder_are_asked_for_by_name(verified):
+    study, folder = verified
+    results = drakesep.read_results(folder)
+    read = results.table("requirements.csv")
+    assert read["verdict"].tolist() == study.requirements["verdict"].tolist()
+    assert read["worst"].tolist() == study.requirements["worst"].tolist()
+    with pytest.raises(InputError, match=r"unknown table 'requirement\.csv'"):
+        results.table("requirement.csv")
