@@ -11,11 +11,13 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from case_file_keys import keys_of_case_files
+from port_tables import tables_of_ports
 
 
 DOCS = Path(__file__).parent
 TABLES: Mapping[str, Mapping[str, Callable[[], str]]] = {
     "case_file.md": {"keys": keys_of_case_files},
+    "ports.md": {"ports": tables_of_ports},
 }
 """By page and by the name of the table."""
 
