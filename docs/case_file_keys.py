@@ -238,7 +238,7 @@ def _bounds(metadata: Iterable[Any]) -> Iterator[str]:
 
 def _any_of(names: Iterable[str]) -> str:
     *others_, last = (f"`{name}`" for name in names)
-    return f"{', '.join(others_)} or {last}"
+    return f"{', '.join(others_)} or {last}" if others_ else last
 
 
 def _left_out(field: FieldInfo) -> str:

@@ -11,12 +11,16 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from case_file_keys import keys_of_case_files
+from metric_table import table_of_metrics
+from parameter_table import table_of_parameters
 from port_tables import tables_of_ports
 
 
 DOCS = Path(__file__).parent
 TABLES: Mapping[str, Mapping[str, Callable[[], str]]] = {
     "case_file.md": {"keys": keys_of_case_files},
+    "metrics.md": {"metrics": table_of_metrics},
+    "parameters.md": {"parameters": table_of_parameters},
     "ports.md": {"ports": tables_of_ports},
 }
 """By page and by the name of the table."""
