@@ -222,7 +222,7 @@ class BatchEquations:
             wrench,
         )
         q_dot = newton_euler_laws.quaternion_rate(bodies.q_WB, bodies.w_WB)
-        return jnp.stack([*q_dot, *bodies.v_WBo, *alpha, *a])
+        return jnp.stack([*q_dot, *bodies.v_WBo, *alpha, *a])  # Eq. 9
 
     def _sum_wrenches(
         self,

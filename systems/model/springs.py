@@ -54,7 +54,7 @@ class Spring:
     force_max: float
     """Force at release, N."""
     stroke: float
-    """m."""
+    """Delta L of Eq. 5, m."""
     design_mass: float
     """m_S of Eq. 5, kg: a constant of the design, whatever is dispersed."""
     tilt_y: float = 0.0
@@ -101,9 +101,9 @@ class DisplacementSpring:
     force_max: float
     """Largest force of the profile, N."""
     stroke: float
-    """m."""
+    """Displacement at which the push ends, m."""
     damping: float = 0.0
-    """N s/m."""
+    """Of a damper beside it, N s/m."""
     profile: Profile = LINEAR
     """A part of the design: it does not vary. Straight lines join its rows."""
     tilt_y: float = 0.0
@@ -142,10 +142,10 @@ class DisplacementSpring:
 
         Args:
             name: of the spring.
-            displacements: (n,) from 0, increasing, m.
-            forces: (n,) N.
-            damping: N s/m.
-            tilt_y: of the push from A's x axis, about its y axis, rad.
+            displacements: (n,) of the rows, from 0, increasing, m.
+            forces: (n,) at these displacements, N.
+            damping: of a damper beside it, N s/m.
+            tilt_y: of the push from A's x axis, about its y axis, rad: a misalignment.
             tilt_z: about A's z axis, then, rad.
 
         Raises:
