@@ -13,7 +13,9 @@ from small_case import small_case, write_case
 import drakesep
 from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.analysis.search.effort import Effort
 from drakesep.cli.app import app
+from drakesep.studies import tolerance_growth
 from drakesep.studies.background_process import BackgroundProcess
 from drakesep.studies.worst_case.session import Session
 
@@ -218,6 +220,25 @@ def test_another_seed_draws_other_points(case, tmp_path, drakesep_):
         frame = pd.read_csv(tmp_path / "candidates.csv")
         points.append(frame[["upper.mass_kg", "upper.cg_y_mm"]].to_numpy().tolist())
     assert points[0] == points[2] != points[1]
+
+
+def test_what_only_python_sets(case, monkeypatch):
+    """Generations reach evolution; corners, and the seed with them, the growth."""
+    told, grow = [], tolerance_growth.grow
+
+    def noted(problem, limits, **how):
+        told.append((how["corners"], how["seed"]))
+        return grow(problem, limits, **how)
+
+    monkeypatch.setattr(tolerance_growth, "grow", noted)
+    effort = {**HARD, "seed": 7, "corners": 20, "generations": 2}
+    study = drakesep.verify(
+        case, searches=["evolution"], growth=True, workers=1, **effort
+    )
+    assert told == [(20, 7)]
+    [note] = study.searches["what"]
+    assert "at most 2 generations" in note
+    assert set(effort) == set(Effort.__annotations__)
 
 
 @pytest.mark.parametrize("command", ["simulate", "clearance", "worst-case", "verify"])
