@@ -341,17 +341,6 @@ def test_jacobian_against_drake(vega, fine_batch):
         assert got == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
 
 
-def test_jacobian_of_found_events_and_times():
-    """Strokes and angles that are found, and times of release, carry derivatives."""
-    separation = hinged()
-    names = ("spring_1.force_max", "spring_1.stroke", "attachment_2.release_angle")
-    batch = Batch(separation, names, tolerance=1e-9)
-    row = np.array([parameters(separation)[name] for name in names])
-    steps = 1e-3 * row
-    jacobian = batch.jacobian(row[None]).jacobian[0]
-    assert_slopes(jacobian, central_differences(batch, row, steps), steps)
-
-
 def test_jacobian_of_staged_release():
     separation = staged()
     names = ("attachment_3.release_time", "jet.start", "spring_2.damping", "upper.cg_x")
