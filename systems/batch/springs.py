@@ -170,21 +170,21 @@ class BatchSprings:
         return jnp.concatenate(ends)
 
     def fastest(self, params: BatchParameters, mode: Mode, *, by_time: bool) -> Lanes:
-        """Return (n,) how fast the motion is that pushing springs drive, rad/s.
+        """Return (n,) how fast the motion is that springs drive, rad/s.
 
         Args:
             params: of the batch.
             mode: what has happened.
             by_time: whether of those that push for a time; else of `by_stroke`.
         """
-        pushing, fastest = self.pushing(mode), jnp.zeros_like(params.mass[0])
+        acts, fastest = self._acts(mode), jnp.zeros_like(params.mass[0])
         for group, values in zip(self._groups, params.springs, strict=True):
             if group.law.by_time is by_time:
                 a, b = group.ends
                 together = self._ends.count(group.ends)
                 lightness = 1.0 / params.mass[a] + 1.0 / params.mass[b]
                 frequency = group.law.frequency(values, together, lightness, jnp)
-                each = jnp.where(pushing[np.array(group.springs)], frequency, 0.0)
+                each = jnp.where(acts[np.array(group.springs)], frequency, 0.0)
                 fastest = jnp.maximum(fastest, each.max(axis=0))
         return fastest
 
@@ -195,6 +195,10 @@ class BatchSprings:
     def pushing(self, mode: Mode) -> Lanes:
         """Return (k, n) whether springs are released, and have not let go."""
         return jnp.isfinite(self._released(mode)) & ~mode.spent
+
+    def _acts(self, mode: Mode) -> Lanes:
+        """Return (k, n) whether springs push, and their pads have not lifted off."""
+        return self.pushing(mode) & ~mode.lifted
 
     # Forces.
 
@@ -289,7 +293,7 @@ class BatchSprings:
         for i, k in enumerate(self.timed):
             forces[k] = timed[..., i, :]
         if self.by_stroke:
-            acts = (self.pushing(mode) & ~mode.lifted)[np.array(self.by_stroke)]
+            acts = self._acts(mode)[np.array(self.by_stroke)]
             each = jnp.where(acts, self.stroke_forces(bodies, params, mode), 0.0)
             for i, k in enumerate(self.by_stroke):
                 forces[k] = each[..., i, :]
