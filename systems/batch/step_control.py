@@ -24,8 +24,10 @@ _DRIVEN = 0.45
 error estimate lets pass what is larger than it promises where forces follow motion."""
 _TURN = 0.4
 """Largest rotation in a step, rad: its nodes resolve rates and angles to 1e-9."""
-_SHORT = 0.02
+_SHORT = 0.05
 """Part of the wanted step below which DOPRI5 is as exact."""
+_LEAST = 0.01
+"""Part of the wanted step below which none is taken towards a foreseen event."""
 _BEYOND = 1.1
 """How far a step goes of the way to an event that a parabola foresees."""
 _SLIGHTLY_BEYOND = 1.0001
@@ -153,7 +155,7 @@ def towards(foreseen: Lanes, left: Lanes, wanted: Lanes) -> Lanes:
         wanted: (n,) longest step, s.
     """
     # A shorter one would be cut where it is as exact, and might not get there.
-    way = jnp.maximum(_still(foreseen), 0.5 * _SHORT * _still(wanted))
+    way = jnp.maximum(_still(foreseen), _LEAST * _still(wanted))
     way = jnp.minimum(way, _still(left))
     return way / pieces(way, wanted)
 
