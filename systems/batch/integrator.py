@@ -6,6 +6,10 @@ lanes are near, as ends of strokes are, DOPRI5 goes from one to the next with ha
 stages. What a lane does depends on its own parameters; on those of its neighbours in
 the batch by less than a hundredth of its tolerance, as they choose between the two.
 
+Within a step everything is smooth: which piece of a law acts is told by what has
+happened by its start, and goes on beyond its end. So no step is rejected for a kink; it
+is cut where the event is found.
+
 Everything is differentiable in forward mode: steps end where events are, whose times
 carry their derivatives; only the choice of the number of steps carries none.
 """
