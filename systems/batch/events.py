@@ -178,9 +178,8 @@ class Events:
                 [kind.quantities(nodes, params, mode) for kind in self.crossings], 1
             )
         )
-        watched = jnp.concatenate([kind.watched(mode) for kind in self.crossings])
         upper = quantities.values >= 0.0
-        beyond = (upper != self._beyond(mode)) & watched & (moved > 0.0)
+        beyond = (upper != self._beyond(mode)) & self._watched(mode) & (moved > 0.0)
         # At the start stands what has just been crossed, on either side of zero.
         return Found(quantities, beyond & (quantities.xi > -1.0))
 
@@ -220,7 +219,6 @@ class Events:
         """
         c = lax.stop_gradient(found.quantities.c)
         xi = 2.0 * lax.stop_gradient(end) - 1.0
-        watched = jnp.concatenate([kind.watched(mode) for kind in self.crossings])
         side = jnp.where(self._beyond(mode), -1.0, 1.0)
         # What has just been crossed is on either side of zero.
         slopes = polynomials.derivative(c)
@@ -229,10 +227,13 @@ class Events:
         bend = side * polynomials.polynomial(polynomials.derivative(slopes), xi)
         square = slope * slope - 2.0 * bend * value
         steepness = slope + jnp.sqrt(jnp.maximum(square, 0.0))
-        comes = watched & (square >= 0.0) & (steepness > 0.0)
+        comes = self._watched(mode) & (square >= 0.0) & (steepness > 0.0)
         # A step's length is two of xi.
         after = -value / jnp.where(comes, steepness, 1.0)
         return jnp.where(comes, after, jnp.inf).min(axis=0)
+
+    def _watched(self, mode: Mode) -> Lanes:
+        return jnp.concatenate([kind.watched(mode) for kind in self.crossings])
 
     def _beyond(self, mode: Mode) -> Lanes:
         return jnp.concatenate([kind.beyond(mode) for kind in self.crossings])
