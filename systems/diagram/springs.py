@@ -176,7 +176,8 @@ class Springs(LatchingSystem):
                 bodies = bodies or self._read_bodies(context)
                 at, speed = self._displacement(bodies, k, rows[k])
             if at < law.end(values, math):
-                force = law.force(values, at, speed, math)
+                passed = law.passed(values, at, math)
+                force = law.force(values, at, speed, passed, math)
                 forces[k] = force if law.by_time else positive_part(force)
         return forces, bodies
 

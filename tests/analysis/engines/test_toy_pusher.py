@@ -62,12 +62,13 @@ class Strut:
 @dataclass(frozen=True)
 class StrutLaw(PushLaw):
     by_time: ClassVar[bool] = False
+    dampers: ClassVar[tuple[str, ...]] = ("seal_drag",)
     ends_in_jump: ClassVar[bool] = True
 
     def end(self, p, ops):
         return p.stroke
 
-    def force(self, p, at, speed, ops):
+    def force(self, p, at, speed, passed, ops):
         return p.force_max - p.seal_drag
 
     def frequency(self, p, count, lightness, ops):
@@ -103,7 +104,7 @@ class JetLaw(PushLaw):
     def end(self, p, ops):
         return _BURN
 
-    def force(self, p, at, speed, ops):
+    def force(self, p, at, speed, passed, ops):
         return p.force_max
 
     def frequency(self, p, count, lightness, ops):
@@ -126,8 +127,8 @@ class WornSpring(Spring):
 
 @dataclass(frozen=True)
 class WornSpringLaw(TimedSpringLaw):
-    def force(self, p, at, speed, ops):
-        return (1.0 - p.wear) * super().force(p, at, speed, ops)
+    def force(self, p, at, speed, passed, ops):
+        return (1.0 - p.wear) * super().force(p, at, speed, passed, ops)
 
 
 @pytest.fixture
