@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective, lowest, towards
 from drakesep.analysis.metrics.registry import find_metric, registered_metrics
@@ -140,6 +140,8 @@ class AnalysisCase:
     """Dispersed parameters that do not all reach their tolerances together."""
     requirements: tuple[Requirement, ...] = ()
     """Limits on metrics, no two on the same."""
+    objectives: Literal["paper"] | None = None
+    """What is looked at beside the requirements: the paper's objectives, or nothing."""
     clearance: ClearancePairs = field(default_factory=ClearancePairs)
     published: tuple[PublishedCase, ...] = ()
     """Worst cases that others have found."""
@@ -157,6 +159,7 @@ class AnalysisCase:
             admitted = ToleranceSet(self.separation, box, self.ellipsoids)
         object.__setattr__(self, "tolerance_set", admitted)
         self._check_requirements()
+        self._check_objectives()
         self._check_published()
 
     def _check_requirements(self) -> None:
@@ -175,6 +178,17 @@ class AnalysisCase:
                     f"requirements: {requirement.metric} needs geometry on two bodies "
                     "that does not touch while mated, got none"
                 )
+
+    def _check_objectives(self) -> None:
+        if self.objectives not in ("paper", None):
+            raise InputError(
+                f"objectives: must be 'paper' or left out, got {self.objectives!r}"
+            )
+        if self.published and not self.objectives:
+            raise InputError(
+                "published: worst cases of the paper's objectives need "
+                "'objectives: paper' beside them, got none"
+            )
 
     def _check_published(self) -> None:
         labels = [published.label for published in self.published]
@@ -209,25 +223,29 @@ class AnalysisCase:
 
     @property
     def objective_names(self) -> tuple[str, ...]:
-        """Names of the case's objectives: the paper's, and each requirement's."""
+        """Names of the case's objectives: of each requirement, and the paper's."""
         of_requirements = [
             name for r in self.requirements for name in self.names_towards(r)
         ]
-        if self._limits_deviations:
-            of_requirements.append(_until_violation().name)
-        return tuple(dict.fromkeys([*OBJECTIVES, *of_requirements]))
+        of_paper = [objective.name for objective in self.paper_objectives]
+        return tuple(dict.fromkeys([*of_paper, *of_requirements]))
 
     @property
     def requirement_objectives(self) -> tuple[Objective, ...]:
-        """What leads out of each requirement, and the time to a deviation's limit."""
-        objectives = [o for limit in self.requirements for o in self.towards(limit)]
-        if self._limits_deviations:
-            objectives.append(_until_violation())
-        return tuple(objectives)
+        """What leads out of each requirement."""
+        return tuple(o for limit in self.requirements for o in self.towards(limit))
 
     @property
-    def _limits_deviations(self) -> bool:
-        return any(math.isfinite(limit) for limit in self.deviation_limits)
+    def paper_objectives(self) -> tuple[Objective, ...]:
+        """The paper's, if the case asks for them: Eq. 11-14, and Table 4's time.
+
+        That is the time to a deviation's limit, where there is one.
+        """
+        if not self.objectives:
+            return ()
+        if not any(math.isfinite(limit) for limit in self.deviation_limits):
+            return tuple(OBJECTIVES.values())
+        return *OBJECTIVES.values(), lowest("deviation_within_limits_until")
 
     def towards(self, requirement: Requirement) -> tuple[Objective, ...]:
         """Return the objectives that lead out of a requirement."""
@@ -270,8 +288,3 @@ def _check_limit(requirement: Requirement) -> None:
         )
     if requirement.never_negative and sense == "<=" and limit < 0.0:
         raise InputError(f"{metric}: limit must be >= 0, got {limit:g}")
-
-
-def _until_violation() -> Objective:
-    """Return the objective that makes the time to a deviation's limit short."""
-    return lowest("deviation_within_limits_until")

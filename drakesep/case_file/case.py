@@ -6,7 +6,7 @@ Keys carry their units; a `Case` hands everything on in SI and radians.
 import io
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import (
     Field,
@@ -76,6 +76,8 @@ class Case(Section):
     """Dispersed parameters that go together."""
     requirements: list[RequirementSection] = Field(default_factory=list)
     """What runs are held against."""
+    objectives: Literal["paper"] | None = None
+    """What is looked at beside the requirements."""
     clearance: ClearanceSection = ClearanceSection()
     """Which of the bodies' geometry is measured."""
     recontact: RecontactSection | None = None
@@ -119,6 +121,7 @@ class Case(Section):
                 tolerances=tolerances,
                 ellipsoids=tuple(ellipsoids),
                 requirements=self._limits,
+                objectives=self.objectives,
                 clearance=self._clearance_pairs(),
                 published=tuple(published),
             )

@@ -177,9 +177,9 @@ def animate(
         list[str] | None,
         typer.Option(
             "--run",
-            help="Label of a run of that table; can be repeated; all worst cases of "
-            "the paper's objectives and of the clearance if not given, or all if there "
-            "are none of these.",
+            help="Label of a run of that table; can be repeated; if not given, all "
+            "worst cases of the paper's objectives and of the clearance, or all worst "
+            "cases if there are none of these objectives.",
         ),
     ] = None,
 ) -> None:
@@ -249,6 +249,11 @@ SeedOption = Annotated[
 ]
 
 
+_OBJECTIVE = (
+    "L1, L2, Linf, PM, one of a requirement, or highest_ or lowest_ and a metric"
+)
+
+
 @app.command("worst-case")
 def worst_case(
     case: CaseArgument,
@@ -256,8 +261,8 @@ def worst_case(
         list[str] | None,
         typer.Option(
             "--objective",
-            help="L1, L2, Linf, PM, one of a requirement, or highest_ or lowest_ and a "
-            "metric; can be repeated; all of the case if not given.",
+            help=f"{_OBJECTIVE}; can be repeated. If not given: those of the case's "
+            "requirements, and L1 to PM if it says `objectives: paper`.",
         ),
     ] = None,
     search: SearchOption = None,
@@ -303,6 +308,13 @@ _WHAT_FAILED = "a run or a search failed; see status in worst_cases.csv"
 @app.command()
 def verify(
     case: CaseArgument,
+    objectives: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--objective",
+            help=f"Searched beside those of the case: {_OBJECTIVE}; can be repeated.",
+        ),
+    ] = None,
     search: SearchOption = None,
     starts: StartsOption = None,
     samples: SamplesOption = None,
@@ -338,6 +350,7 @@ def verify(
         with _interruptible(folder), folder, progress_bar(console) as on_progress:
             study = verification.verify(
                 loaded,
+                objectives=objectives or (),
                 searches=search,
                 growth=growth,
                 output=folder,

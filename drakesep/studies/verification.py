@@ -12,7 +12,7 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.requirements import Finding, assess
 from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.case_file.case import Case
-from drakesep.case_file.objectives import choose_objectives, the_clearance
+from drakesep.case_file.objectives import Wanted, choose_objectives, the_clearance
 from drakesep.plots.pictures import Pictures
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import VERIFY
@@ -70,7 +70,8 @@ class Verification(WorstCases):
         # No verdict before the worst cases are known.
         if self.worst or (self.runs and not self.case.tolerances):
             write_csv(self.requirements, folder / "requirements.csv")
-            write_csv(self.table_4, folder / "table_4.csv")
+            if self.looks_at_paper:
+                write_csv(self.table_4, folder / "table_4.csv")
         if self.single_growths:
             write_csv(self.tolerances, folder / "tolerances.csv")
 
@@ -97,6 +98,7 @@ class Verification(WorstCases):
 def verify(
     case: Case | AnalysisCase | str | Path,
     *,
+    objectives: Wanted = (),
     searches: Sequence[str] | None = None,
     growth: bool | None = None,
     output: Output | None = None,
@@ -105,11 +107,15 @@ def verify(
     background: BackgroundProcess | None = None,
     **effort: Unpack[Effort],
 ) -> Verification:
-    """Find every worst case of a case and hold them against its requirements.
+    """Find the worst cases of a case and hold them against its requirements.
+
+    What leads out of each requirement is searched, and the paper's objectives if the
+    case says so.
 
     Args:
         case: a case, in SI or as a file holds it, a case file, or the name of a
             built-in case.
+        objectives: that are searched beside these, as `worst_case` takes them.
         searches: as `worst_case` takes them.
         growth: whether to find how far tolerances may grow; None: unless Drake flies
             alone or its nominal run takes more than 2000 steps.
@@ -131,25 +137,30 @@ def verify(
         VERIFY,
         case,
         seed=SearchSettings(**effort).seed,
-        **{"searches": searches, "growth": growth, **effort},
+        **{
+            "objectives": objectives,
+            "searches": searches,
+            "growth": growth,
+            **effort,
+        },
     )
     case = asked.case
     if not case.requirements:
         raise InputError("requirements: a case to verify must have some, got none")
-    objectives = choose_objectives(case, None)
+    chosen = choose_objectives(case, None, objectives)
     with contextlib.ExitStack() as stack:
         folder = stack.enter_context(results_folder(output, VERIFY))
         plan = StudyPlan(
             asked=asked,
             # Without dispersions, the nominal and the published runs are all there is.
-            objectives=objectives if case.tolerances else (),
+            objectives=chosen if case.tolerances else (),
             searches=WantedSearches.named(searches),
             effort=effort,
             workers=workers,
             folder=folder,
         )
         study = Verification(
-            asked=asked, objectives=plan.objectives, clearance=the_clearance(objectives)
+            asked=asked, objectives=plan.objectives, clearance=the_clearance(chosen)
         )
         if background is None:
             own = BackgroundProcess(workers if plan.on_batch_engine else 1)

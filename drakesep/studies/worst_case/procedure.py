@@ -15,13 +15,12 @@ import numpy as np
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.objective import LowestClearance
-from drakesep.analysis.metrics.objectives import AnyObjective
 from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.analysis.search.judge import find_worst_cases
 from drakesep.analysis.search.problem import Problem, Searched
 from drakesep.analysis.search.sqp import Start, slopes_at
 from drakesep.case_file.case import Case
-from drakesep.case_file.objectives import choose_objectives, the_clearance
+from drakesep.case_file.objectives import Wanted, choose_objectives, the_clearance
 from drakesep.plots.pictures import Tornado
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import WORST_CASE
@@ -49,7 +48,7 @@ _Study = TypeVar("_Study", bound=WorstCases)
 
 def worst_case(
     case: Case | AnalysisCase | str | Path,
-    objectives: Sequence[AnyObjective] | AnyObjective | None = None,
+    objectives: Wanted | None = None,
     *,
     searches: Sequence[str] | None = None,
     output: Output | None = None,
@@ -63,7 +62,8 @@ def worst_case(
         case: a case, in SI or as a file holds it, a case file, or the name of a
             built-in case.
         objectives: names (see `case_objectives`), objectives, or functions of a run;
-            the paper's and those of the requirements if None.
+            what leads out of each requirement if None, and the paper's if the case
+            says so.
         searches: names out of `SEARCHES`, in the order in which they go; or
             ``["drake"]``, which flies Drake alone; `default_searches` if None.
         output: folder that receives tables and plots, tables as the study goes on.

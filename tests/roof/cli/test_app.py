@@ -65,7 +65,7 @@ def test_verify_fails_where_a_requirement_is_not_met(drakesep, tmp_path):
     text = text.replace("at_least: 0.5", "at_least: 5")
     start, end = text.index("dispersions:"), text.index("requirements:")
     text = text[:start] + "dispersions: {payload.mass_kg: 20}\n" + text[end:]
-    text = text[: text.index("published:")]
+    text = text[: text.index("objectives: paper")]
     (tmp_path / "case.yaml").write_text(text)
     code, out, _ = drakesep(
         *("verify", tmp_path / "case.yaml", "-o", tmp_path / "out"),

@@ -158,6 +158,73 @@ def test_case_without_requirements_or_dispersions():
         drakesep.worst_case(case.replaced(dispersions={}, published=[]))
 
 
+def test_what_is_looked_at_is_what_the_case_asks(tmp_path):
+    """Requirements alone, or what is named beside them: the paper's on request."""
+    case = drakesep.load_case("vega").replaced(
+        dispersions={"payload.cg_y_mm": 13.0},
+        objectives=None,
+        published=[],
+        requirements=[
+            {"quantity": "rate_after_separation_deg_s", "at_most": [1.5, 1.5, 1.5]}
+        ],
+    )
+    study = drakesep.verify(case, output=tmp_path, **IN_DRAKE)
+    directions = [
+        f"rate_after_separation_{axis}_{way}"
+        for axis in "xyz"
+        for way in ("up", "down")
+    ]
+    assert [o.name for o in study.objectives] == directions
+    assert study.comparison.empty
+    written = {path.name for path in tmp_path.iterdir()}
+    assert "requirements.csv" in written
+    assert written.isdisjoint({"comparison.csv", "table_4.csv"})
+    # Drawn are the nominal run, and the worse direction of each requirement.
+    drawn = [one.label for one in study.pictures.runs]
+    assert drawn[0] == "nominal"
+    assert [label.rpartition("_")[0] for label in drawn[1:]] == [
+        f"worst_rate_after_separation_{axis}" for axis in "xyz"
+    ]
+    values = {worst.name: worst.value for worst in study.worst}
+    for label in drawn[1:]:
+        stem = label.removeprefix("worst_").rpartition("_")[0]
+        name = label.removeprefix("worst_")
+        assert values[name] == max(values[f"{stem}_up"], values[f"{stem}_down"])
+
+    asked = drakesep.verify(
+        case, objectives=["L2", "highest_final_rate_z"], output=tmp_path, **IN_DRAKE
+    )
+    assert [o.name for o in asked.objectives] == [
+        *directions,
+        "L2",
+        "highest_final_rate_z",
+    ]
+    assert asked.comparison["objective"].tolist() == ["G_L2"]
+    assert (tmp_path / "table_4.csv").exists()
+    assert asked.requirements["verdict"].tolist() == ["met"] * 3
+
+
+def test_what_a_case_has_already_is_searched_once():
+    case = drakesep.load_case("vega").replaced(
+        dispersions={"payload.cg_y_mm": 13.0}, published=[]
+    )
+    study = drakesep.verify(case, objectives=["L1", OBJECTIVES["PM"]], **IN_DRAKE)
+    assert [o.name for o in study.objectives] == [*drakesep.case_objectives(case)]
+
+
+def test_a_case_that_asks_for_nothing_says_what_to_give():
+    case = drakesep.load_case("vega").replaced(
+        objectives=None, published=[], requirements=[]
+    )
+    with pytest.raises(ValueError, match="objectives: vega has no requirement and no"):
+        drakesep.worst_case(case)
+    assert drakesep.case_objectives(case) == {}
+    study = drakesep.worst_case(
+        case.replaced(dispersions={"payload.mass_kg": 20.0}), "PM", **IN_DRAKE
+    )
+    assert study.comparison["objective"].tolist() == ["G_PM"]
+
+
 def test_verify_without_dispersions_judges_the_nominal(tmp_path):
     case = drakesep.load_case("vega")
     case = case.replaced(dispersions={}, published=[])
