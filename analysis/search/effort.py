@@ -15,6 +15,7 @@ class Effort(TypedDict, total=False):
     samples: int
     vertices: int
     generations: int
+    flips: int
     corners: int
     seed: int
 
@@ -35,6 +36,9 @@ class SearchSettings:
     """That are affordable."""
     generations: int = 100
     """Of differential evolution."""
+    flips: int = 2**15
+    """Corners that are flown for each objective, where all are too many: when as many
+    have been, no further start is made."""
     corners: int = 4096
     """Drawn at random, where tolerances grow."""
     seed: int = 0
@@ -78,6 +82,7 @@ _LEAST = {
     "samples": 1,
     "vertices": 1,
     "generations": 1,
+    "flips": 1,
     "corners": 0,
     "seed": 0,
 }

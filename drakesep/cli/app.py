@@ -233,9 +233,9 @@ SearchOption = Annotated[
     list[str] | None,
     typer.Option(
         "--search",
-        help="sqp, multistart, vertices, samples or evolution, in their order; or "
-        "drake alone; can be repeated. If not given: samples, vertices, sqp, "
-        "multistart; evolution where there are too many vertices.",
+        help="sqp, multistart, vertices, corners, samples, evolution, in their order; "
+        "or drake alone; can be repeated. If not given: samples, vertices, sqp, "
+        "multistart; corners where there are too many vertices.",
     ),
 ]
 StartsOption = Annotated[

@@ -73,14 +73,14 @@ def default_searches(
 ) -> tuple[str, ...]:
     """Return the searches of a study that is not told which.
 
-    Vertices, while all are affordable; else differential evolution, if runs are light.
+    Vertices, while all are affordable; else flips of bounds, if runs are light.
 
     Args:
         parameters: how many are dispersed.
         settings: what is affordable.
         light: whether very many runs are.
     """
-    instead = ("evolution",) if light else ()
+    instead = ("corners",) if light else ()
     wide = ("vertices",) if 2**parameters <= settings.vertices else instead
     return tuple(
         name
