@@ -1,6 +1,7 @@
 """The command line. Imports that take time wait until a command needs them."""
 
 import contextlib
+import os
 import signal
 import sys
 import warnings
@@ -244,6 +245,12 @@ StartsOption = Annotated[
 ]
 SamplesOption = Annotated[int | None, typer.Option(help="Drawn at random.")]
 VerticesOption = Annotated[int | None, typer.Option(help="That may be flown at most.")]
+FlipsOption = Annotated[
+    int | None,
+    typer.Option(
+        help="Corners that may be flown for each objective, where all are too many."
+    ),
+]
 SeedOption = Annotated[
     int | None, typer.Option(min=0, help="Of what is drawn at random.")
 ]
@@ -269,6 +276,7 @@ def worst_case(
     starts: StartsOption = None,
     samples: SamplesOption = None,
     vertices: VerticesOption = None,
+    flips: FlipsOption = None,
     seed: SeedOption = None,
     output: OutputOption = None,
     workers: WorkersOption = None,
@@ -290,7 +298,13 @@ def worst_case(
             output=folder,
             workers=workers,
             on_progress=on_progress,
-            **_given(starts=starts, samples=samples, vertices=vertices, seed=seed),
+            **_given(
+                starts=starts,
+                samples=samples,
+                vertices=vertices,
+                flips=flips,
+                seed=seed,
+            ),
         )
     print_worst_cases(console, study)
     _say_where(console, folder)
@@ -319,13 +333,19 @@ def verify(
     starts: StartsOption = None,
     samples: SamplesOption = None,
     vertices: VerticesOption = None,
+    flips: FlipsOption = None,
     seed: SeedOption = None,
     growth: Annotated[
         bool | None,
         typer.Option(
             "--growth/--no-growth",
-            help="Find how far tolerances may grow; else unless runs are long.",
+            help="Find how far tolerances may grow; if not given, where a study with "
+            "it takes less than ten minutes.",
         ),
+    ] = None,
+    corners: Annotated[
+        int | None,
+        typer.Option(help="Drawn at random, to look how far tolerances may grow."),
     ] = None,
     output: OutputOption = None,
     workers: WorkersOption = None,
@@ -357,7 +377,14 @@ def verify(
                 workers=workers,
                 on_progress=on_progress,
                 background=background,
-                **_given(starts=starts, samples=samples, vertices=vertices, seed=seed),
+                **_given(
+                    starts=starts,
+                    samples=samples,
+                    vertices=vertices,
+                    flips=flips,
+                    corners=corners,
+                    seed=seed,
+                ),
             )
     from drakesep.cli.results import print_requirements, print_verdict
 
@@ -399,8 +426,6 @@ def _parse_changes(texts: list[str]) -> dict[str, float]:
 
 
 def _console() -> "Console":
-    import os
-
     from rich.console import Console
 
     console = Console()
@@ -435,6 +460,10 @@ def _show_warning(
 
 def main() -> None:
     """Run the command line; bad input ends in one line for each error."""
+    # XLA says on standard error what concerns its developers, and calls it errors:
+    # that it compiles slowly, say. What is fatal it still says. JAX reads this when it
+    # is imported.
+    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     # So that leaving ends the workers, as it does for an interrupt.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))
     warnings.showwarning = _show_warning

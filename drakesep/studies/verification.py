@@ -25,15 +25,10 @@ from drakesep.studies.worst_case.result import WorstCases
 from drakesep.studies.worst_case.searches import WantedSearches
 from drakesep.studies.worst_case.session import session
 from drakesep.systems.checks import InputError
-from drakesep.systems.model.run import Run
 from drakesep.tables.columns import write_csv
 from drakesep.tables.evidence_tables import tolerances_table
 from drakesep.tables.labelled_run import nominal_of
 from drakesep.tables.requirement_tables import requirements_table
-
-
-_GROWABLE = 2000
-"""Steps of the nominal run in Drake up to which growth is looked for unasked."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,15 +113,16 @@ def verify(
         objectives: that are searched beside these, as `worst_case` takes them.
         searches: as `worst_case` takes them.
         growth: whether to find how far tolerances may grow; None: unless Drake flies
-            alone or its nominal run takes more than 2000 steps.
+            alone, or a study with it takes more than ten minutes.
         output: folder that receives tables and plots, tables as the study goes on.
         workers: number of processes that fly Drake; one per core if None; with 1, the
             caller's does all.
         on_progress: called as the study goes on.
         background: a process that is under way, to measure and draw in; one of its own
             if None.
-        effort: `starts`, `samples`, `vertices`, `generations`, `corners` and `seed` of
-            `SearchSettings`; the length of a run decides what is left out.
+        effort: `starts`, `samples`, `vertices`, `flips`, `generations`, `corners` and
+            `seed` of `SearchSettings`; the speed of runs, as it is measured, decides
+            what is left out: see `Verification.effort`.
 
     Raises:
         ValueError: the case is wrong or has no requirement, a search is wrong, or the
@@ -156,6 +152,7 @@ def verify(
             objectives=chosen if case.tolerances else (),
             searches=WantedSearches.named(searches),
             effort=effort,
+            growth=growth,
             workers=workers,
             folder=folder,
         )
@@ -167,14 +164,8 @@ def verify(
             background = stack.enter_context(own)
         with session(plan, background, on_progress) as under_way:
             study = carried_out(study, under_way)
-            if study.objectives and _is_growth_wanted(growth, plan, under_way.nominal):
+            if study.effort is not None and study.effort.growth:
                 growths, single_growths = find_growths(study.worst, under_way)
                 study = replace(study, growths=growths, single_growths=single_growths)
             study = under_way.write_down(study)
         return ended(study, folder)
-
-
-def _is_growth_wanted(growth: bool | None, plan: StudyPlan, nominal: Run) -> bool:
-    if growth is None:
-        return plan.on_batch_engine and nominal.steps <= _GROWABLE
-    return growth

@@ -41,7 +41,7 @@ class BatchEvaluator:
                 where runs take many steps.
         """
         self._derivatives = derivatives
-        self._preparing: futures.Future[BatchResult] | None = None
+        self._preparing: list[futures.Future[BatchResult]] = []
         self._batch = batch
         self.names = batch.names
         self.objectives = tuple(objectives)
@@ -129,17 +129,20 @@ class BatchEvaluator:
         # process that ends within the compiler does so with a crash.
         pool = futures.ThreadPoolExecutor(_COMPILERS)
         if self._by_metrics:
-            pool.submit(self._batch.run, nominal)
+            self._preparing.append(pool.submit(self._batch.run, nominal))
         if any(map(self.exact, range(len(self.objectives)))):
-            self._preparing = pool.submit(self._batch.jacobian, nominal)
+            self._preparing.append(pool.submit(self._batch.jacobian, nominal))
         if len(self._by_metrics) < len(self.objectives):
             pool.submit(self._batch.runs, nominal)
         pool.shutdown(wait=False)
 
+    def wait(self) -> None:
+        """Wait until what metrics tell can be told at once."""
+        futures.wait(self._preparing)
+
     def slopes(self, rows: Array, which: Sequence[int]) -> tuple[Evaluated, Array]:
         """Return one objective at each row, and its derivatives (n, n_p)."""
-        if self._preparing is not None:
-            futures.wait([self._preparing])
+        self.wait()
         result = self._batch.jacobian(rows)
         assert result.jacobian is not None
         metrics = result.metrics.to_numpy()

@@ -17,6 +17,7 @@ from drakesep.plots.pictures import Pictures, Tornado
 from drakesep.results.asked import Asked
 from drakesep.results.folder import ResultsFolder
 from drakesep.results.recorded_runs import save_runs
+from drakesep.studies.worst_case.effort import StudyEffort
 from drakesep.systems.arrays import Array
 from drakesep.tables.columns import write_csv
 from drakesep.tables.comparison import comparison_table
@@ -41,6 +42,8 @@ class WorstCases:
     """With the case."""
     objectives: tuple[Objective, ...] = ()
     runs: tuple[LabelledRun, ...] = ()
+    effort: StudyEffort | None = field(default=None, repr=False)
+    """What was planned by the speed of runs, and the options that plan it again."""
     searched: tuple[Searched, ...] = ()
     """What each search found, in their order."""
     worst: tuple[WorstCase, ...] = ()

@@ -7,8 +7,6 @@ import pytest
 
 import drakesep
 from drakesep.analysis.metrics.objectives import OBJECTIVES, highest
-from drakesep.analysis.search.effort import SearchSettings
-from drakesep.studies.worst_case.searches import default_searches
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.run import RunStatus
 from drakesep.systems.simulation.simulation import Simulation
@@ -23,7 +21,15 @@ def test_progress_tells_every_iterate(tmp_path):
         "vega", ["PM"], output=tmp_path, on_progress=seen.append, **IN_DRAKE
     )
     [history] = study.iterations.values()
-    *searched, confirmed = [p.search for p in seen]
+    planned, *searched, confirmed = [p.search for p in seen]
+    assert planned.search == "plan"
+    assert str(seen[0].effort).startswith(
+        "worst cases of 1 objectives over 18 parameters: SQP from the nominal; about"
+    )
+    shares = [p.remaining.share for p in seen]
+    assert shares == sorted(shares)
+    assert shares[0] == 0.0
+    assert shares[-1] == pytest.approx(1.0)
     assert [search.iteration for search in searched] == [(0, i) for i in history]
     assert {search.search for search in searched} == {"sqp"}
     assert [o.name for o in seen[0].objectives] == ["PM"]
@@ -300,18 +306,3 @@ def test_failed_run_is_a_row_with_its_reason(tmp_path):
     assert row["status"].startswith("failed: ")
     assert row["payload.mass_kg"] == 1860.0
     assert not (tmp_path / "motion.csv").exists()
-
-
-def test_default_searches_are_affordable():
-    """Of 34 parameters, all vertices are not; nor of a run of 10 000 steps."""
-    light = SearchSettings.affordable(63)
-    assert default_searches(18, light, light=True) == (
-        *("samples", "vertices", "sqp", "multistart"),
-    )
-    assert default_searches(34, light, light=True) == (
-        *("samples", "corners", "sqp", "multistart"),
-    )
-    heavy = SearchSettings.affordable(10_000)
-    assert default_searches(10, heavy, light=False) == ("samples", "sqp", "multistart")
-    assert heavy.samples >= 1
-    assert SearchSettings.affordable(10_000, samples=7).samples == 7
