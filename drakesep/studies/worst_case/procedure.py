@@ -164,6 +164,8 @@ def _measured(
 def searched(study: _Study, under_way: Session) -> _Study:
     """Return a study with its worst cases; each search is written down as it ends."""
     problem, effort = under_way.problem, under_way.effort
+    if under_way.plan.folder is not None:
+        under_way.plan.folder.plan(effort.options)
     under_way.tell_plan()
     done: list[Searched] = []
 

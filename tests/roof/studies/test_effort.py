@@ -101,6 +101,16 @@ def test_the_options_of_a_plan_plan_it_again(case):
     assert again.options == first.options
 
 
+def test_the_plan_stands_in_the_folder(case, tmp_path):
+    few = dataclasses.replace(case, tolerances={"payload.mass": 20.0}, published=())
+    study = drakesep.worst_case(
+        few, ["PM"], searches=["drake"], workers=1, output=tmp_path
+    )
+    record = drakesep.read_results(tmp_path).record
+    assert study.effort is not None
+    assert record.plan == {**study.effort.options, "searches": ["sqp"]}
+
+
 def test_searches_that_suit():
     full = SearchSettings()
     assert default_searches(18, full, FOUR)[1] == "vertices"
