@@ -32,7 +32,7 @@ _CORES = 2
 # What searches ask for, as it was counted for VEGA and a smallsat.
 _ITERATIONS = 8
 """Of an ascent."""
-_ROUNDS = 2.0
+_ROUNDS = 1.5
 """Of flips of bounds."""
 _STAGES = 4
 """In which all tolerances grow, of those in which a limit is passed."""
