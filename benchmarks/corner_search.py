@@ -59,18 +59,29 @@ def pairs(rng: np.random.Generator, strength: float) -> Known:
 
 
 def largest_of_pairs(b: np.ndarray, C: np.ndarray) -> float:
-    """Return the largest value in a corner: each half's corners against the other's."""
+    """Return the largest value in a corner: each half's corners against the other's.
+
+    Those of the first half by what they can reach at most, until none reaches more than
+    what has been found: exact, whatever is left out.
+    """
     half = len(b) // 2
     corners = 2.0 * ((np.arange(2**half)[:, None] >> np.arange(half)) & 1) - 1.0
     first = corners @ b[:half] + ((corners @ C[:half, :half]) * corners).sum(axis=1)
     second = corners @ b[half:] + ((corners @ C[half:, half:]) * corners).sum(axis=1)
     across = corners @ C[:half, half:]
-    return max(
-        float(
-            (first[i : i + 256, None] + across[i : i + 256] @ corners.T + second).max()
-        )
-        for i in range(0, len(corners), 256)
-    )
+    at_most = first + np.abs(across).sum(axis=1) + second.max()
+    # What the second half adds by itself, as one parameter more that is always 1.
+    across = np.column_stack([across, np.ones(len(corners))])
+    others = np.column_stack([corners, second]).T
+    largest = -np.inf
+    order = np.argsort(-at_most)
+    for i in range(0, len(order), 32):
+        mine = order[i : i + 32]
+        if at_most[mine[0]] < largest:
+            break
+        found = ((across[mine] @ others).max(axis=1) + first[mine]).max()
+        largest = max(largest, float(found))
+    return largest
 
 
 def magnitudes(rng: np.random.Generator, terms: int) -> Known:

@@ -77,7 +77,8 @@ class Case(Section):
     requirements: list[RequirementSection] = Field(default_factory=list)
     """What runs are held against."""
     objectives: Literal["paper"] | None = None
-    """What is looked at beside the requirements."""
+    """What is looked at beside the requirements: the paper's objectives, or nothing.
+    `published` needs them."""
     clearance: ClearanceSection = ClearanceSection()
     """Which of the bodies' geometry is measured."""
     recontact: RecontactSection | None = None
