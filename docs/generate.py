@@ -14,7 +14,7 @@ from case_file_keys import keys_of_case_files
 from metric_table import table_of_metrics
 from parameter_table import table_of_parameters
 from port_tables import tables_of_ports
-from result_tables import tables_of_results
+from result_tables import table_of_study, tables_of_results
 
 
 DOCS = Path(__file__).parent
@@ -23,7 +23,7 @@ TABLES: Mapping[str, Mapping[str, Callable[[], str]]] = {
     "metrics.md": {"metrics": table_of_metrics},
     "parameters.md": {"parameters": table_of_parameters},
     "ports.md": {"ports": tables_of_ports},
-    "results.md": {"files": tables_of_results},
+    "results.md": {"study": table_of_study, "files": tables_of_results},
 }
 """By page and by the name of the table."""
 

@@ -2,7 +2,10 @@
 
 from collections.abc import Iterator
 
+from docstrings import field_docs
+
 from drakesep.results.catalogue import FILES, FileKind
+from drakesep.results.study_record import StudyRecord
 
 
 def tables_of_results() -> str:
@@ -21,3 +24,12 @@ def _lines(kind: FileKind) -> Iterator[str]:
         yield "|---|---|---|"
         for column in kind.columns:
             yield f"| `{column.name}` | {column.unit} | {column.what} |"
+
+
+def table_of_study() -> str:
+    """Return the keys of `study.json`, made of the record's fields."""
+    rows = [
+        f"| `{name}` | {text.replace('``', '`')} |"
+        for name, text in field_docs(StudyRecord).items()
+    ]
+    return "\n".join(["| key | what it says |\n|---|---|", *rows])

@@ -11,21 +11,32 @@ PREFIX = ".writing-"
 
 
 @contextlib.contextmanager
-def written(path: Path) -> Iterator[Path]:
+def written(path: Path, *, synced: bool = False) -> Iterator[Path]:
     """Give the path to write a file to, which takes its place when it is whole.
 
     Args:
         path: of the file; one that is there stays until the new one is whole.
+        synced: whether it is to be on the disk, too, before it takes its place.
+
+    Raises:
+        OSError: it cannot be written; the error names it.
     """
     beside = path.with_name(f"{PREFIX}{os.getpid()}-{path.name}")
     try:
         yield beside
+        if synced:
+            with beside.open("rb") as stream:
+                os.fsync(stream.fileno())
         os.replace(beside, path)
+    except OSError as error:
+        if error.filename not in (None, str(beside)):
+            raise
+        raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
         beside.unlink(missing_ok=True)
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text, in UTF-8."""
-    with written(path) as beside:
+    """Write a text, in UTF-8, down to the disk."""
+    with written(path, synced=True) as beside:
         beside.write_text(text, encoding="utf-8")

@@ -37,7 +37,7 @@ def load_case(source: str | Path) -> Case:
     builtin = builtin_cases()
     path = builtin.get(str(source), Path(source))
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_bytes().decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "not a text file"
         raise CaseError(
@@ -57,10 +57,15 @@ def load_case(source: str | Path) -> Case:
         wanted = "must have a value, got none"
         raise CaseError("\n".join(f"{source}: {key}: {wanted}" for key in empty))
     try:
-        context = {"folder": path.parent, "read": (str(source), text)}
+        context = {"folder": path.parent, "read": (_named(source, path, builtin), text)}
         return Case.model_validate(data, context=context)
     except ValidationError as error:
         raise explained(error, f"{source}: ") from error
+
+
+def _named(source: str | Path, path: Path, builtin: dict[str, Path]) -> str:
+    """Return by what a case is read again, from any directory."""
+    return str(source) if str(source) in builtin else str(path.absolute())
 
 
 def analysis_case_of(case: Case | AnalysisCase | str | Path) -> AnalysisCase:

@@ -1,6 +1,7 @@
 """The command line. Imports that take time wait until a command needs them."""
 
 import contextlib
+import errno
 import os
 import signal
 import sys
@@ -188,12 +189,12 @@ def animate(
 
     Of a folder of results, the runs that it keeps: nothing is flown.
     """
-    from drakesep.case_file.reader import load_case
+    from drakesep.case_file.reader import builtin_cases, load_case
     from drakesep.studies import animate
     from drakesep.tables.run_tables import read_runs
 
     console = _console()
-    if Path(case).is_dir():
+    if Path(case).is_dir() and case not in builtin_cases():
         _animate_folder(console, Path(case), labels, output, runs)
         return
     loaded = load_case(case)
@@ -218,7 +219,7 @@ def _animate_folder(
 
     if runs is not None:
         raise InputError(f"--runs: {folder} has its own runs; name them with --run")
-    file = output or folder.with_suffix(".html")
+    file = output or folder.parent / f"{folder.resolve().name}.html"
     with console.status("measuring"):
         results = read_results(folder)
         shown = animate.animate_results(results, labels, output=file)
@@ -367,7 +368,9 @@ def verify(
         from drakesep.cli.progress import progress_bar
         from drakesep.studies import verification
 
-        with _interruptible(folder), folder, progress_bar(console) as on_progress:
+        with _interruptible(folder), folder, contextlib.ExitStack() as stack:
+            stack.callback(background.end)  # before the folder is left
+            on_progress = stack.enter_context(progress_bar(console))
             study = verification.verify(
                 loaded,
                 objectives=objectives or (),
@@ -403,11 +406,12 @@ def _interruptible(folder: "ResultsFolder") -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        _fail(INTERRUPTED, f"interrupted; what was done is in {folder.path}")
+        done = f"; what was done is in {folder.directory}" if folder.begun else ""
+        _fail(INTERRUPTED, f"interrupted{done}")
 
 
 def _say_where(console: "Console", folder: "ResultsFolder") -> None:
-    console.print(f"Tables and plots are in {folder.path}", markup=False)
+    console.print(f"Tables and plots are in {folder.directory}", markup=False)
 
 
 def _parse_changes(texts: list[str]) -> dict[str, float]:
@@ -472,6 +476,7 @@ def main() -> None:
     except InputError as error:
         _fail(BAD_INPUT, str(error))
     except OSError as error:
-        _fail(BAD_INPUT, f"{error.filename}: {error.strerror}")
+        disk = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+        _fail(FAILED if disk else BAD_INPUT, f"{error.filename}: {error.strerror}")
     except RuntimeError as error:
         _fail(FAILED, str(error))

@@ -2,15 +2,18 @@
 
 import shlex
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Self
 
+import numpy as np
+
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.case_file.case import Case
 from drakesep.case_file.reader import analysis_case_of, load_case
+from drakesep.results import provenance
 from drakesep.systems.model.parts import Mesh
 
 
@@ -22,11 +25,12 @@ class Asked:
     """Its name, that of the function and of the command."""
     case: AnalysisCase
     source: str | None
-    """The case file, or the name of the built-in case; None if it came as an object."""
+    """The case file, or the name of the built-in case; None of what was made in
+    Python."""
     text: str | None
     """The case as a case file has it; None of a case in SI, made in Python."""
-    named_files: tuple[Path, ...] = ()
-    """Meshes and models that it names."""
+    named_files: Mapping[str, str | None] = field(default_factory=dict)
+    """Meshes and models that it names: their SHA-256 then, by their paths."""
     arguments: Mapping[str, Any] = field(default_factory=dict)
     """Of the function, beside the case and the folder, that were given."""
     seed: int | None = None
@@ -41,34 +45,34 @@ class Asked:
         cls,
         study: str,
         case: Case | AnalysisCase | str | Path,
+        arguments: Mapping[str, Any] | None = None,
         *,
         seed: int | None = None,
-        **arguments: Any,
     ) -> Self:
         """Return what is asked, with the case read if it is a file.
 
         Args:
             study: its name.
             case: as studies take it.
-            seed: of what is drawn at random.
             arguments: of the function; one that is None or empty was not given.
+            seed: of what is drawn at random.
 
         Raises:
             CaseError: a file cannot be read.
             ValueError: a published case has the label of a run of a study.
         """
-        source = str(case) if isinstance(case, str | Path) else None
         read = load_case(case) if isinstance(case, str | Path) else case
         in_file = read if isinstance(read, Case) else None
         record = analysis_case_of(read)
+        files = in_file.files if in_file else _meshes(record)
         return cls(
             study=study,
             case=record,
-            source=source or (in_file.source if in_file else None),
+            source=None if in_file is None else in_file.source,
             text=in_file.text if in_file else None,
-            named_files=in_file.files if in_file else _meshes(record),
-            arguments={k: v for k, v in arguments.items() if v not in (None, (), {})},
-            seed=seed,
+            named_files=provenance.hashed(files),
+            arguments={k: v for k, v in (arguments or {}).items() if _given(v)},
+            seed=None if seed is None else int(seed),
         )
 
     @property
@@ -80,22 +84,27 @@ class Asked:
         """Return it for a study that has ended now."""
         return replace(self, took=self.seconds)
 
-    def again(self, folder: Path, command: Sequence[str] | None) -> str:
-        """Return what does the study again, for a shell.
+    def again(self, folder: Path, command: Sequence[str] | None) -> str | None:
+        """Return what does the study again, for a shell, from any directory.
+
+        None if an argument is a function or an object, which no text holds.
 
         Args:
             folder: of its results, which has the case if nothing else does.
             command: arguments of the command line that asked; None if Python did.
         """
         if command is not None:
-            return shlex.join(["drakesep", *command])
+            where = shlex.quote(str(Path.cwd()))
+            return f"cd {where} && {shlex.join(['drakesep', *command])}"
+        if not all(map(_is_plain, self.arguments.values())):
+            return None
         case = (
             f"drakesep.read_results({str(folder)!r}).case"
             if self.source is None
             else repr(self.source)
         )
-        given = {**self.arguments, "seed": self.seed} if self.seed else self.arguments
-        call = ", ".join([case, *(f"{k}={_written(v)}" for k, v in given.items())])
+        given = self.plain_arguments.items()
+        call = ", ".join([case, *(f"{name}={value!r}" for name, value in given)])
         function = f"drakesep.{self.study.replace('-', '_')}({call})"
         again = f"import drakesep; {function}.save({str(folder)!r})"
         return shlex.join(["python", "-c", again])
@@ -111,22 +120,30 @@ def _meshes(case: AnalysisCase) -> tuple[Path, ...]:
     return tuple(p.shape.file for p in parts if isinstance(p.shape, Mesh))
 
 
+def _given(value: Any) -> bool:
+    return value is not None and not (isinstance(value, Sized) and not len(value))
+
+
 def _plain(value: Any) -> Any:
+    """Return a value as JSON has it; of a function or an object its name."""
     if isinstance(value, Mapping):
         return {str(key): _plain(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
         return [_plain(entry) for entry in value]
-    if value is None or isinstance(value, bool | int | float | str):
+    if isinstance(value, np.generic | np.ndarray):
+        return _plain(value.tolist())
+    if _is_plain(value):
         return value
-    return _name(value)
-
-
-def _name(value: Callable[..., Any] | object) -> str:
     name = getattr(value, "name", None) or getattr(value, "__name__", None)
     return str(name or type(value).__name__)
 
 
-def _written(value: Any) -> str:
-    """Return a value as Python has it; what has no such text, by its name."""
-    plain = _plain(value)
-    return repr(plain)
+def _is_plain(value: Any) -> bool:
+    """Return whether JSON and Python have a text for a value."""
+    if isinstance(value, Mapping):
+        return all(map(_is_plain, value.values()))
+    if isinstance(value, list | tuple):
+        return all(map(_is_plain, value))
+    if isinstance(value, np.generic | np.ndarray):
+        return _is_plain(value.tolist())
+    return value is None or isinstance(value, bool | int | float | str)

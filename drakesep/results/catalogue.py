@@ -17,7 +17,6 @@ import pandas as pd
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.search.judge import CONFIDENCE
 from drakesep.analysis.search.registry import SEARCHES
-from drakesep.results import recorded_runs
 from drakesep.systems.model.parameters import ParameterName
 from drakesep.units import records, split_unit
 
@@ -516,17 +515,25 @@ def names_of(study: str, labels: Sequence[str]) -> Iterator[tuple[str, FileKind]
                 yield kind.named(label), kind
 
 
-def files_in(folder: Path, study: str) -> tuple[FileInFolder, ...]:
-    """Return the files of a study that are in a folder, with what they hold."""
-    labels = recorded_runs.labels_in(folder)
+def files_in(
+    folder: Path, study: str, labels: Sequence[str], ours: Callable[[Path], bool]
+) -> tuple[FileInFolder, ...]:
+    """Return the files of a study that are in a folder, with what they hold.
+
+    Args:
+        folder: of the study.
+        study: its name.
+        labels: of its runs.
+        ours: whether a file of such a name is the study's.
+    """
     found = [
         FileInFolder(name, kind.what, kind.row, _columns_in(folder / name, kind))
         for name, kind in names_of(study, labels)
-        if (folder / name).exists()
+        if ours(folder / name)
     ]
-    meshes = sorted(file.name for file in (folder / GEOMETRY).glob("*"))
+    meshes = sorted(filter(ours, (folder / GEOMETRY).glob("*")))
     what = "A mesh of the case, as it was when it was measured."
-    found += [FileInFolder(f"{GEOMETRY}/{name}", what, "", ()) for name in meshes]
+    found += [FileInFolder(f"{GEOMETRY}/{file.name}", what, "", ()) for file in meshes]
     return tuple(found)
 
 

@@ -12,7 +12,7 @@ from typing import Any, Self, TypeAlias
 from drakesep.files import PREFIX
 from drakesep.results import catalogue, recorded_runs
 from drakesep.results.asked import Asked
-from drakesep.results.recorded_case import CASE, save_case
+from drakesep.results.recorded_case import staged_case
 from drakesep.results.study_record import (
     STUDY,
     Ended,
@@ -37,7 +37,7 @@ def writable_folder(directory: str | Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         probe.touch()
-        probe.unlink()
+        probe.unlink(missing_ok=True)
     except OSError as error:
         raise InputError(
             f"output: must be a folder that can be written, got {folder} "
@@ -52,10 +52,12 @@ class ResultsFolder:
     It is locked from entering to leaving: a second study that wants it is refused, and
     the lock ends with its process. What is there stays until the study begins: one that
     is refused leaves the results of the last alone. Then goes what the last one left,
-    by its `study.json` or, if it was killed, by its names; what is not a study's stays.
+    as its `study.json` lists it; what no study has left stays. The list is kept up
+    while a study goes on, so that one that is killed can be read, and cleared.
 
     Attributes:
-        path: of the folder.
+        directory: as it was given.
+        path: of the folder, wherever the process goes.
     """
 
     def __init__(
@@ -72,12 +74,16 @@ class ResultsFolder:
             study: that will write it, one of `catalogue.STUDIES`.
             command: arguments of the command line that asks for it; None: Python does.
         """
-        self.path = Path(directory)
+        self.directory = Path(directory)
+        self.path = self.directory.absolute()
         self._study = study
         self._command = command
+        self._lock: int | None = None
+        self._is_new = False
         self._record: StudyRecord | None = None
         self._asked: Asked | None = None
-        self._lock: int | None = None
+        self._labels: dict[str, None] = {}
+        self._others: dict[Path, tuple[int, int]] = {}
 
     def __enter__(self) -> Self:
         """Lock it.
@@ -86,6 +92,7 @@ class ResultsFolder:
             ValueError: it cannot be written, another study is writing it, or it holds
                 the results of another kind of study.
         """
+        self._is_new = not self.path.exists()
         writable_folder(self.path)
         self._lock = _locked(self.path)
         try:
@@ -99,48 +106,79 @@ class ResultsFolder:
         last = StudyRecord.read(self.path)
         if last is not None and last.study != self._study:
             raise InputError(
-                f"output: must be a folder without results of another study, got "
-                f"{self.path} with those of {last.study!r}; give {self._study!r} a "
-                "folder of its own"
+                "output: must be a folder without results of another study, got "
+                f"{self.directory} with those of {last.study!r}; "
+                f"give {self._study!r} a folder of its own"
             )
 
+    @property
+    def begun(self) -> bool:
+        """Whether the study has begun, and what the last one left is gone."""
+        return self._asked is not None
+
     def begin(self, asked: Asked) -> None:
-        """Take out what the last study left, and write down what is asked now."""
-        self._clear()
-        self._asked = asked
-        self._record = record_of(asked, self.path, self._command)
-        save_case(asked.case, self.path)
-        self._record.write(self.path)
+        """Write down what is asked, and take out what the last study left."""
+        last = StudyRecord.read(self.path)
+        record = record_of(asked, self.path, self._command)
+        self._sweep()
+        with staged_case(asked.case, self.path, asked.named_files):
+            left = last.files if last else ()
+            replace(record, files=left).write(self.path)
+            self._asked, self._record = asked, record
+            for file in left:
+                self._remove(str(file["name"]))
+            self._others = {file: _identity(file) for file in self._files()}
+        self.keep()
 
     def plan(self, options: Mapping[str, Any]) -> None:
         """Write down what the study has planned, before it does."""
         assert self._record is not None
         self._record = replace(self._record, plan=dict(options))
+        self.keep()
+
+    def keep(self, labels: Sequence[str] = ()) -> None:
+        """Write down which files the study has left until now.
+
+        Args:
+            labels: of runs that are written, or being written.
+        """
+        assert self._record is not None
+        self._labels |= dict.fromkeys(labels)
+        files = catalogue.files_in(
+            self.path, self._study, tuple(self._labels), self._is_ours
+        )
+        there = {one.name for one in files}
+        self._record = replace(
+            self._record,
+            runs=[
+                k for k in self._labels if f"{recorded_runs.FOLDER}/{k}.json" in there
+            ],
+            files=files_as_json(files),
+        )
         self._record.write(self.path)
 
-    def end(
-        self, *, failed: str = "", verdict: str | None = None, interrupted: bool = False
-    ) -> None:
+    def end(self, *, failed: str = "", verdict: str | None = None) -> None:
         """Write down how the study ended, and what it has left.
 
         Args:
             failed: why, if it did.
             verdict: if it gives one.
-            interrupted: whether it was.
         """
-        assert self._record is not None and self._asked is not None
         ended = Ended.FAILED if failed else Ended.COMPLETED
-        record = replace(
+        self._end(ended, message=failed, verdict=verdict)
+
+    def _end(
+        self, ended: Ended, *, message: str = "", verdict: str | None = None
+    ) -> None:
+        assert self._record is not None and self._asked is not None
+        self._record = replace(
             self._record,
-            ended=Ended.INTERRUPTED if interrupted else ended,
-            message=failed,
+            ended=ended,
+            message=message,
             verdict=verdict,
             seconds=round(self._asked.seconds, 3),
-            runs=recorded_runs.labels_in(self.path),
         )
-        record.write(self.path)
-        files = catalogue.files_in(self.path, self._study)
-        replace(record, files=files_as_json(files)).write(self.path)
+        self.keep()
         self._record = None
 
     def __exit__(
@@ -152,42 +190,58 @@ class ResultsFolder:
         """Write down how it ended, if that has not been done, and unlock it."""
         try:
             if self._record is not None:
-                interrupted = isinstance(error, KeyboardInterrupt | SystemExit)
-                self.end(failed=str(error or ""), interrupted=interrupted)
+                if isinstance(error, KeyboardInterrupt | SystemExit):
+                    self._end(Ended.INTERRUPTED)
+                else:
+                    name = "left before its end" if kind is None else kind.__name__
+                    self._end(Ended.FAILED, message=str(error or "") or name)
         finally:
             self._unlock()
 
     def _unlock(self) -> None:
         assert self._lock is not None
         (self.path / _LOCK).unlink(missing_ok=True)
+        if self._is_new and not self.begun:  # refused: as if it had not been asked
+            with contextlib.suppress(OSError):
+                self.path.rmdir()
         os.close(self._lock)
         self._lock = None
 
-    def _clear(self) -> None:
-        """Take out what the last study left; its record last, which says what it is."""
-        last = StudyRecord.read(self.path)
-        labels = recorded_runs.labels_in(self.path)
-        left = [name for name, _ in catalogue.names_of(self._study, labels)]
-        left += [str(file["name"]) for file in last.files] if last else []
-        left += [f"{catalogue.GEOMETRY}/{p.name}" for p in self._meshes(last)]
-        for name in dict.fromkeys(left):
-            if name != STUDY:
-                self._remove(self.path / name)
-        for folder in (recorded_runs.FOLDER, catalogue.GEOMETRY):
+    def _homes(self) -> list[Path]:
+        within = (recorded_runs.FOLDER, catalogue.GEOMETRY)
+        return [self.path, *(self.path / name for name in within)]
+
+    def _files(self) -> list[Path]:
+        return [file for home in self._homes() for file in home.glob("*")]
+
+    def _is_ours(self, file: Path) -> bool:
+        """Return whether the study has written a file: one that was there is not."""
+        if not file.is_file() or file.name.startswith(PREFIX):
+            return False
+        return file.name == STUDY or _identity(file) != self._others.get(file)
+
+    def _sweep(self) -> None:
+        """Take out what a killed study has left half."""
+        for home in self._homes():
+            for half in home.glob(f"{PREFIX}*"):
+                half.unlink(missing_ok=True)
+
+    def _remove(self, name: str) -> None:
+        path = Path(name)
+        if name == STUDY or path.is_absolute() or ".." in path.parts:
+            return
+        file = self.path / path
+        if file.is_file() or file.is_symlink():
+            file.unlink()
+        if path.parent != Path("."):
             with contextlib.suppress(OSError):  # something else is in it
-                (self.path / folder).rmdir()
-        for half in self.path.rglob(f"{PREFIX}*"):
-            half.unlink(missing_ok=True)
-        self._remove(self.path / STUDY)
+                file.parent.rmdir()
 
-    def _meshes(self, last: StudyRecord | None) -> list[Path]:
-        """Return meshes that a study left; without a record none is known to be its."""
-        known = last is not None and (self.path / CASE).exists()
-        return list((self.path / catalogue.GEOMETRY).glob("*")) if known else []
 
-    def _remove(self, file: Path) -> None:
-        if self.path.resolve() in file.resolve().parents:  # whatever a record says
-            file.unlink(missing_ok=True)
+def _identity(file: Path) -> tuple[int, int]:
+    """Return what tells a file from one that was renamed to its name."""
+    status = file.lstat()
+    return status.st_ino, status.st_mtime_ns
 
 
 def _locked(folder: Path) -> int:
@@ -201,7 +255,7 @@ def _locked(folder: Path) -> int:
         lock = os.open(file, os.O_RDWR | os.O_CREAT, 0o644)
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
+        except BlockingIOError as error:
             process = os.read(lock, 32).decode(errors="replace").strip()
             os.close(lock)
             raise InputError(

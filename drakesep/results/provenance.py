@@ -2,16 +2,16 @@
 
 import hashlib
 import importlib.metadata
+import os
 import platform
 import subprocess
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 from drakesep.version import __version__
 
 
-_LIBRARIES = ("drake", "jax", "numpy", "scipy", "pandas")
+_LIBRARIES = ("drake", "jax", "jaxlib", "numpy", "scipy", "pandas")
 _CHECKOUT = Path(__file__).parents[2]
 """Of drakesep, if it is not installed apart from it."""
 
@@ -30,12 +30,15 @@ def commit() -> str | None:
     if not (_CHECKOUT / ".git").exists():  # else git would look in folders above
         return None
     command = ["git", "-C", str(_CHECKOUT), "describe", "--always", "--dirty"]
+    # A hook of the user's own repository points git at that one.
+    clean = {k: v for k, v in os.environ.items() if not k.startswith("GIT_")}
     try:
         told = subprocess.run(
             [*command, "--abbrev=40", "--exclude=*"],
             capture_output=True,
             text=True,
             timeout=10.0,
+            env=clean,
             check=True,
         )
     except (OSError, subprocess.SubprocessError):
@@ -43,9 +46,9 @@ def commit() -> str | None:
     return told.stdout.strip()
 
 
-def hashed(files: Iterable[Path]) -> list[dict[str, Any]]:
-    """Return the SHA-256 of each file; None of one that is there no more."""
-    return [{"file": str(file), "sha256": _of_file(file)} for file in files]
+def hashed(files: Iterable[Path]) -> dict[str, str | None]:
+    """Return the SHA-256 of each file by its path; None of one that is not there."""
+    return {str(file.resolve()): sha256_of(file) for file in files}
 
 
 def sha256(text: str) -> str:
@@ -53,7 +56,8 @@ def sha256(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _of_file(file: Path) -> str | None:
+def sha256_of(file: Path) -> str | None:
+    """Return the SHA-256 of a file; None if it cannot be read."""
     try:
         with file.open("rb") as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()

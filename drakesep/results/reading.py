@@ -11,6 +11,7 @@ from drakesep.results.recorded_case import read_case
 from drakesep.results.recorded_runs import read_run
 from drakesep.results.study_record import STUDY, StudyRecord
 from drakesep.systems.checks import InputError, unknown
+from drakesep.tables.columns import read_table
 from drakesep.tables.labelled_run import LabelledRun
 
 
@@ -66,7 +67,7 @@ class Results:
         tables = [str(file["name"]) for file in self.record.files if "row" in file]
         if name not in tables:
             raise InputError(f"{self.folder}: {unknown('table', name, tables)}")
-        return pd.read_csv(self.folder / name)
+        return read_table(self.folder / name)
 
 
 def read_results(directory: str | Path) -> Results:
@@ -78,7 +79,7 @@ def read_results(directory: str | Path) -> Results:
     Raises:
         ValueError: it is none of a study.
     """
-    folder = Path(directory)
+    folder = Path(directory).absolute()
     record = StudyRecord.read(folder)
     if record is None:
         raise InputError(f"{folder}: must be a folder of results, got no {STUDY} in it")

@@ -1,15 +1,18 @@
 """The case as a results folder keeps it: in SI, with copies of its meshes."""
 
+import contextlib
 import dataclasses
 import json
 import shutil
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 from drakesep.analysis.analysis_case import AnalysisCase
-from drakesep.files import write_text, written
+from drakesep.files import written
 from drakesep.results.case_json import from_json, to_json
 from drakesep.results.catalogue import GEOMETRY
+from drakesep.results.provenance import sha256_of
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.parts import Mesh, Part
 
@@ -17,22 +20,48 @@ from drakesep.systems.model.parts import Mesh, Part
 CASE = "case.json"
 
 
-def save_case(case: AnalysisCase, folder: Path) -> None:
+class MeshChanged(UserWarning):
+    """A mesh is no longer what it was when it was measured."""
+
+
+@contextlib.contextmanager
+def staged_case(
+    case: AnalysisCase, folder: Path, hashes: Mapping[str, str | None]
+) -> Iterator[None]:
     """Write a case into a results folder, and the meshes that it names beside it.
 
+    They take their places as the block ends, and not if it fails: what is there until
+    then, the meshes of the case itself perhaps, may be cleared within.
+
+    Args:
+        case: the case.
+        folder: of the results.
+        hashes: SHA-256 of its meshes when they were measured, by their paths.
+
     Raises:
-        ValueError: it holds what is no data.
+        ValueError: the case holds what is no data.
     """
+    with contextlib.ExitStack() as stack:
 
-    def beside(part: Part, shape: Mesh) -> Mesh:
-        name = Path(GEOMETRY, f"{part.name}{shape.file.suffix.lower()}")
-        (folder / GEOMETRY).mkdir(exist_ok=True)
-        with written(folder / name) as copy:
+        def beside(part: Part, shape: Mesh) -> Mesh:
+            name = Path(GEOMETRY, f"{part.name}{shape.file.suffix.lower()}")
+            (folder / GEOMETRY).mkdir(exist_ok=True)
+            copy = stack.enter_context(written(folder / name))
             shutil.copyfile(shape.file, copy)
-        return dataclasses.replace(shape, file=name)
+            file = str(shape.file.resolve())
+            if sha256_of(copy) != hashes.get(file):
+                warnings.warn(
+                    f"{file} has changed since it was measured: the results have it "
+                    "as it is now",
+                    MeshChanged,
+                    stacklevel=2,
+                )
+            return dataclasses.replace(shape, file=name)
 
-    text = json.dumps(to_json(_with_meshes(case, beside)), indent=1)
-    write_text(folder / CASE, text + "\n")
+        text = json.dumps(to_json(_with_meshes(case, beside)), indent=1)
+        file = stack.enter_context(written(folder / CASE, synced=True))
+        file.write_text(text + "\n", encoding="utf-8")
+        yield
 
 
 def read_case(folder: Path) -> AnalysisCase:
@@ -44,7 +73,7 @@ def read_case(folder: Path) -> AnalysisCase:
     file = folder / CASE
     try:
         case = from_json(json.loads(file.read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError) as error:
+    except (OSError, ValueError, TypeError, KeyError) as error:
         raise InputError(f"{file}: must hold a case, got: {error}") from error
     if not isinstance(case, AnalysisCase):
         raise InputError(f"{file}: must hold a case, got {type(case).__name__}")

@@ -26,7 +26,7 @@ from drakesep.systems.model.parameter_table import XYZ
 from drakesep.systems.model.parameters import parameters, with_values
 from drakesep.systems.model.run import Motion, Run, Trajectory
 from drakesep.systems.model.separation import Separation
-from drakesep.tables.columns import write_csv
+from drakesep.tables.columns import read_table, write_csv
 from drakesep.tables.labelled_run import LabelledRun
 
 
@@ -104,11 +104,6 @@ def _add(columns: dict[str, Array], owner: str, names: Iterable[str], x: Array) 
     columns |= {f"{owner}.{n}": c for n, c in zip(names, x.T, strict=True)}
 
 
-def labels_in(folder: Path) -> tuple[str, ...]:
-    """Return the labels of the runs that a results folder keeps, in order of names."""
-    return tuple(sorted(file.stem for file in (folder / FOLDER).glob("*.json")))
-
-
 def read_run(folder: Path, label: str, nominal: Separation) -> LabelledRun:
     """Return a run of a results folder.
 
@@ -129,7 +124,7 @@ def read_run(folder: Path, label: str, nominal: Separation) -> LabelledRun:
     sampled: Mapping[str, Any] = {}
     if table.exists():
         with _of_a_study(table):
-            sampled = _sampled(pd.read_csv(table), flown)
+            sampled = _sampled(read_table(table), flown)
     with _of_a_study(file):
         run = Run(separation=flown, **facts, **sampled)
         return LabelledRun(run=run, **{k: from_json(v) for k, v in record.items()})

@@ -35,15 +35,18 @@ class StudyRecord:
     """What `study.json` says; its fields are the keys of the file."""
 
     format: int = _FORMAT
+    """Of the file."""
     study: str
     """Its name, that of the function and of the command."""
     ended: Ended
+    """``completed``, ``failed`` or ``interrupted``; ``under way`` of a study that still
+    is, or was killed."""
     message: str = ""
     """Why it failed."""
     verdict: str | None = None
     """Of a study that gives one: ``met``, ``not met``, ``clear`` or ``contact``."""
-    again: str
-    """What does the study again, in a shell."""
+    again: str | None
+    """What does the study again, in a shell; null if it was asked with functions."""
     arguments: Mapping[str, Any] = field(default_factory=dict)
     """That were given, beside the case and the folder."""
     plan: Mapping[str, Any] = field(default_factory=dict)
@@ -62,16 +65,17 @@ class StudyRecord:
     commit: str | None = None
     """Of drakesep, if it was run from a checkout; ``-dirty`` if that was changed."""
     case: Mapping[str, Any]
-    """Its ``name``, its ``source``: the file, or the name if it is built in, its
-    ``text`` as a case file, and the ``sha256`` of that text; made in Python, it has
-    none of the three, and stands in ``case.json``."""
-    named_files: Sequence[Mapping[str, Any]] = ()
-    """Meshes and models that the case names, each with its ``sha256``."""
+    """Its ``name``; its ``source``: the file, or the name if it is built in, null if
+    it was made or changed in Python; its ``text`` as a case file, and the ``sha256`` of
+    that. A case in SI has no text: it stands in ``case.json``, as all do."""
+    named_files: Mapping[str, str | None] = field(default_factory=dict)
+    """SHA-256 of the meshes and models that the case names, by their paths."""
     runs: Sequence[str] = ()
     """Labels of the runs that the folder keeps."""
     files: Sequence[Mapping[str, Any]] = ()
-    """Files of the study: ``name``, ``what`` it holds, and of a table what a row is
-    for, and of each column its ``name``, ``unit`` and ``what`` it holds."""
+    """Files of the study, those of the last one while they are cleared: ``name``,
+    ``what`` it holds, and of a table what a ``row`` is for, and of each of its
+    ``columns`` the ``name``, the ``unit`` and ``what`` it holds."""
 
     def write(self, folder: Path) -> None:
         """Write it into a folder."""
@@ -93,6 +97,9 @@ class StudyRecord:
             return None
         except (OSError, ValueError) as error:
             raise InputError(f"{file}: must be that of a study, got: {error}") from None
+        if not isinstance(data, dict) or data.get("format") != _FORMAT:
+            got = data.get("format") if isinstance(data, dict) else None
+            raise InputError(f"{file}: format must be {_FORMAT}, got {got}")
         try:
             return cls(**{**data, "ended": Ended(data["ended"])})
         except (TypeError, KeyError, ValueError) as error:
@@ -119,7 +126,7 @@ def record_of(asked: Asked, folder: Path, command: Sequence[str] | None) -> Stud
             "text": text,
             "sha256": None if text is None else provenance.sha256(text),
         },
-        named_files=provenance.hashed(asked.named_files),
+        named_files=dict(asked.named_files),
     )
 
 

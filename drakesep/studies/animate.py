@@ -11,6 +11,7 @@ from drakesep.files import write_text
 from drakesep.results.folder import writable_folder
 from drakesep.results.reading import Results
 from drakesep.studies.clearance import check_geometry
+from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run
 from drakesep.systems.simulation.simulation import Simulation
 from drakesep.tables.roles import Changed, Nominal, Worst, label_of
@@ -75,11 +76,14 @@ def animate_results(
     check_geometry(results.case.separation)
     runs = {label: results.run(label) for label in labels or results.labels}
     if labels is None:
-        roles = {label: one.role for label, one in runs.items()}
+        completed = {k: o for k, o in runs.items() if o.run.trajectory is not None}
+        roles = {label: one.role for label, one in completed.items()}
         first = [k for k, role in roles.items() if isinstance(role, Nominal | Changed)]
         worst = [k for k, role in roles.items() if isinstance(role, Worst)]
         others = [k for k in roles if k not in first]
         runs = {k: runs[k] for k in (*first, *(shown_first(worst) or others))}
+    if not runs:
+        raise InputError(f"{results.folder}: must keep a completed run, got none")
     flown = {label: one.run for label, one in runs.items()}
     return _write(results.case, flown, Path(output))
 

@@ -11,6 +11,8 @@ takes seconds to import what it draws with: the sooner it is begun, the less is 
 import multiprocessing
 import os
 import signal
+import threading
+import time
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
@@ -56,13 +58,13 @@ class BackgroundProcess:
             self._process = ProcessPoolExecutor(
                 max_workers=1,
                 initializer=_prepare,
-                initargs=(registered_metrics(), dict(PUSHERS)),
+                initargs=(os.getpid(), registered_metrics(), dict(PUSHERS)),
             )
             try:
                 with interrupts_ignored():  # by the process, which inherits it
                     self._process.submit(_nothing)  # so that it starts
             except BaseException:
-                self._end()
+                self.end()
                 raise
         return self
 
@@ -73,9 +75,10 @@ class BackgroundProcess:
         trace: TracebackType | None,
     ) -> None:
         """End it."""
-        self._end()
+        self.end()
 
-    def _end(self) -> None:
+    def end(self) -> None:
+        """End it, in the midst of its work if need be."""
         process, self._process = self._process, None
         if process is not None:
             process.shutdown(wait=True, kill_workers=True)
@@ -106,8 +109,22 @@ class BackgroundProcess:
         return called
 
 
-def _prepare(metrics: Sequence[Metric], pushers: Mapping[str, PusherKind]) -> None:
+def _end_with(parent: int) -> None:
+    """End this process when its parent is there no more: it must not write on."""
+    while os.getppid() == parent:
+        time.sleep(_LOOK)
+    os._exit(1)
+
+
+_LOOK = 0.2
+"""How often the parent is looked for, s."""
+
+
+def _prepare(
+    parent: int, metrics: Sequence[Metric], pushers: Mapping[str, PusherKind]
+) -> None:
     """Import what takes long, before it is needed; know what the caller registered."""
+    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
     PUSHERS.update(pushers)
     for metric in metrics:
         if find_metric(metric.stem) is None:

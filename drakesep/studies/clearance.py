@@ -163,6 +163,7 @@ class Clearances:
 
         folder = results.path
         save_runs([self.labelled], self.case.separation, folder)
+        results.keep([self.labelled.label])
         write_csv(self.summary, folder / "clearance_summary.csv")
         write_csv(self.over_time, folder / "clearance.csv")
         save_clearance(self._time, self.separation, self._curves, folder)
@@ -197,7 +198,7 @@ def clearance(
             it overlaps while mated, or the folder cannot be written.
         RuntimeError: the run fails.
     """
-    asked = Asked.of(CLEARANCE, case, values=values)
+    asked = Asked.of(CLEARANCE, case, {"values": values})
     case, values = asked.case, values or {}
     check_geometry(case.separation)
     changed = values_in_si(case.separation, values)

@@ -83,6 +83,7 @@ class Simulated:
         folder = results.path
         write_csv(self.summary, folder / "summary.csv")
         save_runs([self.labelled], self.case.separation, folder)
+        results.keep([self.labelled.label])
         if self.completed:
             self._write_motion(folder)
         results.end(failed="" if self.completed else self.run.message)
@@ -115,7 +116,7 @@ def simulate(
     Raises:
         ValueError: the case or a value is wrong, or the folder cannot be written.
     """
-    asked = Asked.of(SIMULATE, case, values=values)
+    asked = Asked.of(SIMULATE, case, {"values": values})
     case, values = asked.case, values or {}
     changed = values_in_si(case.separation, values)
     with_values(case.separation, changed)  # what is refused leaves the folder alone

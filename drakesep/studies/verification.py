@@ -132,13 +132,13 @@ def verify(
     asked = Asked.of(
         VERIFY,
         case,
-        seed=SearchSettings(**effort).seed,
-        **{
+        {
             "objectives": objectives,
             "searches": searches,
             "growth": growth,
             **effort,
         },
+        seed=SearchSettings(**effort).seed,
     )
     case = asked.case
     if not case.requirements:

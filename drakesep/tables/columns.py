@@ -28,6 +28,11 @@ def write_csv(frame: pd.DataFrame, path: Path) -> None:
         frame.to_csv(beside, index=False)
 
 
+def read_table(file: str | Path) -> pd.DataFrame:
+    """Return a table that `write_csv` has written; floats are read back exactly."""
+    return pd.read_csv(file)
+
+
 def in_units(values: Mapping[str, float]) -> dict[str, float]:
     """Return values by the names that carry their units, in those units."""
     return {

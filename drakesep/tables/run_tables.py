@@ -14,7 +14,7 @@ from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.run import Motion
-from drakesep.tables.columns import in_units, shown, unit_of_objective
+from drakesep.tables.columns import in_units, read_table, shown, unit_of_objective
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.roles import WORST, Worst, label_of, role_in_tables
 from drakesep.units import unit_of, with_unit
@@ -97,7 +97,7 @@ def read_runs(
             worst cases where labels are not given.
     """
     try:
-        frame = pd.read_csv(file)
+        frame = read_table(file)
     except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeError) as error:
         raise InputError(f"{file}: must be a table of runs, got: {error}") from error
     if "label" not in frame:

@@ -78,8 +78,8 @@ def worst_case(
     asked = Asked.of(
         WORST_CASE,
         case,
+        {"objectives": objectives, "searches": searches, **effort},
         seed=SearchSettings(**effort).seed,
-        **{"objectives": objectives, "searches": searches, **effort},
     )
     if not asked.case.tolerances:
         raise InputError("dispersions: a worst case needs some, got none")
@@ -130,8 +130,10 @@ def carried_out(study: _Study, under_way: Session) -> _Study:
 
 
 def _record(runs: Sequence[LabelledRun], under_way: Session) -> None:
-    nominal = under_way.plan.case.separation
+    nominal, folder = under_way.plan.case.separation, under_way.plan.folder
     under_way.draw(functools.partial(save_runs, runs, nominal))
+    if folder is not None:
+        folder.keep([one.label for one in runs])
 
 
 def with_references(study: _Study, under_way: Session) -> _Study:

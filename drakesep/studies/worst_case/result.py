@@ -203,6 +203,7 @@ class WorstCases:
             folder = results.path
             self.save_tables(folder)
             save_runs(self.runs, self.case.separation, folder)
+            results.keep([one.label for one in self.runs])
             if self.worst:
                 Tornado(self.nearest_sensitivities).save(folder)
             self.pictures.save(folder)

@@ -109,12 +109,13 @@ class Session:
         """Return what a step leaves, with its tables in the folder, if there is one."""
         if self.plan.folder is not None:
             study.save_tables(self.plan.folder.path)
+            self.plan.folder.keep()
         return study
 
     def draw(self, save: Callable[[Path], None]) -> None:
         """Begin to draw into the folder, if there is one, while the study goes on."""
         if self.plan.folder is not None:
-            folder = self.plan.folder.path.absolute()
+            folder = self.plan.folder.path
             self._drawings.append(self.background.submit(save, folder))
 
     def wait_for_drawings(self) -> None:

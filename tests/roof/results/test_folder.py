@@ -1,8 +1,11 @@
 """The folder that a study writes: whose it is, what goes and stays, how it ended."""
 
+import contextlib
+import dataclasses
 import hashlib
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -10,14 +13,19 @@ import textwrap
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
+import trimesh
 from one_pair import one_pair
-from separations import vega
+from separations import generic_pair, vega
 
 import drakesep
 from drakesep.files import PREFIX, written
+from drakesep.results.asked import Asked
 from drakesep.results.folder import ResultsFolder
+from drakesep.results.recorded_case import MeshChanged
 from drakesep.systems.checks import InputError
+from drakesep.systems.model.parts import Mesh, Part
 
 
 def record(folder):
@@ -37,14 +45,21 @@ def overflowing():
 def test_a_failed_run_leaves_nothing_of_the_run_before(tmp_path):
     drakesep.simulate("vega", output=tmp_path)
     assert {"motion.csv", "rotation.png", "runs/nominal.csv"} <= names(tmp_path)
-    for mine in ("notes.txt", "motion_mine.csv", "runs/mine.txt"):
-        (tmp_path / mine).write_text("mine")
+    mine = {"notes.txt", "motion_mine.csv", "contacts.csv", "geometry/mine.stl"}
+    mine |= {"runs/mine.json", "runs/mine.csv"}
+    (tmp_path / "geometry").mkdir()
+    for name in mine:
+        (tmp_path / name).write_text("mine")
     failed = drakesep.simulate("vega", overflowing(), output=tmp_path)
     assert not failed.completed
     assert names(tmp_path) == {
         *("summary.csv", "study.json", "case.json", "runs/run.json"),
-        *("notes.txt", "motion_mine.csv", "runs/mine.txt"),
+        *mine,
     }
+    assert {(tmp_path / name).read_text() for name in mine} == {"mine"}
+    listed = {file["name"] for file in record(tmp_path)["files"]}
+    assert listed == names(tmp_path) - mine
+    assert record(tmp_path)["runs"] == ["run"]
     assert record(tmp_path)["ended"] == "failed"
     assert record(tmp_path)["message"] == failed.run.message != ""
 
@@ -113,6 +128,7 @@ def test_lock_dies_with_its_process(tmp_path):
         with ResultsFolder({str(tmp_path)!r}, "simulate") as folder:
             folder.begin(Asked.of("simulate", "vega"))
             (folder.path / "contacts.csv").write_text("of the killed")
+            folder.keep()
             with written(folder.path / "summary.csv") as half:
                 half.write_text("half")
                 print("writing", flush=True)
@@ -168,20 +184,22 @@ def test_record_says_what_was_asked(tmp_path):
     assert said["case"]["text"] == text
     assert said["case"]["sha256"] == hashlib.sha256(text.encode()).hexdigest()
     assert said["case"]["source"] == str(case)
-    [named] = said["named_files"]
-    assert Path(named["file"]) == mesh
-    assert named["sha256"] == hashlib.sha256(mesh.read_bytes()).hexdigest()
+    digest = hashlib.sha256(mesh.read_bytes()).hexdigest()
+    assert said["named_files"] == {str(mesh.resolve()): digest}
     assert (out / "geometry" / "bus.obj").read_bytes() == mesh.read_bytes()
     assert said["versions"]["drakesep"] == drakesep.__version__
     assert {"drake", "jax", "numpy", "scipy"} <= set(said["versions"])
     assert 0.0 < said["seconds"] < time.time() - begun + 1.0
-    assert said["verdict"] in ("clear", "contact")
     listed = {file["name"] for file in said["files"]}
     assert listed == names(out)  # study.json itself among them
-    # The mesh of the folder is measured, wherever the first has gone.
+    # The mesh of the folder is measured, wherever the first has gone: of the nominal,
+    # whose mass does not change the geometry while mated.
+    first = drakesep.clearance(case).summary["clearance_mm"].tolist()
     mesh.unlink()
-    again = drakesep.read_results(out).case
-    assert drakesep.clearance(again).clear in (True, False)
+    again = drakesep.clearance(drakesep.read_results(out).case, output=out)
+    assert again.summary["clearance_mm"].tolist() == first
+    assert (out / "geometry" / "bus.obj").exists()
+    assert record(out)["ended"] == "completed"
 
 
 def builtin_text():
@@ -236,5 +254,75 @@ def test_command_line_is_what_does_it_again(tmp_path, capsys, monkeypatch):
     code, _, _ = run(capsys, monkeypatch, *arguments)
     assert code == 0
     assert record(out)["again"] == (
+        f"cd {Path.cwd()} && "
         f"drakesep simulate vega --set payload.mass_kg=1880 -o '{out}'"
     )
+
+
+@pytest.mark.parametrize("error", [MemoryError(), RuntimeError("why"), None])
+def test_what_does_not_end_has_failed(error, tmp_path):
+    """Whether its error has words or not, or there is none."""
+    with contextlib.suppress(MemoryError, RuntimeError):
+        with ResultsFolder(tmp_path, "simulate") as folder:
+            folder.begin(Asked.of("simulate", "vega"))
+            if error is not None:
+                raise error
+    assert record(tmp_path)["ended"] == "failed"
+    assert record(tmp_path)["message"] == (
+        str(error) or type(error).__name__ if error else "left before its end"
+    )
+
+
+def test_numbers_of_numpy_are_numbers():
+    values = {"payload.mass_kg": np.float32(1870), "payload.cg_x_mm": np.float64(1.5)}
+    asked = Asked.of(
+        "simulate", "vega", {"values": values, "none": None}, seed=np.int64(3)
+    )
+    assert asked.plain_arguments == {
+        "values": {"payload.mass_kg": 1870.0, "payload.cg_x_mm": 1.5}
+    }
+    assert type(asked.seed) is int
+    _, _, script = shlex.split(asked.again(Path("/d"), None))
+    assert "values={'payload.mass_kg': 1870.0, 'payload.cg_x_mm': 1.5}" in script
+
+
+def test_what_no_text_holds_has_no_command():
+    asked = Asked.of("worst-case", "vega", {"objectives": [max]})
+    assert asked.again(Path("/d"), None) is None
+    assert asked.plain_arguments == {"objectives": ["max"]}
+
+
+def test_refused_study_makes_no_folder(tmp_path):
+    from drakesep.cli import app  # as the command line opens it, before the check
+
+    with (
+        pytest.raises(ValueError, match="mas_kg"),
+        app._results(tmp_path / "new", "vega", "simulate") as folder,
+    ):
+        drakesep.simulate("vega", {"payload.mas_kg": 1.0}, output=folder)
+    assert not (tmp_path / "new").exists()
+
+
+def test_study_may_change_the_working_directory(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with ResultsFolder("out", "simulate") as folder:
+        folder.begin(Asked.of("simulate", "vega"))
+        monkeypatch.chdir("/")
+        folder.end()
+    assert record(tmp_path / "out")["ended"] == "completed"
+    assert names(tmp_path / "out") == {"study.json", "case.json"}
+
+
+def test_mesh_that_has_changed_is_told(tmp_path):
+    """Between the study and the time at which it is saved."""
+    mesh = tmp_path / "box.stl"
+    trimesh.creation.box((1.0, 1.0, 1.0)).export(mesh)
+    part = Part(name="box", shape=Mesh(file=mesh))
+    pair = generic_pair(duration=0.5)
+    lower, upper = pair.bodies
+    lower = dataclasses.replace(lower, parts=(part,))
+    separation = dataclasses.replace(pair, bodies=(lower, upper))
+    study = drakesep.simulate(drakesep.AnalysisCase(separation=separation))
+    trimesh.creation.box((1.0, 1.0, 2.0)).export(mesh)
+    with pytest.warns(MeshChanged, match=r"box\.stl has changed since"):
+        study.save(tmp_path / "out")
