@@ -294,7 +294,13 @@ class BatchSprings:
             forces[k] = timed[..., i, :]
         if self.by_stroke:
             acts = self._acts(mode)[np.array(self.by_stroke)]
-            each = jnp.where(acts, self.stroke_forces(bodies, params, mode), 0.0)
+            # Most of a run nothing pushes.
+            shape = (*bodies.p_WBo[0].shape[:-2], *acts.shape)
+            each = lax.cond(
+                acts.any(),
+                lambda: jnp.where(acts, self.stroke_forces(bodies, params, mode), 0.0),
+                lambda: jnp.zeros(shape),
+            )
             for i, k in enumerate(self.by_stroke):
                 forces[k] = each[..., i, :]
         return forces

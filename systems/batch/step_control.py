@@ -24,7 +24,7 @@ _DRIVEN = 0.45
 error estimate lets pass what is larger than it promises where forces follow motion."""
 _TURN = 0.4
 """Largest rotation in a step, rad: its nodes resolve rates and angles to 1e-9."""
-_SHORT = 0.05
+_SHORT = 0.03
 """Part of the wanted step below which DOPRI5 is as exact."""
 _LEAST = 0.01
 """Part of the wanted step below which none is taken towards a foreseen event."""

@@ -211,9 +211,9 @@ def test_a_push_by_displacement_bounds_steps(lifted):
 @pytest.mark.parametrize(
     ("h", "flying", "short"),
     [
-        ([0.049, 0.049], [True, True], True),
-        ([0.049, 0.5], [True, True], False),
-        ([0.049, 0.5], [True, False], True),
+        ([0.029, 0.029], [True, True], True),
+        ([0.029, 0.5], [True, True], False),
+        ([0.029, 0.5], [True, False], True),
     ],
 )
 def test_brief_steps_are_taken_only_by_all_that_fly(h, flying, short):
