@@ -244,6 +244,7 @@ def test_figures_are_those_of_the_sampled_runs(vega, vega_batch):
     assert_close(result.metrics.to_numpy(), np.array(sampled), absolute=5e-9)
 
 
+@pytest.mark.slow
 def test_convergence_over_the_whole_box(vega, vega_batch, fine_batch):
     """Ten thousand points against a hundredth of the tolerance."""
     rows = random_rows(vega, 10_000, seed=2)

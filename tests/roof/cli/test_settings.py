@@ -18,6 +18,8 @@ from drakesep.cli.app import app
 from drakesep.studies import tolerance_growth
 from drakesep.studies.background_process import BackgroundProcess
 from drakesep.studies.worst_case.session import Session
+from drakesep.systems.model.integration import Integration
+from drakesep.systems.simulation.simulation import Simulation
 
 
 HARD = {"samples": 48, "starts": 3, "vertices": 64, "seed": 1}
@@ -272,6 +274,35 @@ def test_workers(command, workers, case, tmp_path, monkeypatch, drakesep_):
     words += ["--objective", "PM"] if command == "worst-case" else []
     drakesep_(command, case, "-o", tmp_path, "--search", "drake", *words)
     assert asked == [workers]
+
+
+@pytest.mark.parametrize(
+    "command", ["simulate", "clearance", "animate", "worst-case", "verify"]
+)
+def test_every_run_is_integrated_as_the_case_says(
+    command, tmp_path, monkeypatch, drakesep_
+):
+    data = small_case(dispersions={"upper.mass_kg": 50.0}, published=None)
+    data["run"] |= {
+        "integrator": "bogacki_shampine3",
+        "accuracy": 3e-7,
+        "max_step_s": 0.2,
+    }
+    wanted = Integration(scheme="bogacki_shampine3", accuracy=3e-7, max_step=0.2)
+    told, begin = [], Simulation.__init__
+
+    def noted(self, separation, integration=None):
+        told.append(integration)
+        begin(self, separation, integration)
+
+    monkeypatch.setattr(Simulation, "__init__", noted)
+    output = tmp_path / "page.html" if command == "animate" else tmp_path
+    words = ["--search", "drake", "--workers", 1]
+    words = words if command in ("worst-case", "verify") else []
+    words += ["--objective", "PM"] if command == "worst-case" else []
+    drakesep_(command, write_case(tmp_path, data), "-o", output, *words)
+    assert told
+    assert all(integration == wanted for integration in told)
 
 
 def test_runs_of_an_animation(case, tmp_path, monkeypatch, drakesep_):
