@@ -4,7 +4,7 @@ import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Unpack
+from typing import Any, Unpack
 
 import pandas as pd
 
@@ -129,17 +129,14 @@ def verify(
             folder cannot be written.
         RuntimeError: the nominal run fails.
     """
-    asked = Asked.of(
-        VERIFY,
-        case,
-        seed=SearchSettings(**effort).seed,
-        **{
-            "objectives": objectives,
-            "searches": searches,
-            "growth": growth,
-            **effort,
-        },
-    )
+    given: dict[str, Any] = {
+        "objectives": objectives,
+        "searches": searches,
+        "growth": growth,
+        **effort,
+        "seed": SearchSettings(**effort).seed,
+    }
+    asked = Asked.of(VERIFY, case, **given)
     case = asked.case
     if not case.requirements:
         raise InputError("requirements: a case to verify must have some, got none")

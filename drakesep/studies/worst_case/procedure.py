@@ -9,7 +9,7 @@ import functools
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar, Unpack
+from typing import Any, TypeVar, Unpack
 
 import numpy as np
 
@@ -75,12 +75,13 @@ def worst_case(
             be written.
         RuntimeError: the nominal run fails.
     """
-    asked = Asked.of(
-        WORST_CASE,
-        case,
-        seed=SearchSettings(**effort).seed,
-        **{"objectives": objectives, "searches": searches, **effort},
-    )
+    given: dict[str, Any] = {
+        "objectives": objectives,
+        "searches": searches,
+        **effort,
+        "seed": SearchSettings(**effort).seed,
+    }
+    asked = Asked.of(WORST_CASE, case, **given)
     if not asked.case.tolerances:
         raise InputError("dispersions: a worst case needs some, got none")
     chosen = choose_objectives(asked.case, objectives)
