@@ -223,29 +223,33 @@ class AnalysisCase:
 
     @property
     def objective_names(self) -> tuple[str, ...]:
-        """Names of the case's objectives: of each requirement, and the paper's."""
-        of_requirements = [
-            name for r in self.requirements for name in self.names_towards(r)
-        ]
-        of_paper = [objective.name for objective in self.paper_objectives]
-        return tuple(dict.fromkeys([*of_paper, *of_requirements]))
-
-    @property
-    def requirement_objectives(self) -> tuple[Objective, ...]:
-        """What leads out of each requirement."""
-        return tuple(o for limit in self.requirements for o in self.towards(limit))
+        """Names of the case's objectives: the paper's, and of each requirement."""
+        names = [objective.name for objective in self.paper_objectives]
+        names += [name for r in self.requirements for name in self.names_towards(r)]
+        names += [objective.name for objective in self._until_violation]
+        return tuple(dict.fromkeys(names))
 
     @property
     def paper_objectives(self) -> tuple[Objective, ...]:
-        """The paper's, if the case asks for them: Eq. 11-14, and Table 4's time.
+        """The paper's, Eq. 11-14, if the case asks for them."""
+        return tuple(OBJECTIVES.values()) if self.objectives else ()
 
-        That is the time to a deviation's limit, where there is one.
+    @property
+    def requirement_objectives(self) -> tuple[Objective, ...]:
+        """What leads out of each requirement.
+
+        Beside the paper's objectives also the time to a deviation's limit, which the
+        paper's Table 4 has.
         """
-        if not self.objectives:
+        each = [o for limit in self.requirements for o in self.towards(limit)]
+        return *each, *self._until_violation
+
+    @property
+    def _until_violation(self) -> tuple[Objective, ...]:
+        limited = any(math.isfinite(limit) for limit in self.deviation_limits)
+        if not (self.objectives and limited):
             return ()
-        if not any(math.isfinite(limit) for limit in self.deviation_limits):
-            return tuple(OBJECTIVES.values())
-        return *OBJECTIVES.values(), lowest("deviation_within_limits_until")
+        return (lowest("deviation_within_limits_until"),)
 
     def towards(self, requirement: Requirement) -> tuple[Objective, ...]:
         """Return the objectives that lead out of a requirement."""

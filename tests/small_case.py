@@ -99,6 +99,7 @@ _SMALL = {
         {"quantity": "rate_after_separation_deg_s", "at_most": [0.66, 1.72, 1.25]},
         {"quantity": "deviation_at_separation_deg", "at_most": [2.1, 2.87, 4.0]},
     ],
+    "objectives": "paper",
     "run": {"duration_s": 0.8},
     "published": [
         {

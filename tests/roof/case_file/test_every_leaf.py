@@ -203,6 +203,7 @@ run:
   integrator: bogacki_shampine3
   accuracy: 3.0e-4
   max_step_s: 0.0175
+objectives: paper
 published:
   - label: theirs
     objectives: [L2, PM]
@@ -439,6 +440,7 @@ def record_of_main(folder) -> AnalysisCase:
             touching=(("rod", "block"), ("plate", "nose")),
             until_separation=0.0875,
         ),
+        objectives="paper",
         published=(
             PublishedCase(
                 label="theirs",

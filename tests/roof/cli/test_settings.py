@@ -28,7 +28,7 @@ OF_SEARCH = {
     "--search": (["vertices"], {"searches": ["vertices"]}),
     "--starts": (5, {"starts": 5}),
     "--samples": (32, {"samples": 32}),
-    # Too few for all: evolution takes their place.
+    # Too few for all: flips of bounds take their place.
     "--vertices": (3, {"vertices": 3}),
     "--seed": (2, {"seed": 2}),
 }
@@ -57,6 +57,10 @@ OPTIONS = {
     },
     "verify": {
         **OF_SEARCH,
+        "--objective": (
+            ["highest_final_rate_x"],
+            {"objectives": ["highest_final_rate_x"]},
+        ),
         "--growth": (None, {"growth": True}),
         "--no-growth": (None, {"growth": False}),
     },
@@ -66,8 +70,8 @@ ELSEWHERE = {
     "animate": {"--output", "-o", "--runs", "--run"},
     "simulate": {"--output", "-o"},
     "clearance": {"--output", "-o"},
-    "worst-case": {"--output", "-o", "--workers"},
-    "verify": {"--output", "-o", "--workers"},
+    "worst-case": {"--output", "-o", "--workers", "--flips"},
+    "verify": {"--output", "-o", "--workers", "--flips", "--corners"},
 }
 """Tested below."""
 
@@ -233,7 +237,7 @@ def test_what_only_python_sets(case, monkeypatch):
         return grow(problem, limits, **how)
 
     monkeypatch.setattr(tolerance_growth, "grow", noted)
-    effort = {**HARD, "seed": 7, "corners": 20, "generations": 2}
+    effort = {**HARD, "seed": 7, "corners": 20, "flips": 50, "generations": 2}
     study = drakesep.verify(
         case, searches=["evolution"], growth=True, workers=1, **effort
     )
@@ -241,6 +245,24 @@ def test_what_only_python_sets(case, monkeypatch):
     [note] = study.searches["what"]
     assert "at most 2 generations" in note
     assert set(effort) == set(Effort.__annotations__)
+
+
+@pytest.mark.parametrize(
+    ("command", "words", "planned"),
+    [
+        ("worst-case", ["--flips", 70], {"flips": 70, "corners": 4096}),
+        ("verify", ["--flips", 70, "--corners", 20], {"flips": 70, "corners": 20}),
+    ],
+)
+def test_what_two_parameters_do_not_show(
+    command, words, planned, case, tmp_path, drakesep_
+):
+    """Of two there are four corners, which are all seen at once."""
+    words = [*words, "--search", "corners", *hard_in_words()]
+    drakesep_(command, case, "-o", tmp_path, *words, "--workers", 1)
+    plan = drakesep.read_results(tmp_path).record.plan
+    assert {name: plan[name] for name in planned} == planned
+    assert plan["searches"] == ["corners"]
 
 
 @pytest.mark.parametrize("command", ["simulate", "clearance", "worst-case", "verify"])
