@@ -12,8 +12,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from drakesep.analysis.metrics.metric import Functional
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective, lowest, towards
-from drakesep.analysis.metrics.registry import find_metric, registered_metrics
+from drakesep.analysis.metrics.of_run import metric_named
+from drakesep.analysis.metrics.registry import (
+    DEVIATION,
+    find_metric,
+    registered_metrics,
+)
 from drakesep.analysis.metrics.requirements import Requirement, deviation_limits
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
@@ -162,14 +168,15 @@ class AnalysisCase:
     def _check_requirements(self) -> None:
         limited = [requirement.metric for requirement in self.requirements]
         for metric in limited:
-            if find_metric(metric) is None:
+            found = find_metric(metric)
+            if found is None or metric not in found[0].names:
                 known = [name for one in registered_metrics() for name in one.names]
                 raise InputError(f"requirements: {unknown('metric', metric, known)}")
             if limited.count(metric) > 1:
                 raise InputError(f"requirements: {metric} must stand once")
         for requirement in self.requirements:
             with named("requirements"):
-                _check_limit(requirement)
+                _check_limit(requirement, self.deviation_limits)
             if requirement.measured_apart and not self.has_clearance:
                 raise InputError(
                     f"requirements: {requirement.metric} needs geometry on two bodies "
@@ -260,16 +267,29 @@ class AnalysisCase:
         )
 
 
-def _check_limit(requirement: Requirement) -> None:
+def _check_limit(requirement: Requirement, deviation_limits: tuple[float, ...]) -> None:
     """Raise InputError where a limit says nothing, or would be held unseen."""
     metric, sense, limit = requirement.metric, requirement.sense, requirement.limit
-    if requirement.measured_apart and (sense != ">=" or limit <= 0.0):
-        raise InputError(  # at contact it is 0, however deep
-            f"{metric}: sense must be '>=' and the limit > 0, got {sense!r} and "
-            f"{limit:g}"
-        )
+    if requirement.measured_apart:
+        if sense != ">=" or limit <= 0.0:  # at contact it is 0, however deep
+            raise InputError(
+                f"{metric}: sense must be '>=' and the limit > 0, got {sense!r} and "
+                f"{limit:g}"
+            )
+        return
     if requirement.never_negative and sense == "<=" and limit < 0.0:
         raise InputError(f"{metric}: limit must be >= 0, got {limit:g}")
+    if requirement.never_negative and sense == ">=" and limit <= 0.0:  # always met
+        raise InputError(f"{metric}: a limit from below must be > 0, got {limit:g}")
+    judge = metric_named(requirement.judged_by)
+    within = judge.functional is Functional.TIME_WITHIN
+    if within and not any(map(math.isfinite, deviation_limits)):  # until the end
+        raise InputError(f"{metric}: needs a requirement '<=' on {DEVIATION}, got none")
+    if sense == ">=" and judge.is_largest_magnitude:
+        raise InputError(  # that a rate is large once says nothing of other times
+            f"{metric}: '>=' must be judged by a smallest magnitude: register one, and "
+            "name it as this metric's at_least"
+        )
 
 
 def _until_violation() -> Objective:

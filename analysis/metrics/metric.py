@@ -180,6 +180,12 @@ class Metric:
         return self.functional in _MAGNITUDES
 
     @property
+    def is_largest_magnitude(self) -> bool:
+        """Whether it is the largest magnitude of one component of its signal."""
+        largest = self.functional is Functional.LARGEST_MAGNITUDE
+        return largest and self.combined is Combined.EACH
+
+    @property
     def is_of_signal_itself(self) -> bool:
         """Whether it is a value or magnitude that one component of its signal has."""
         return self.combined is Combined.EACH and (

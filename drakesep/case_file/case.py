@@ -161,9 +161,14 @@ class Case(Section):
                     "not touch while mated, got none"
                 )
         for limit in self._limits:
+            wanted = ""
             if limit.never_negative and limit.sense == "<=" and limit.limit < 0.0:
+                wanted = "at_most must be >= 0"
+            if limit.never_negative and limit.sense == ">=" and limit.limit <= 0.0:
+                wanted = "at_least must be > 0"
+            if wanted:
                 raise CaseError(
-                    f"requirements: {with_unit(limit.metric)}: at_most must be >= 0, "
+                    f"requirements: {with_unit(limit.metric)}: {wanted}, "
                     f"got {unit_of(limit.metric).from_si(limit.limit):g}"
                 )
 
