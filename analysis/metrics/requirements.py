@@ -1,5 +1,6 @@
 """Requirements on a separation, and whether runs meet them."""
 
+import enum
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -72,27 +73,43 @@ class Requirement:
         return self.limit - value if self.sense == "<=" else value - self.limit
 
 
+class Verdict(enum.Enum):
+    """Whether a requirement is met; the value says it."""
+
+    MET = "met"
+    NOT_MET = "not met"
+    NOT_LOOKED_AT = "not looked at"
+    """A run does not tell, or none does: no verdict."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
     """How a requirement fares over several runs."""
 
     requirement: Requirement
     nominal: float
-    """Value of the nominal run."""
+    """Value of the nominal run; NaN if it does not tell."""
     worst: float
-    """Value nearest to the limit, or farthest beyond it."""
+    """Value nearest to the limit, or farthest beyond it; NaN if a run does not tell."""
     run: str
-    """Label of the run with the worst value."""
+    """Label of the run with the worst value, or of the first that does not tell."""
 
     @property
     def margin(self) -> float:
-        """Margin of the worst value."""
+        """Margin of the worst value; NaN if a run does not tell."""
         return self.requirement.margin(self.worst)
 
     @property
-    def met(self) -> bool:
+    def verdict(self) -> Verdict:
         """Whether every run meets the requirement."""
-        return self.margin >= 0.0
+        if math.isnan(self.worst):
+            return Verdict.NOT_LOOKED_AT
+        return Verdict.MET if self.margin >= 0.0 else Verdict.NOT_MET
+
+    @property
+    def met(self) -> bool:
+        """Whether every run is known to meet the requirement."""
+        return self.verdict is Verdict.MET
 
 
 def assess(
@@ -102,30 +119,37 @@ def assess(
 ) -> list[Finding]:
     """Return how each requirement fares over the runs.
 
+    What was not looked at, or is not a number, is never within a limit.
+
     Args:
         requirements: to be judged.
-        runs: metrics of each run, by its label; those that lack a metric say nothing
-            about it.
+        runs: metrics of each run, by its label; of one that is measured apart, of some
+            runs only.
         nominal: label of the nominal run.
     """
-    findings = []
-    for requirement in requirements:
-        metric = requirement.judged_by
-        values = {
-            label: metrics[metric]
-            for label, metrics in runs.items()
-            if metric in metrics
-        }
-        label = min(values, key=lambda label: requirement.margin(values[label]))
-        findings.append(
-            Finding(
-                requirement=requirement,
-                nominal=values[nominal],
-                worst=values[label],
-                run=label,
-            )
-        )
-    return findings
+    return [_finding(requirement, runs, nominal) for requirement in requirements]
+
+
+def _finding(
+    requirement: Requirement, runs: Mapping[str, Mapping[str, float]], nominal: str
+) -> Finding:
+    metric = requirement.judged_by
+    values = {
+        label: metrics.get(metric, math.nan)
+        for label, metrics in runs.items()
+        if metric in metrics or not requirement.measured_apart
+    }
+
+    def badness(label: str) -> tuple[bool, float]:
+        return math.isnan(values[label]), -requirement.margin(values[label])
+
+    worst = max(values, key=badness, default="")
+    return Finding(
+        requirement=requirement,
+        nominal=values.get(nominal, math.nan),
+        worst=values.get(worst, math.nan),
+        run=worst,
+    )
 
 
 def deviation_limits(requirements: Sequence[Requirement]) -> tuple[float, ...]:
