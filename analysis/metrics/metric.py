@@ -96,11 +96,14 @@ class Signal(NamedTuple):
     axes: tuple[str, ...] = XYZ
     """What the components are called in names; empty for one alone."""
     components: tuple[int, ...] = (0, 1, 2)
+    turns: bool = False
+    """Whether it is an angle: over time it goes on beyond half a turn, from the start
+    of the run; at a moment it lies within half a turn."""
 
 
 RATE = Signal("rate of B in W (w_WB_B)", "rate")
 RELATIVE_RATE = Signal("rate of B relative to A (w_AB_B)", "relative_rate")
-ANGLE = Signal("roll, pitch and yaw of B in W", "angle", ROLL_PITCH_YAW)
+ANGLE = Signal("roll, pitch and yaw of B in W", "angle", ROLL_PITCH_YAW, turns=True)
 LONGITUDINAL_SPEED = Signal(
     "longitudinal speed of B's CG as seen from A", "relative_velocity", ("",), (0,)
 )

@@ -8,6 +8,7 @@ import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
 
+import numpy as np
 from scipy.interpolate import PPoly
 
 from drakesep.analysis.metrics import sampled_signals as signals
@@ -146,7 +147,10 @@ class _Samples:
             last = getattr(self._motion, signal.quantity)[-1]
             return [float(last[i]) for i in signal.components]
         time = self.time(moment)
-        return [float(component(time)) for component in self._whole(signal)]
+        values = [float(component(time)) for component in self._whole(signal)]
+        if signal.turns:
+            return [math.remainder(value, math.tau) for value in values]
+        return values
 
     def _stretch(self, signal: Signal, start: float, stop: float) -> list[PPoly]:
         """Return the components of a signal from one time to another."""
@@ -154,6 +158,8 @@ class _Samples:
 
     def _interpolated(self, signal: Signal) -> list[PPoly]:
         values = getattr(self._motion, signal.quantity)[:, list(signal.components)]
+        if signal.turns:
+            values = np.unwrap(values, axis=0)
         return signals.interpolate(self._motion.time, values, self._run.breaks)
 
 

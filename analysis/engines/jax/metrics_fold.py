@@ -82,6 +82,9 @@ class Found(NamedTuple):
     """(n,) when each moment was, s; infinite before it."""
     values: tuple[Lanes, ...]
     """(c, n) of the components of what is gathered."""
+    angles: Lanes
+    """(a, n) of the components that are angles, at the end of the last step, without
+    jumps; NaN before the first."""
 
 
 class MetricsFold:
@@ -127,6 +130,13 @@ class MetricsFold:
             )
         )
         self._gathered = [self._in_order(one) for one in gathered]
+        turning = {
+            component
+            for metric in self._metrics
+            if metric.signal is not None and metric.signal.turns
+            for component in _components_of(metric.signal)
+        }
+        self._angles = [c for c in self._components if c in turning]
 
     def _in_order(self, gathered: _Gathered) -> _Gathered:
         """Return the same with its components in the order of the polynomials."""
@@ -162,6 +172,7 @@ class MetricsFold:
                 jnp.full((len(g.components), n), _BEFORE_ANY[g.functional])
                 for g in self._gathered
             ),
+            jnp.full((len(self._angles), n), jnp.nan),
         )
 
     def add(self, found: Found, params: BatchParameters, step: Step) -> Found:
@@ -171,7 +182,11 @@ class MetricsFold:
         motion = motion_laws.relative_motion(
             pick(bodies, a), pick(bodies, b), *self._equations.mated_place(params), jnp
         )
-        signals = StepSignals([_smooth(motion, one) for one in self._components])
+        smooth = {c: _component(motion, c) for c in self._components}
+        for component, before in zip(self._angles, found.angles, strict=True):
+            smooth[component] = unwrapped(smooth[component], before)
+        signals = StepSignals(list(smooth.values()))
+        angles = [smooth[component][-1] for component in self._angles]
         begins = {
             moment: _begun(moment, step) & jnp.isinf(found.times[moment.name])
             for moment in self._moments
@@ -189,7 +204,9 @@ class MetricsFold:
             moment.name: jnp.where(begins[moment], step.start, found.times[moment.name])
             for moment in self._moments
         }
-        return Found(times, tuple(values))
+        return Found(
+            times, tuple(values), jnp.stack(angles) if angles else found.angles
+        )
 
     def _at(self, gathered: _Gathered, motion: RelativeMotion) -> Lanes:
         """Return (c, n) components at the start of a step, or at its end."""
@@ -276,12 +293,6 @@ def _component(motion: RelativeMotion, component: Component) -> Lanes:
     quantity, i = component
     lanes: Lanes = getattr(motion, quantity)[i]
     return lanes
-
-
-def _smooth(motion: RelativeMotion, component: Component) -> Lanes:
-    """Return a component (8, n) of the motion without jumps, at the nodes."""
-    lanes = _component(motion, component)
-    return unwrapped(lanes) if component[0] == ANGLE.quantity else lanes
 
 
 def _begun(moment: Moment, step: Step) -> Lanes:

@@ -110,8 +110,14 @@ class StepSignals:
         return beyond.any(axis=0), theta
 
 
-def unwrapped(angle: Lanes) -> Lanes:
-    """Return an angle (8, n) at the nodes without its jumps by a whole turn."""
-    changes = jnp.diff(angle, axis=0)
+def unwrapped(angle: Lanes, before: Lanes) -> Lanes:
+    """Return an angle (8, n) at the nodes without its jumps by a whole turn.
+
+    Args:
+        angle: within half a turn.
+        before: (n,) the same without jumps, where the step begins; NaN: as it is.
+    """
+    before = jnp.where(jnp.isnan(before), angle[0], before)
+    changes = jnp.diff(angle, axis=0, prepend=before[None])
     turns = 2.0 * jnp.pi * jnp.cumsum(jnp.round(changes / (2.0 * jnp.pi)), axis=0)
-    return jnp.concatenate([angle[:1], angle[1:] - turns])
+    return angle - turns

@@ -9,11 +9,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from runs import made_up_run
-from separations import FREE, generic_pair
+from separations import FREE, coaxial, generic_pair
 from toy_metrics import OTHERS, RELATIVE, RELATIVE_MIN, WHILE_PUSHED, registered
 
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.metric import (
+    AFTER_SEPARATION,
     ANGLE,
     RATE,
     Functional,
@@ -35,6 +36,7 @@ from drakesep.systems import sampling
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.separation import InitialMotion
 from drakesep.systems.simulation.simulation import Simulation
 
 
@@ -71,6 +73,64 @@ def test_every_metric_is_the_same_in_both_engines(monkeypatch):
         # As `test_batch` has it; the engines' errors are at most 1e-9 and 1e-8.
         allowed = np.maximum(1e-9, 1e-8 * np.abs(drake))
         assert (np.abs(told[name] - drake) <= allowed).all(), name
+
+
+FROM_ROLL = Metric(
+    stem="roll_at_end",
+    kind=Kind.ANGLE,
+    functional=Functional.VALUE,
+    signal=ANGLE,
+    when=Moment.END,
+)
+MOST_ROLL, LEAST_ROLL, ROLLED = (
+    Metric(
+        stem=stem,
+        kind=Kind.ANGLE,
+        functional=functional,
+        signal=ANGLE,
+        when=AFTER_SEPARATION,
+    )
+    for stem, functional in (
+        ("most_roll", Functional.LARGEST),
+        ("least_roll", Functional.SMALLEST),
+        ("roll_over_time", Functional.INTEGRAL_OF_MAGNITUDE),
+    )
+)
+
+
+@pytest.mark.parametrize("spin", [2.5, -2.5])
+def test_angles_go_on_beyond_half_a_turn(spin):
+    """A stack that spins about its axis: its roll is 3 rad + spin t, by hand."""
+    duration, roll = 4.0, math.copysign(3.0, spin)
+    separation = dataclasses.replace(
+        coaxial(generic_pair(duration=duration, joint=FREE)),
+        initial=InitialMotion(rpy_WA=(roll, 0.0, 0.0), w_WA_A=(spin, 0.0, 0.0)),
+    )
+    turned = roll + spin * duration
+    limits = (4.0, math.inf, math.inf)
+    with registered(MOST_ROLL, LEAST_ROLL, ROLLED, FROM_ROLL):
+        batch = Batch(separation, ["upper.mass"], deviation_limits=limits)
+        told = batch.run([[1200.0]]).metrics.iloc[0]
+        flown = Simulation(separation, Integration(accuracy=1e-9)).run()
+        end = flown.separation_end
+        at_separation = roll + spin * end
+        for metrics in (told, metrics_of_run(flown, limits)):
+            ends = sorted([at_separation, turned])
+            # Both engines' errors of an angle at their tolerances, over 4 s.
+            close = {"abs": 1e-6}
+            assert metrics["least_roll_roll"] == pytest.approx(ends[0], **close)
+            assert metrics["most_roll_roll"] == pytest.approx(ends[1], **close)
+            mean = 0.5 * abs(at_separation + turned)
+            area = mean * (duration - end)
+            assert metrics["roll_over_time_roll"] == pytest.approx(area, abs=4e-6)
+            until = (4.0 - 3.0) / 2.5
+            assert metrics["deviation_within_limits_until"] == pytest.approx(
+                until, **close
+            )
+            within = math.remainder(turned, math.tau)
+            assert metrics["roll_at_end_roll"] == pytest.approx(within, **close)
+            within = math.remainder(at_separation, math.tau)
+            assert metrics["angle_at_separation_roll"] == pytest.approx(within, **close)
 
 
 # The extreme that breaks a limit.
