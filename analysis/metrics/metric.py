@@ -6,10 +6,12 @@ functionals: `drakesep.analysis.metrics.of_run`, on a run's samples, and
 """
 
 import enum
+import functools
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeAlias
 
-from drakesep.systems.checks import InputError
+from drakesep.systems.checks import InputError, unknown
+from drakesep.systems.equations.relative_motion import RelativeMotion
 from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ, with_axis
 
 
@@ -27,8 +29,9 @@ class Kind(enum.Enum):
     CLEARANCE = "clearance"
 
 
+@functools.total_ordering
 class Moment(enum.Enum):
-    """A time of a run."""
+    """A time of a run; they are in order."""
 
     START = "the start"
     RELEASE = "the first release"
@@ -37,6 +40,11 @@ class Moment(enum.Enum):
     """When all attachments of B have let go, and the last spring has reached its
     stroke."""
     END = "the end"
+
+    def __lt__(self, other: "Moment") -> bool:
+        """Return whether it comes before another."""
+        order = list(type(self))
+        return order.index(self) < order.index(other)
 
 
 class Window(NamedTuple):
@@ -100,6 +108,28 @@ class Signal(NamedTuple):
     """Whether it is an angle: over time it goes on beyond half a turn, from the start
     of the run; at a moment it lies within half a turn."""
 
+    def check(self, name: str) -> None:
+        """Raise InputError unless there are such components, each with its axis.
+
+        Args:
+            name: of what has the signal.
+        """
+        known = RelativeMotion._fields  # what both engines tell
+        if self.quantity not in known:
+            raise InputError(
+                f"{name}: signal: {unknown('field', self.quantity, known)}"
+            )
+        components, axes = set(self.components), set(self.axes)
+        if not components or not components <= {0, 1, 2}:
+            raise InputError(
+                f"{name}: signal: components must be of 0, 1, 2, got {self.components}"
+            )
+        if not len(axes) == len(self.axes) == len(components) == len(self.components):
+            raise InputError(
+                f"{name}: signal: each component must have an axis of its own, got "
+                f"{self.components} and {self.axes}"
+            )
+
 
 RATE = Signal("rate of B in W (w_WB_B)", "rate")
 RELATIVE_RATE = Signal("rate of B relative to A (w_AB_B)", "relative_rate")
@@ -140,6 +170,19 @@ class Metric:
 
     def __post_init__(self) -> None:
         """Check that the fields go together."""
+        if not self.stem.isidentifier():
+            raise InputError(
+                f"metric: stem must be of letters, digits and _, got {self.stem!r}"
+            )
+        if self.sign not in (1.0, -1.0):
+            raise InputError(f"{self.stem}: sign must be 1 or -1, got {self.sign}")
+        if self.signal is not None:
+            self.signal.check(self.stem)
+        if isinstance(self.when, Window) and self.when.start >= self.when.end:
+            raise InputError(
+                f"{self.stem}: window must be from one moment to a later, got from "
+                f"{self.when.start.value} to {self.when.end.value}"
+            )
         if (self.signal is None) != (self.functional in _OF_NO_SIGNAL):
             wanted = "no signal" if self.signal else "a signal"
             raise InputError(f"{self.stem}: {self.functional.value} needs {wanted}")

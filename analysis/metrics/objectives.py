@@ -34,6 +34,8 @@ ObjectiveName: TypeAlias = Literal["L1", "L2", "Linf", "PM"]
 """Of the paper."""
 Limits: TypeAlias = Sequence[float]
 """(3,) of roll, pitch and yaw, rad; see `metrics_of_run`."""
+Metrics: TypeAlias = Mapping[str, Array]
+"""Of one run or of many, by name."""
 Window: TypeAlias = tuple[float, float]
 """From when to when, s."""
 
@@ -155,19 +157,19 @@ class MetricObjective(Objective):
     needs = Needs.METRICS
 
     @abstractmethod
-    def of_metrics(self, metrics: Array) -> Array:
-        """Return the objective (...,) of metrics (..., n_m), in the order of METRICS.
+    def of_metrics(self, metrics: Metrics) -> Array:
+        """Return the objective (...,) of metrics.
 
         Args:
-            metrics: in SI.
+            metrics: (...,) each, in SI; those it is made of, or more.
         """
 
     @abstractmethod
-    def weights(self, metrics: Array) -> Array:
-        """Return the derivatives (..., n_m) of the objective with the metrics.
+    def weights(self, metrics: Metrics) -> dict[str, Array]:
+        """Return its derivatives (...,) with the metrics that it is made of.
 
         Args:
-            metrics: (..., n_m), in SI.
+            metrics: (...,) each, in SI; those it is made of, or more.
         """
 
 
@@ -204,13 +206,11 @@ class _OfMetric(MetricObjective):
     def of_run(self, run: Run, limits: Limits) -> float:
         return self._sign * metric_of_run(run, self._metric, limits)
 
-    def of_metrics(self, metrics: Array) -> Array:
-        return self._sign * metrics[..., METRICS.index(self._metric)]
+    def of_metrics(self, metrics: Metrics) -> Array:
+        return np.asarray(self._sign * metrics[self._metric])
 
-    def weights(self, metrics: Array) -> Array:
-        weights = np.zeros_like(metrics)
-        weights[..., METRICS.index(self._metric)] = self._sign
-        return weights
+    def weights(self, metrics: Metrics) -> dict[str, Array]:
+        return {self._metric: np.full_like(metrics[self._metric], self._sign)}
 
 
 class _OfWindow(Objective):
@@ -272,16 +272,19 @@ class _CompositeOfMetrics(_Composite, MetricObjective):
         super().__init__(terms, rule, name)
         self._told = tuple(terms)
 
-    def _each(self, metrics: Array) -> Array:
+    def _each(self, metrics: Metrics) -> Array:
         return np.stack([term.of_metrics(metrics) for term in self._told], axis=-1)
 
-    def of_metrics(self, metrics: Array) -> Array:
+    def of_metrics(self, metrics: Metrics) -> Array:
         return self._rule.value(self._each(metrics))
 
-    def weights(self, metrics: Array) -> Array:
-        each = np.stack([term.weights(metrics) for term in self._told], axis=-2)
+    def weights(self, metrics: Metrics) -> dict[str, Array]:
         slopes = self._rule.slopes(self._each(metrics))
-        return np.asarray(np.einsum("...tm,...t->...m", each, slopes))
+        total: dict[str, Array] = {}
+        for k, term in enumerate(self._told):
+            for name, weight in term.weights(metrics).items():
+                total[name] = total.get(name, 0.0) + slopes[..., k] * weight
+        return total
 
 
 def _composite(terms: Sequence[Objective], rule: Rule, name: str) -> Objective:

@@ -216,7 +216,7 @@ def register_metric(metric: Metric) -> None:
 
 
 def forget_metric(stem: str) -> None:
-    """Remove a metric that was registered.
+    """Remove a metric that was registered; what was made before still tells it.
 
     Args:
         stem: of the metric.

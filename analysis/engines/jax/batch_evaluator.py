@@ -1,6 +1,6 @@
 """Tells a search the objectives by the batch engine."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent import futures
 
 import numpy as np
@@ -76,7 +76,7 @@ class BatchEvaluator:
         failures: dict[int, str] = {}
         if by_metrics:
             result = self._batch.run(rows, on_progress=on_progress)
-            metrics = result.metrics.to_numpy()
+            metrics = _by_name(result)
             for k in by_metrics:
                 values[:, k] = self._by_metrics[k].of_metrics(metrics)
             failures |= result.failures
@@ -95,9 +95,7 @@ class BatchEvaluator:
         if by_metrics.any():
             index = np.flatnonzero(by_metrics)
             result = self._batch.run(rows[index])
-            told = self._tell(
-                result.metrics.to_numpy(), [which[i] for i in index.tolist()]
-            )
+            told = self._tell(result, [which[i] for i in index.tolist()])
             parts.append((index, Evaluated(told, dict(result.failures))))
         if not by_metrics.all():
             index = np.flatnonzero(~by_metrics)
@@ -142,20 +140,30 @@ class BatchEvaluator:
             futures.wait([self._preparing])
         result = self._batch.jacobian(rows)
         assert result.jacobian is not None
-        metrics = result.metrics.to_numpy()
-        weights = np.stack(
-            [self._by_metrics[k].weights(metrics[i]) for i, k in enumerate(which)]
-        )
-        # A metric of weight 0 counts for nothing, even where its slope is undefined.
-        terms = np.where(weights[..., None] == 0.0, 0.0, result.jacobian)
-        slopes = np.einsum("nm,nmp->np", weights, terms)
-        values = self._tell(metrics, which)
-        return Evaluated(values, dict(result.failures)), slopes
+        slopes = np.zeros((len(rows), len(self.names)))
+        places = {name: m for m, name in enumerate(result.metrics)}
+        for i, (k, metrics) in enumerate(zip(which, _row_by_row(result), strict=True)):
+            for name, weight in self._by_metrics[k].weights(metrics).items():
+                if weight != 0.0:  # else its slope may be undefined
+                    slopes[i] += weight * result.jacobian[i, places[name]]
+        return Evaluated(self._tell(result, which), dict(result.failures)), slopes
 
-    def _tell(self, metrics: Array, which: Sequence[int]) -> Array:
+    def _tell(self, result: BatchResult, which: Sequence[int]) -> Array:
         return np.array(
             [
                 float(self._by_metrics[k].of_metrics(row))
-                for k, row in zip(which, metrics, strict=True)
+                for k, row in zip(which, _row_by_row(result), strict=True)
             ]
         )
+
+
+def _by_name(result: BatchResult) -> dict[str, Array]:
+    """Return the metrics (n,) of a batch."""
+    return {str(name): column.to_numpy() for name, column in result.metrics.items()}
+
+
+def _row_by_row(result: BatchResult) -> Iterator[dict[str, Array]]:
+    """Yield the metrics of each row of a batch."""
+    names = list(map(str, result.metrics))
+    for row in result.metrics.to_numpy():
+        yield dict(zip(names, row, strict=True))

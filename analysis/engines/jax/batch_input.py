@@ -21,11 +21,9 @@ def check_names(names: Sequence[str], known: Mapping[str, float]) -> None:
 
 
 def check_limits(limits: Sequence[float]) -> None:
-    """Raise InputError unless there are three limits above zero, rad."""
-    if not np.shape(limits) == (3,) or not all(limit > 0.0 for limit in limits):
-        raise InputError(
-            f"deviation limits must be three above 0, in rad, got {limits}"
-        )
+    """Raise InputError unless there are three limits of zero or more, rad."""
+    if not np.shape(limits) == (3,) or not all(limit >= 0.0 for limit in limits):
+        raise InputError(f"deviation limits must be three, >= 0, in rad, got {limits}")
 
 
 def check_released(separation: Separation) -> None:

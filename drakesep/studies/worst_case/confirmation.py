@@ -11,7 +11,6 @@ from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.engines.jax.batch import TOLERANCE
 from drakesep.analysis.metrics.objectives import OBJECTIVES, MetricObjective, Objective
-from drakesep.analysis.metrics.registry import METRICS
 from drakesep.analysis.search.judge import WorstCase
 from drakesep.analysis.search.problem import Candidate, SearchProgress
 from drakesep.analysis.search.sqp import SearchStatus
@@ -112,7 +111,7 @@ def _confirmed(study: WorstCases, found: WorstCase, run: Run) -> LabelledRun:
 
 def _value(study: WorstCases, objective: Objective, labelled: LabelledRun) -> float:
     if isinstance(objective, MetricObjective):
-        metrics = np.array([labelled.metrics[name] for name in METRICS])
+        metrics = {name: np.array(value) for name, value in labelled.metrics.items()}
         return float(objective.of_metrics(metrics))
     if objective is study.clearance:
         return -labelled.metrics[CLEARANCE]

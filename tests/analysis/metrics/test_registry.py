@@ -13,6 +13,7 @@ from separations import FREE, coaxial, generic_pair
 from toy_metrics import OTHERS, RELATIVE, RELATIVE_MIN, WHILE_PUSHED, registered
 
 from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
 from drakesep.analysis.metrics.metric import (
     AFTER_SEPARATION,
     ANGLE,
@@ -21,8 +22,14 @@ from drakesep.analysis.metrics.metric import (
     Kind,
     Metric,
     Moment,
+    Window,
 )
-from drakesep.analysis.metrics.objectives import OBJECTIVES, ObjectiveName, highest
+from drakesep.analysis.metrics.objectives import (
+    OBJECTIVES,
+    ObjectiveName,
+    highest,
+    lowest,
+)
 from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.analysis.metrics.registry import (
     METRICS,
@@ -131,6 +138,28 @@ def test_angles_go_on_beyond_half_a_turn(spin):
             assert metrics["roll_at_end_roll"] == pytest.approx(within, **close)
             within = math.remainder(at_separation, math.tau)
             assert metrics["angle_at_separation_roll"] == pytest.approx(within, **close)
+
+
+def test_an_objective_finds_its_metric_where_another_was_forgotten():
+    """In a batch of before: its columns are those of then."""
+    separation = generic_pair(joint=FREE)
+    names, other = ["upper.mass"], dataclasses.replace(RELATIVE, at_least="")
+    rows = np.array([[1200.0]])
+    with registered(RELATIVE_MIN):
+        with registered(other):
+            batch = Batch(separation, names)
+            objective = lowest(RELATIVE_MIN.names[1]) + highest(other.names[0])
+            evaluator = BatchEvaluator(batch, [objective], NONE)
+        with registered(dataclasses.replace(other, stem="one_more")):
+            told = evaluator.all(rows).values[0, 0]
+            value, slopes = evaluator.slopes(rows, [0])
+    metrics = batch.run(rows).metrics.iloc[0]
+    assert told == metrics[other.names[0]] - metrics[RELATIVE_MIN.names[1]]
+    jacobian = dict(zip(metrics.index, batch.jacobian(rows).jacobian[0], strict=True))
+    slope = jacobian[other.names[0]] - jacobian[RELATIVE_MIN.names[1]]
+    # A batch with derivatives goes other steps, within its tolerance of 1e-7.
+    assert value.values[0] == pytest.approx(told, abs=1e-7)
+    assert slopes[0] == pytest.approx(slope, rel=1e-12)
 
 
 # The extreme that breaks a limit.
@@ -295,6 +324,9 @@ def test_the_papers_objectives_are_named_where_types_are():
     assert tuple(OBJECTIVES) == get_args(ObjectiveName)
 
 
+LARGEST = {"functional": Functional.LARGEST, "signal": RATE}
+
+
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
@@ -317,11 +349,29 @@ def test_the_papers_objectives_are_named_where_types_are():
             },
             "limits are those of the angles",
         ),
+        (LARGEST | {"sign": math.nan}, "sign must be 1 or -1, got nan"),
+        (LARGEST | {"stem": "my toy"}, "stem must be of letters, digits and _"),
+        (
+            LARGEST | {"when": Window(Moment.END, Moment.RELEASE, "backwards")},
+            "window must be from one moment to a later, got from the end to the f",
+        ),
+        (
+            LARGEST | {"signal": RATE._replace(quantity="speed")},
+            "signal: unknown field 'speed'",
+        ),
+        (
+            LARGEST | {"signal": RATE._replace(components=(0, 1, 3))},
+            "signal: components must be of 0, 1, 2, got",
+        ),
+        (
+            LARGEST | {"signal": RATE._replace(axes=("x", "y"))},
+            "signal: each component must have an axis of its own",
+        ),
     ],
 )
 def test_entries_that_make_no_sense(fields, message):
-    with pytest.raises(InputError, match=f"mine: {message}"):
-        Metric(stem="mine", kind=Kind.RATE, **fields)
+    with pytest.raises(InputError, match=f"(mine|metric): {message}"):
+        Metric(**{"stem": "mine", "kind": Kind.RATE, **fields})
 
 
 def test_metrics_of_drakesep_stay():
