@@ -33,6 +33,7 @@ from drakesep.systems.checks import (
     named,
     unknown,
 )
+from drakesep.systems.frozen_mapping import FrozenMapping
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.part_pairs import Names, pairs_apart, part_pairs
@@ -110,7 +111,7 @@ class PublishedCase:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        object.__setattr__(self, "values", dict(self.values))
+        object.__setattr__(self, "values", FrozenMapping(self.values))
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", self.label):
             raise InputError(
                 f"published: label must be made of letters, digits, _ and -, "
@@ -156,8 +157,7 @@ class AnalysisCase:
         with named("clearance"):
             part_pairs(self.separation, self.clearance.pairs)
             part_pairs(self.separation, self.clearance.touching)
-        # A copy: what the caller does with its own changes nothing here.
-        object.__setattr__(self, "tolerances", dict(self.tolerances))
+        object.__setattr__(self, "tolerances", FrozenMapping(self.tolerances))
         box = ToleranceBox.around(self.separation, self.tolerances)
         with named("ellipsoids"):
             admitted = ToleranceSet(self.separation, box, self.ellipsoids)

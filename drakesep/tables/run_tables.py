@@ -1,5 +1,6 @@
 """Tables of runs, as pandas frames whose columns carry their units."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -107,10 +108,20 @@ def read_runs(
     for label in wanted:
         if label not in known:
             raise InputError(f"{file}: {unknown('run', label, known)}")
+        if known.count(label) > 1:
+            raise InputError(f"{file}: run {label!r} must stand once")
     parameters_ = [str(name) for name in frame if "." in str(name)]
-    rows = frame.set_index("label")[parameters_]
+    entries = frame.set_axis(known)[parameters_]
+    numbers = entries.apply(pd.to_numeric, errors="coerce").astype(float)
+    for label in wanted:
+        for name in parameters_:
+            entry: object = entries.at[label, name]
+            if not math.isfinite(numbers.at[label, name]):
+                raise InputError(
+                    f"{file}: {label}: {name} must be a finite number, got {entry}"
+                )
     return {
-        label: dict(zip(parameters_, map(float, rows.loc[label]), strict=True))
+        label: {name: float(numbers.at[label, name]) for name in parameters_}
         for label in wanted
     }
 

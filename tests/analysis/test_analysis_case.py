@@ -172,9 +172,15 @@ def test_a_largest_magnitude_says_nothing_from_below():
         assert case(requirements=(required,)).requirements == (required,)
 
 
-def test_what_the_caller_does_with_its_dict_changes_nothing():
-    tolerances = {"upper.mass": 20.0}
-    made = case(tolerances=tolerances)
-    tolerances["upper.mass"] = 40.0
+def test_what_is_done_with_a_dict_changes_nothing():
+    tolerances, values = {"upper.mass": 20.0}, {"upper.mass": 1210.0}
+    published = PublishedCase(label="paper", values=values)
+    made = case(tolerances=tolerances, published=(published,))
+    tolerances["upper.mass"] = values["upper.mass"] = 40.0
     assert made.tolerances == {"upper.mass": 20.0}
     assert made.box.tolerance.tolist() == [20.0]
+    assert published.values == {"upper.mass": 1210.0}
+    for mine in (made.tolerances, published.values):
+        with pytest.raises(TypeError, match="does not support item assignment"):
+            mine["upper.mass"] = 1.0
+    assert hash(pickle.loads(pickle.dumps(made.tolerances))) == hash(made.tolerances)

@@ -510,6 +510,19 @@ def test_too_many_steps(vega):
     assert "more than 2 integration steps" in result.failures[0]
 
 
+@pytest.mark.parametrize("roll", [0.0, 0.01])
+def test_a_deviation_limit_of_zero(roll):
+    """Whatever turns is beyond it at once, in both engines."""
+    initial = InitialMotion(rpy_WA=(roll, 0.0, 0.0), w_WA_A=(0.1, 0.0, 0.0))
+    separation, limits = generic_pair(initial=initial), (0.0, math.inf, math.inf)
+    batch = Batch(separation, ["upper.mass"], deviation_limits=limits)
+    told = batch.run([[1200.0]]).metrics["deviation_within_limits_until"]
+    flown = metrics_of_run(Simulation(separation).run(), limits)
+    # Where a crossing is found, by round-off of a step of 1 s.
+    assert told.tolist() == pytest.approx([0.0], abs=1e-15)
+    assert flown["deviation_within_limits_until"] == 0.0
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -519,6 +532,7 @@ def test_too_many_steps(vega):
         ({"names": []}, "must be a list of parameters"),
         ({"deviation_limits": (0.1,)}, "deviation limits must be three"),
         ({"deviation_limits": (0.1, math.nan, 0.1)}, "deviation limits must be three"),
+        ({"deviation_limits": (0.1, -0.1, 0.1)}, "limits must be three, >= 0, in rad"),
         ({"tolerance": 0.0}, "tolerance must be > 0"),
         ({"deviation_limits": 0.1}, "deviation limits must be three"),
         ({"chunk": 0}, "chunk must be a whole number >= 1"),
