@@ -57,7 +57,7 @@ class ClearancePairs:
     touching: tuple[Names, ...] = ()
     """Those that touch or overlap while mated: measured once they have parted."""
     until_separation: float | None = None
-    """How far B is to move along A's x axis until distances do not matter, m; if None,
+    """How far B is to move in its direction until distances do not matter, m; if None,
     they matter to the end of the run."""
 
     def __post_init__(self) -> None:
@@ -146,7 +146,7 @@ class AnalysisCase:
     ellipsoids: tuple[Ellipsoid, ...] = ()
     """Dispersed parameters that do not all reach their tolerances together."""
     requirements: tuple[Requirement, ...] = ()
-    """Limits on metrics, no two on the same."""
+    """Limits on metrics; of two on the same, to the same side, each has an id."""
     clearance: ClearancePairs = field(default_factory=ClearancePairs)
     published: tuple[PublishedCase, ...] = ()
     """Worst cases that others have found."""
@@ -166,14 +166,17 @@ class AnalysisCase:
         self._check_published()
 
     def _check_requirements(self) -> None:
-        limited = [requirement.metric for requirement in self.requirements]
-        for metric in limited:
+        sides = [(r.metric, r.sense, r.id) for r in self.requirements]
+        for metric, sense, name in sides:
             found = find_metric(metric)
             if found is None or metric not in found[0].names:
                 known = [name for one in registered_metrics() for name in one.names]
                 raise InputError(f"requirements: {unknown('metric', metric, known)}")
-            if limited.count(metric) > 1:
-                raise InputError(f"requirements: {metric} must stand once")
+            if sides.count((metric, sense, name)) > 1:
+                raise InputError(
+                    f"requirements: {metric} {sense} must stand once, or each time "
+                    f"with an id of its own, got {name or 'none'!r} twice"
+                )
         for requirement in self.requirements:
             with named("requirements"):
                 _check_limit(requirement, self.deviation_limits)
@@ -230,23 +233,37 @@ class AnalysisCase:
         objectives = [o for limit in self.requirements for o in self.towards(limit)]
         if self._limits_deviations:
             objectives.append(_until_violation())
-        return tuple(objectives)
+        return tuple({objective.name: objective for objective in objectives}.values())
+
+    @property
+    def metrics(self) -> tuple[str, ...]:
+        """Names of the metrics of every run that judge the requirements."""
+        judges = [r.judged_by for r in self.requirements if not r.measured_apart]
+        return tuple(dict.fromkeys(judges))
+
+    def reaches(self, requirement: Requirement) -> bool:
+        """Return whether runs are as long as a requirement looks at them."""
+        found = find_metric(requirement.judged_by)
+        return found is not None and found[0].reached(self.separation.duration)
 
     @property
     def _limits_deviations(self) -> bool:
         return any(math.isfinite(limit) for limit in self.deviation_limits)
 
     def towards(self, requirement: Requirement) -> tuple[Objective, ...]:
-        """Return the objectives that lead out of a requirement."""
+        """Return the objectives that lead out of a requirement.
+
+        None, if it looks at a time that no run reaches.
+        """
         if requirement.measured_apart:
             return (self.lowest_clearance(),)
-        return towards(requirement)
+        return towards(requirement) if self.reaches(requirement) else ()
 
     def names_towards(self, requirement: Requirement) -> tuple[str, ...]:
         """Return the names of the objectives that lead out of a requirement."""
         if requirement.measured_apart:  # without importing what measures it
             return (f"lowest_{requirement.metric}",)
-        return tuple(objective.name for objective in towards(requirement))
+        return tuple(objective.name for objective in self.towards(requirement))
 
     def lowest_clearance(self) -> "LowestClearance":
         """Return a new objective that makes the smallest distance small.

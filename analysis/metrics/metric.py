@@ -7,12 +7,21 @@ functionals: `drakesep.analysis.metrics.of_run`, on a run's samples, and
 
 import enum
 import functools
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeAlias
 
-from drakesep.systems.checks import InputError, unknown
+from drakesep.systems.checks import (
+    InputError,
+    check_not_negative,
+    check_positive,
+    unknown,
+)
+from drakesep.systems.equations import pair_signals
+from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.equations.relative_motion import RelativeMotion
 from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ, with_axis
+from drakesep.systems.vectors import Ops, Scalar, Vector
 
 
 Sense: TypeAlias = Literal["<=", ">="]
@@ -47,15 +56,48 @@ class Moment(enum.Enum):
         return order.index(self) < order.index(other)
 
 
-class Window(NamedTuple):
-    """A time of a run from one moment to another."""
+Time: TypeAlias = Moment | float
+"""A moment of a run, or so many seconds from its start."""
 
-    start: Moment
-    end: Moment
+
+class Window(NamedTuple):
+    """A stretch of a run from one time to another."""
+
+    start: Time
+    end: Time
     words: str
 
+    @property
+    def moments(self) -> bool:
+        """Whether it goes from moment to moment."""
+        return isinstance(self.start, Moment) and isinstance(self.end, Moment)
 
+    def check(self, name: str) -> None:
+        """Raise InputError unless it goes from one time to a later.
+
+        Args:
+            name: of what has the window.
+        """
+        start, end = self.start, self.end
+        if isinstance(start, float):
+            check_not_negative(f"{name}: start of the window", start)
+        if isinstance(end, float):
+            check_positive(f"{name}: end of the window", end)
+        alike = isinstance(start, Moment) == isinstance(end, Moment)
+        if alike and not start < end:  # type: ignore[operator]
+            raise InputError(
+                f"{name}: window must be from one moment to a later, got from "
+                f"{_said(start)} to {_said(end)}"
+            )
+
+
+def _said(time: Time) -> str:
+    return time.value if isinstance(time, Moment) else f"{time:g} s"
+
+
+When: TypeAlias = Window | Time
 WHOLE_RUN = Window(Moment.START, Moment.END, "over the whole run")
+UNTIL_SEPARATION = Window(Moment.START, Moment.SEPARATION, "until separation")
 SINCE_RELEASE = Window(Moment.RELEASE, Moment.END, "since the first release")
 AFTER_SEPARATION = Window(Moment.SEPARATION, Moment.END, "after separation")
 
@@ -95,6 +137,21 @@ class Combined(enum.Enum):
     SMALLEST = "smallest"
 
 
+class Outer(enum.Enum):
+    """What makes a quantity of its signal, which is smooth where the quantity is not.
+
+    It grows with the signal: what is largest of the one is largest of the other.
+    """
+
+    ITSELF = "the signal"
+    ROOT = "the square root of the signal"
+    CONE = "twice the arcsine of the square root of the signal"
+
+
+Law: TypeAlias = Callable[[Vector, PairFacts, Ops], tuple[Scalar, ...]]
+"""Makes components of a vector of the motion; see `equations.pair_signals`."""
+
+
 class Signal(NamedTuple):
     """Components of the motion of B over time."""
 
@@ -104,9 +161,13 @@ class Signal(NamedTuple):
     axes: tuple[str, ...] = XYZ
     """What the components are called in names; empty for one alone."""
     components: tuple[int, ...] = (0, 1, 2)
+    """Of the field, or of what the law makes of it."""
     turns: bool = False
     """Whether it is an angle: over time it goes on beyond half a turn, from the start
     of the run; at a moment it lies within half a turn."""
+    law: Law | None = None
+    """Makes the components of the field; None: they are its own."""
+    outer: Outer = Outer.ITSELF
 
     def check(self, name: str) -> None:
         """Raise InputError unless there are such components, each with its axis.
@@ -116,9 +177,8 @@ class Signal(NamedTuple):
         """
         known = RelativeMotion._fields  # what both engines tell
         if self.quantity not in known:
-            raise InputError(
-                f"{name}: signal: {unknown('field', self.quantity, known)}"
-            )
+            message = unknown("field", self.quantity, known)
+            raise InputError(f"{name}: signal: {message}")
         components, axes = set(self.components), set(self.axes)
         if not components or not components <= {0, 1, 2}:
             raise InputError(
@@ -133,10 +193,28 @@ class Signal(NamedTuple):
 
 RATE = Signal("rate of B in W (w_WB_B)", "rate")
 RELATIVE_RATE = Signal("rate of B relative to A (w_AB_B)", "relative_rate")
-ANGLE = Signal("roll, pitch and yaw of B in W", "angle", ROLL_PITCH_YAW, turns=True)
-LONGITUDINAL_SPEED = Signal(
-    "longitudinal speed of B's CG as seen from A", "relative_velocity", ("",), (0,)
+ANGLE = Signal(
+    "roll, pitch and yaw of B from its mated attitude in the nominal stack",
+    "angle",
+    ROLL_PITCH_YAW,
+    turns=True,
+    law=pair_signals.from_mated,
 )
+LONGITUDINAL_SPEED = Signal(
+    "longitudinal speed of B's CG as seen from A",
+    "relative_velocity",
+    ("",),
+    (0,),
+    law=pair_signals.along,
+)
+_OF_VALUES = frozenset(
+    {
+        *(Functional.VALUE, Functional.SMALLEST, Functional.LARGEST),
+        *(Functional.MAGNITUDE, Functional.LARGEST_MAGNITUDE),
+        Functional.SMALLEST_MAGNITUDE,
+    }
+)
+"""Functionals that keep the order of values: what grows with a signal may follow."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -152,8 +230,8 @@ class Metric:
     kind: Kind
     functional: Functional
     signal: Signal | None = None
-    when: Window | Moment = WHOLE_RUN
-    """A window, or a moment for what is looked at once."""
+    when: When = WHOLE_RUN
+    """A window, or a time for what is looked at once."""
     combined: Combined = Combined.EACH
     sign: float = 1.0
     """-1 for less the functional."""
@@ -170,25 +248,25 @@ class Metric:
 
     def __post_init__(self) -> None:
         """Check that the fields go together."""
-        if not self.stem.isidentifier():
-            raise InputError(
-                f"metric: stem must be of letters, digits and _, got {self.stem!r}"
-            )
         if self.sign not in (1.0, -1.0):
             raise InputError(f"{self.stem}: sign must be 1 or -1, got {self.sign}")
         if self.signal is not None:
             self.signal.check(self.stem)
-        if isinstance(self.when, Window) and self.when.start >= self.when.end:
-            raise InputError(
-                f"{self.stem}: window must be from one moment to a later, got from "
-                f"{self.when.start.value} to {self.when.end.value}"
-            )
+        if isinstance(self.when, Window):
+            self.when.check(self.stem)
+        if isinstance(self.when, float):
+            check_not_negative(f"{self.stem}: time", self.when)
         if (self.signal is None) != (self.functional in _OF_NO_SIGNAL):
             wanted = "no signal" if self.signal else "a signal"
             raise InputError(f"{self.stem}: {self.functional.value} needs {wanted}")
-        if isinstance(self.when, Moment) != (self.functional in AT_A_MOMENT):
-            wanted = "a window" if isinstance(self.when, Moment) else "a moment"
+        if isinstance(self.when, Window) == (self.functional in AT_A_MOMENT):
+            wanted = "a moment" if isinstance(self.when, Window) else "a window"
             raise InputError(f"{self.stem}: {self.functional.value} needs {wanted}")
+        outer = Outer.ITSELF if self.signal is None else self.signal.outer
+        if outer is not Outer.ITSELF and self.functional not in _OF_VALUES:
+            raise InputError(
+                f"{self.stem}: {self.functional.value} cannot be told of {outer.value}"
+            )
         if self.functional is Functional.TIME_WITHIN and (
             self.signal != ANGLE or self.when != WHOLE_RUN
         ):
@@ -212,6 +290,11 @@ class Metric:
     def of_every_run(self) -> bool:
         """Whether it is told of each run; else it is measured apart, of some."""
         return self.functional is not Functional.DISTANCE
+
+    def reached(self, duration: float) -> bool:
+        """Return whether a run of such a length goes on for as long as it looks, s."""
+        ends = self.when[:2] if isinstance(self.when, Window) else (self.when,)
+        return all(isinstance(t, Moment) or t <= duration for t in ends)
 
     @property
     def windowed(self) -> bool:
@@ -241,7 +324,9 @@ class Metric:
     @property
     def never_negative(self) -> bool:
         """Whether it cannot be below zero."""
-        return self.sign > 0.0 and self.functional not in _SIGNED
+        outer = Outer.ITSELF if self.signal is None else self.signal.outer
+        signed = self.functional in _SIGNED and outer is Outer.ITSELF
+        return self.sign > 0.0 and not signed
 
     @property
     def words(self) -> str:
@@ -251,10 +336,10 @@ class Metric:
             return text
         if self.signal is not None:
             text = f"{text} of the {self.signal.words},"
-        if isinstance(self.when, Moment):
-            text = f"{text} at {self.when.value}"
-        else:
+        if isinstance(self.when, Window):
             text = f"{text} {self.when.words}"
+        else:
+            text = f"{text} at {_said(self.when)}"
         if self.combined is not Combined.EACH:
             text = f"{self.combined.value} over the axes: {text}"
         return text if self.sign > 0.0 else f"less the {text}"

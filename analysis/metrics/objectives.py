@@ -156,6 +156,11 @@ class MetricObjective(Objective):
 
     needs = Needs.METRICS
 
+    @property
+    @abstractmethod
+    def reads(self) -> frozenset[str]:
+        """Names of the metrics that it is made of."""
+
     @abstractmethod
     def of_metrics(self, metrics: Metrics) -> Array:
         """Return the objective (...,) of metrics.
@@ -205,6 +210,10 @@ class _OfMetric(MetricObjective):
 
     def of_run(self, run: Run, limits: Limits) -> float:
         return self._sign * metric_of_run(run, self._metric, limits)
+
+    @property
+    def reads(self) -> frozenset[str]:
+        return frozenset([self._metric])
 
     def of_metrics(self, metrics: Metrics) -> Array:
         return np.asarray(self._sign * metrics[self._metric])
@@ -272,6 +281,10 @@ class _CompositeOfMetrics(_Composite, MetricObjective):
         super().__init__(terms, rule, name)
         self._told = tuple(terms)
 
+    @property
+    def reads(self) -> frozenset[str]:
+        return frozenset[str]().union(*(term.reads for term in self._told))
+
     def _each(self, metrics: Metrics) -> Array:
         return np.stack([term.of_metrics(metrics) for term in self._told], axis=-1)
 
@@ -313,7 +326,7 @@ def highest(metric: str, *, window: Window | None = None) -> Objective:
     """Return the objective that makes a metric large.
 
     Args:
-        metric: one of `METRICS`.
+        metric: one of `METRICS`, or of a quantity.
         window: from when to when the metric looks instead, s; see `metric_within`.
 
     Raises:
@@ -326,7 +339,7 @@ def lowest(metric: str, *, window: Window | None = None) -> Objective:
     """Return the objective that makes a metric small: less its value.
 
     Args:
-        metric: one of `METRICS`.
+        metric: one of `METRICS`, or of a quantity.
         window: from when to when the metric looks instead, s; see `metric_within`.
 
     Raises:

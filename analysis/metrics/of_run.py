@@ -6,7 +6,7 @@ signal is made of splines through its samples.
 
 import functools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 from scipy.interpolate import PPoly
@@ -17,14 +17,21 @@ from drakesep.analysis.metrics.metric import (
     Functional,
     Metric,
     Moment,
+    Outer,
     Signal,
+    Time,
+    Window,
 )
 from drakesep.analysis.metrics.registry import METRICS, find_metric, registered_metrics
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
+from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.model.run import Run
 
 
-def metrics_of_run(run: Run, deviation_limits: Sequence[float]) -> dict[str, float]:
+def metrics_of_run(
+    run: Run, deviation_limits: Sequence[float], also: Iterable[str] = ()
+) -> dict[str, float]:
     """Return every metric of a completed run, by name.
 
     Separation ends when every attachment is released and the last spring has reached
@@ -36,15 +43,19 @@ def metrics_of_run(run: Run, deviation_limits: Sequence[float]) -> dict[str, flo
         run: a completed run.
         deviation_limits: (3,) limits of roll, pitch and yaw, rad, for the time
             until which all stay within theirs; infinite where there is none.
+        also: names of metrics that are not registered (see
+            `drakesep.analysis.metrics.quantities`). One that looks at a time that the
+            run does not reach is NaN.
 
     Raises:
         RuntimeError: the run failed.
+        ValueError: there is no such metric of every run.
     """
     samples = _Samples(run)
     values: dict[str, float] = {}
-    for metric in registered_metrics():
-        if metric.of_every_run:
-            values |= _values(metric, samples, deviation_limits)
+    metrics = [metric for metric in registered_metrics() if metric.of_every_run]
+    for metric in dict.fromkeys([*metrics, *map(metric_named, also)]):
+        values |= _values(metric, samples, deviation_limits)
     return values
 
 
@@ -53,7 +64,7 @@ def metric_of_run(run: Run, name: str, deviation_limits: Sequence[float]) -> flo
 
     Args:
         run: a completed run.
-        name: one of `METRICS`.
+        name: one of `METRICS`, or of a quantity.
         deviation_limits: (3,) as there.
 
     Raises:
@@ -85,7 +96,7 @@ def metric_within(run: Run, metric: str, window: tuple[float, float]) -> float:
     check_windowed(entry, metric)
     samples = _Samples(run)
     since = 0.0
-    if not isinstance(entry.when, Moment) and entry.when.start is Moment.RELEASE:
+    if isinstance(entry.when, Window) and entry.when.start is Moment.RELEASE:
         since = time_of(Moment.RELEASE, run)
     start, stop = max(window[0], since), min(window[1], run.separation.duration)
     if start >= stop:
@@ -96,9 +107,9 @@ def metric_within(run: Run, metric: str, window: tuple[float, float]) -> float:
     return _over_time(entry, samples, start, stop)[metric]
 
 
-def time_of(moment: Moment, run: Run) -> float:
-    """Return when a moment of a run was, s."""
-    match moment:
+def time_of(time: Time, run: Run) -> float:
+    """Return when a time of a run was, s from its start."""
+    match time:
         case Moment.START:
             return 0.0
         case Moment.RELEASE:
@@ -107,6 +118,8 @@ def time_of(moment: Moment, run: Run) -> float:
             return run.separation_end
         case Moment.END:
             return run.separation.duration
+        case _:
+            return time
 
 
 def metric_named(name: str) -> Metric:
@@ -134,19 +147,24 @@ class _Samples:
     def __init__(self, run: Run):
         self._run = run
         self._motion = run.completed_motion
+        self._facts = PairFacts.of(run.separation, run.separation.pairs[0])
         self.stretch = functools.cache(self._stretch)
         self._whole = functools.cache(self._interpolated)
 
-    def time(self, moment: Moment) -> float:
-        """Return when a moment was, s."""
-        return time_of(moment, self._run)
+    @property
+    def duration(self) -> float:
+        """Of the run, s."""
+        return self._run.separation.duration
 
-    def at(self, signal: Signal, moment: Moment) -> list[float]:
-        """Return the values of a signal's components at a moment."""
-        if moment is Moment.END:  # its last sample, to the last digit
-            last = getattr(self._motion, signal.quantity)[-1]
-            return [float(last[i]) for i in signal.components]
-        time = self.time(moment)
+    def time(self, time: Time) -> float:
+        """Return when a time was, s from the start."""
+        return time_of(time, self._run)
+
+    def at(self, signal: Signal, when: Time) -> list[float]:
+        """Return the values of a signal's components at a time."""
+        if when is Moment.END:  # its last sample, to the last digit
+            return [float(x) for x in self._columns(signal)[-1]]
+        time = self.time(when)
         values = [float(component(time)) for component in self._whole(signal)]
         if signal.turns:
             return [math.remainder(value, math.tau) for value in values]
@@ -157,10 +175,18 @@ class _Samples:
         return [signals.between(one, start, stop) for one in self._whole(signal)]
 
     def _interpolated(self, signal: Signal) -> list[PPoly]:
-        values = getattr(self._motion, signal.quantity)[:, list(signal.components)]
+        values = self._columns(signal)
         if signal.turns:
             values = np.unwrap(values, axis=0)
         return signals.interpolate(self._motion.time, values, self._run.breaks)
+
+    def _columns(self, signal: Signal) -> Array:
+        """Return the samples (n, c) of a signal's components."""
+        field: Array = getattr(self._motion, signal.quantity)
+        if signal.law is not None:
+            made = signal.law(tuple(field.T), self._facts, np)
+            field = np.stack(made, axis=1)
+        return field[:, list(signal.components)]
 
 
 _OVER_TIME: Mapping[Functional, Callable[[PPoly], float]] = {
@@ -182,8 +208,10 @@ def _values(
     metric: Metric, samples: _Samples, deviation_limits: Sequence[float]
 ) -> dict[str, float]:
     """Return the numbers of a metric, by name."""
-    if not isinstance(metric.when, Moment):
-        start, stop = map(samples.time, (metric.when.start, metric.when.end))
+    if not metric.reached(samples.duration):
+        return dict.fromkeys(metric.names, math.nan)
+    if isinstance(metric.when, Window):
+        start, stop = map(samples.time, metric.when[:2])
         return _over_time(metric, samples, start, stop, deviation_limits)
     if metric.signal is None:
         return _named(metric, [samples.time(metric.when)])
@@ -212,7 +240,20 @@ def _over_time(
 
 def _named(metric: Metric, each: Sequence[float]) -> dict[str, float]:
     """Return the numbers of a metric from what its functional makes of components."""
+    if metric.signal is not None:
+        each = [_outer(metric.signal.outer, number) for number in each]
     if metric.combined is not Combined.EACH:
         each = [_COMBINED[metric.combined](each)]
     numbers = [metric.sign * number for number in each]
     return dict(zip(metric.names, numbers, strict=True))
+
+
+def _outer(outer: Outer, number: float) -> float:
+    """Return a quantity from its signal, of which round-off may be below zero."""
+    match outer:
+        case Outer.ITSELF:
+            return number
+        case Outer.ROOT:
+            return math.sqrt(max(number, 0.0))
+        case Outer.CONE:
+            return 2.0 * math.asin(math.sqrt(min(max(number, 0.0), 1.0)))

@@ -25,7 +25,11 @@ class Requirement:
     limit: float
     """In SI."""
     condition: str = ""
-    """When it holds, in words; always if empty."""
+    """When it holds, in words, if its metric does not say it."""
+    id: str = ""
+    """By which others know it, such as ``UM-4.2``."""
+    source: str = ""
+    """Where it comes from."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -153,8 +157,16 @@ def _finding(
 
 
 def deviation_limits(requirements: Sequence[Requirement]) -> tuple[float, ...]:
-    """Return the limits of roll, pitch and yaw, rad; infinite where there is none."""
-    limits = {r.metric: r.limit for r in requirements if r.sense == "<="}
+    """Return the limits of roll, pitch and yaw, rad; infinite where there is none.
+
+    Where there are several, the least.
+    """
     found = find_metric(DEVIATION)
     assert found is not None
-    return tuple(limits.get(name, math.inf) for name in found[0].names)
+    return tuple(
+        min(
+            (r.limit for r in requirements if r.metric == name and r.sense == "<="),
+            default=math.inf,
+        )
+        for name in found[0].names
+    )

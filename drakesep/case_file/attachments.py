@@ -67,11 +67,13 @@ class SpringSection(Section):
 
     name: Name
     law: str = "time"
+    axis: Vector = (1.0, 0.0, 0.0)
+    """Unit vector along which it pushes B, fixed in A."""
 
     def in_si(self) -> Pusher:
         """Return the record."""
         kind = PUSHERS[self.law]
-        values: dict[str, Any] = {}
+        values: dict[str, Any] = {"axis_A": self.axis}
         for argument in kind.arguments:
             key, unit = _key(kind, argument)
             value = getattr(self, key)

@@ -126,6 +126,7 @@ class Case(Section):
             attachments=tuple(a.in_si(name) for name, a in self.attachments.items()),
             A=self.pair.A,
             B=self.pair.B,
+            direction=self.pair.direction,
             loads=tuple(load.in_si(name) for name, load in self.loads.items()),
             initial=self.before_separation.in_si(),
             orbit=None if self.orbit is None else self.orbit.in_si(),
@@ -147,10 +148,20 @@ class Case(Section):
 
     def _check_requirements(self, separation: Separation) -> None:
         """Check what only a file can say of them: its keys, and limits in its units."""
-        quantities = [section.quantity for section in self.requirements]
-        for quantity in quantities:
-            if quantities.count(quantity) > 1:
-                raise CaseError(f"requirements: {quantity} must stand once")
+        sides = [(r.metric, r.sense, r.id) for r in self._limits]
+        for metric, sense, name in sides:
+            if sides.count((metric, sense, name)) > 1:
+                side = "at_most" if sense == "<=" else "at_least"
+                raise CaseError(
+                    f"requirements: {side} of {with_unit(metric)} must stand once, or "
+                    f"each time with an id of its own, got {name or 'none'} twice"
+                )
+        windows = {s.until_separation_mm for s in self._of_clearance}
+        if len(windows) > 1:
+            raise CaseError(
+                "requirements: until_separation_mm must be the same of all clearances, "
+                f"got {' and '.join(map(str, windows))}"
+            )
         if any(limit.measured_apart for limit in self._limits):
             with named("clearance"):
                 of = self.clearance
@@ -171,6 +182,10 @@ class Case(Section):
                     f"requirements: {with_unit(limit.metric)}: {wanted}, "
                     f"got {unit_of(limit.metric).from_si(limit.limit):g}"
                 )
+
+    @property
+    def _of_clearance(self) -> list[RequirementSection]:
+        return [s for s in self.requirements if not s.metric.of_every_run]
 
     @property
     def _limits(self) -> tuple[Requirement, ...]:

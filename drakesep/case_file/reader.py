@@ -87,12 +87,18 @@ def _in_one_line(error: YAMLError) -> str:
     return " ".join(problem.split()) + place
 
 
+_LIMITS = ("at_most", "at_least")
+
+
 def _empty(data: Any, place: str = "") -> Iterator[str]:
-    """Name the keys without a value: a section that was begun is not left out."""
+    """Name the keys without a value: a section that was begun is not left out.
+
+    An axis may be without a limit.
+    """
     if isinstance(data, dict):
         for key, value in data.items():
             yield from _empty(value, f"{place}.{key}".lstrip("."))
-    elif isinstance(data, list):
+    elif isinstance(data, list) and not place.endswith(_LIMITS):
         for number, value in enumerate(data, 1):
             yield from _empty(value, f"{place} (entry {number})")
     elif data is None:

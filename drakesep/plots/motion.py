@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drakesep.analysis.metrics.metric import Metric, Moment
+from drakesep.analysis.metrics.metric import Metric, Moment, Window
 from drakesep.analysis.metrics.of_run import time_of
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.metrics.requirements import Requirement
@@ -144,11 +144,9 @@ def _draw_limit(
     if metric.is_magnitude and data.min() < -0.2 * limit:
         sides.append(-limit)
     # What holds at a moment is drawn until then.
-    when = metric.when
-    start, end = (
-        (Moment.START, when) if isinstance(when, Moment) else (when.start, when.end)
-    )
-    span = [time_of(moment, _reference(runs)) for moment in (start, end)]
+    when, run = metric.when, _reference(runs)
+    ends = when[:2] if isinstance(when, Window) else (Moment.START, when)
+    span = [min(time_of(end, run), run.separation.duration) for end in ends]
     for side in sides:
         axes.plot(span, (side, side), color=LIMIT, linestyle=(0, (8, 3)), linewidth=1.2)
     axes.set_gid("limited")

@@ -124,7 +124,7 @@ def simulate(
             folder.begin(asked)
         run = Simulation(case.separation, case.integration).run(changed)
         role = Changed() if values else Nominal()
-        labelled = measured(role, run, case.deviation_limits)
+        labelled = measured(role, run, case)
         result = Simulated(asked=asked.over(), labelled=labelled, values=values)
         if folder is not None:
             result._write(folder)

@@ -53,6 +53,8 @@ def requirements_table(
                 "looked_up_to": math.nan if growth is None else growth.most,
                 **_first_tolerance(finding, single_growths, box),
                 "verdict": finding.verdict.value,
+                "id": requirement.id,
+                "source": requirement.source,
             }
         )
     return pd.DataFrame(rows)

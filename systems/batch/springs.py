@@ -17,6 +17,7 @@ from drakesep.systems.batch.lanes import (
     rows,
 )
 from drakesep.systems.batch.wrenches import WrenchSum
+from drakesep.systems.checks import X_AXIS
 from drakesep.systems.equations.pushers import (
     AXIS,
     Push,
@@ -96,7 +97,9 @@ class BatchSprings:
             )
 
         every = range(len(self._springs))
-        self._tilted = [may_be(k, AXIS) for k in every]
+        self._tilted = [
+            self._springs[k].axis_A != X_AXIS or may_be(k, AXIS) for k in every
+        ]
         self._damped = [may_be(k, self._laws[k].dampers) for k in every]
 
     # Parameters.
@@ -116,7 +119,12 @@ class BatchSprings:
         tilt_y, tilt_z = (
             reader.number(TILT_TABLE, self._springs, field) for field in AXIS
         )
-        return tuple(groups), push_axis(tilt_y, tilt_z, jnp)
+        axes = [
+            push_axis(spring.axis_A, y, z, jnp)
+            for spring, y, z in zip(self._springs, tilt_y, tilt_z, strict=True)
+        ]
+        n = tilt_y.shape[-1]
+        return tuple(groups), tuple(rows([a[c] for a in axes], n) for c in range(3))
 
     def _values(self, k: int, params: BatchParameters) -> Any:
         """Return what the law of a spring reads, of (n,)."""

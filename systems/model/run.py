@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from drakesep.systems.arrays import Array
-from drakesep.systems.model.separation import Attachment, Separation
+from drakesep.systems.model.separation import Separation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -123,17 +123,20 @@ class Run:
     @property
     def separation_start(self) -> float:
         """When the first attachment of the measured body B let go, s."""
-        return min(self.releases[a.name] for a in self._attachments_of_B)
+        return self.start_of(self.separation.B)
 
     @property
     def separation_end(self) -> float:
         """When all attachments of B have let go and their strokes are reached, s."""
+        return self.end_of(self.separation.B)
+
+    def start_of(self, body: str) -> float:
+        """Return when the first attachment of a body let go, s."""
+        return min(self.releases[a.name] for a in self.separation.attached_to(body))
+
+    def end_of(self, body: str) -> float:
+        """Return when a body is free, and the strokes of what pushed it are reached."""
         return max(
             self.stroke_ends[a.spring.name] if a.spring else self.releases[a.name]
-            for a in self._attachments_of_B
+            for a in self.separation.attached_to(body)
         )
-
-    @property
-    def _attachments_of_B(self) -> list[Attachment]:
-        B = self.separation.B
-        return [a for a in self.separation.attachments if B in (a.A, a.B)]

@@ -9,13 +9,14 @@ from toy_metrics import RELATIVE, RELATIVE_MIN, registered
 
 import drakesep
 from drakesep.analysis.metrics.metric import Functional, Metric
+from drakesep.analysis.metrics.quantities import QUANTITIES, Quantity
 from drakesep.analysis.metrics.registry import DEVIATION, registered_metrics
 from drakesep.case_file.case import Case
 from drakesep.units import unit_of, with_unit
 
 
 PAGE = Path(__file__).parents[2] / "docs" / "metrics.md"
-NAME, KEY = RELATIVE.names[1], "relative_rate_after_separation_y_deg_s"
+NAME, KEY = RELATIVE.names[1], "toy_rate_after_separation_y_deg_s"
 
 
 @pytest.fixture
@@ -57,11 +58,11 @@ def test_column_of_the_summary(toy, tmp_path):
 )
 def test_requirement_of_a_case(toy, sense, limit, met, objective, judged_by):
     case = vega_limited(
-        quantity="relative_rate_after_separation_deg_s", **{sense: [9.0, limit, 9.0]}
+        quantity="toy_rate_after_separation_deg_s", **{sense: [9.0, limit, 9.0]}
     )
     study = drakesep.verify(case, searches=["drake"], workers=1)
     verdict = study.requirements.set_index("axis").loc["y"]
-    assert verdict["requirement"] == "relative rate after separation"
+    assert verdict["requirement"] == "toy rate after separation"
     assert verdict["unit"] == "deg/s"
     assert objective in {worst.name for worst in study.worst}
     # Of the nominal and of the worst run, the one that is nearer to the limit.
@@ -126,4 +127,12 @@ def row_of(metric: Metric) -> str:
 def test_the_page_lists_every_metric():
     text = PAGE.read_text(encoding="utf-8")
     listed = re.findall(r"^\| `.*$", text, re.M)
-    assert listed == [row_of(metric) for metric in registered_metrics()]
+    metrics = [row_of(metric) for metric in registered_metrics()]
+    assert listed == [*metrics, *map(row_of_quantity, QUANTITIES.values())]
+
+
+def row_of_quantity(quantity: Quantity) -> str:
+    axes = f"{', '.join(quantity.signal.axes)}"
+    limits = "of its magnitude" if quantity.two_sided else "of its value"
+    name, words = with_unit(quantity.name), quantity.signal.words
+    return f"| `{name}` | {axes} | {words} | {limits} |"

@@ -8,7 +8,7 @@ told in `drakesep.systems.batch.integrator`.
 import functools
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeAlias
@@ -33,6 +33,7 @@ from drakesep.analysis.engines.jax.compiled import (
 )
 from drakesep.analysis.engines.jax.metrics_fold import MetricsFold
 from drakesep.analysis.engines.jax.sampled_runs import SampledRun
+from drakesep.analysis.metrics.of_run import metric_named
 from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.systems.arrays import Array
 from drakesep.systems.batch.equations import BatchEquations
@@ -111,6 +112,7 @@ class Batch:
         separation: that is flown.
         names: (n_p,) of the parameters that vary.
         nominal: (n_p,) their values in the separation.
+        metrics: (n_m,) names of what it tells.
     """
 
     def __init__(
@@ -119,6 +121,7 @@ class Batch:
         names: Sequence[str],
         *,
         deviation_limits: Sequence[float] = (math.inf,) * 3,
+        metrics: Iterable[str] = (),
         tolerance: float = TOLERANCE,
         max_steps: int = MAX_STEPS,
         chunk: int | None = None,
@@ -131,6 +134,8 @@ class Batch:
             names: (n_p,) parameters that vary; see `drakesep.systems.model.parameters`.
             deviation_limits: (3,) limits of roll, pitch and yaw, rad, for the time
                 until which all stay within theirs; infinite where there is none.
+            metrics: names of others to tell beside those that are registered; see
+                `drakesep.analysis.metrics.quantities`.
             tolerance: of the error estimates of all steps of a run together, in SI.
             max_steps: after which a row has failed.
             chunk: rows that are flown together; what suits the machine if None.
@@ -138,7 +143,7 @@ class Batch:
 
         Raises:
             ValueError: a parameter is unknown, named twice or none that the equations
-                read, or a number is not positive.
+                read, a metric is unknown, or a number is not positive.
         """
         if not isinstance(separation, Separation):
             raise InputError(
@@ -179,9 +184,9 @@ class Batch:
         declared = declarations(separation)
         timed = any(declared[name].kind == "time" for name in names)
         self._integrator_of_slopes = state(one_by_one=timed)
-        self._fold = MetricsFold(
-            self._equations, deviation_limits, registered_metrics()
-        )
+        told = dict.fromkeys([*registered_metrics(), *map(metric_named, metrics)])
+        self._fold = MetricsFold(self._equations, deviation_limits, tuple(told))
+        self.metrics = self._fold.names
         compiled = functools.partial(
             jax.jit, compiler_options=compiler_options(platform)
         )

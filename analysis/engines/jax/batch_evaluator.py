@@ -11,6 +11,7 @@ from drakesep.analysis.engines.jax.batch import Batch, BatchResult
 from drakesep.analysis.engines.run_evaluator import RunEvaluator
 from drakesep.analysis.metrics.objectives import Limits, MetricObjective, Objective
 from drakesep.systems.arrays import Array
+from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run
 
 
@@ -34,11 +35,15 @@ class BatchEvaluator:
         """Prepare.
 
         Args:
-            batch: that flies; it must have the same limits.
+            batch: that flies; it must have the same limits, and tell the metrics that
+                the objectives read.
             objectives: to be told.
             limits: (3,) of the deviations, as `metrics_of_run` takes them.
             derivatives: whether to use those of the batch engine: differences cost less
                 where runs take many steps.
+
+        Raises:
+            ValueError: the batch does not tell a metric.
         """
         self._derivatives = derivatives
         self._preparing: futures.Future[BatchResult] | None = None
@@ -50,6 +55,12 @@ class BatchEvaluator:
             for k, objective in enumerate(self.objectives)
             if isinstance(objective, MetricObjective)
         }
+        for objective in self._by_metrics.values():
+            for name in sorted(objective.reads.difference(batch.metrics)):
+                raise InputError(
+                    f"{objective.name}: needs a batch that tells {name}: make it with "
+                    f"metrics=[{name!r}]"
+                )
         self._of_runs = RunEvaluator(batch.runs, batch.names, objectives, limits)
 
     def exact(self, k: int) -> bool:

@@ -7,11 +7,13 @@ Every metric has its derivative. At a kink (a rate that is zero, two peaks as hi
 ends of strokes at once) it is a generalised one, between those of both sides.
 """
 
+import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 
 from drakesep.analysis.engines.jax.step_signals import (
     Rows,
@@ -21,26 +23,43 @@ from drakesep.analysis.engines.jax.step_signals import (
 )
 from drakesep.analysis.metrics.metric import (
     ANGLE,
+    WHOLE_RUN,
     Combined,
     Functional,
+    Law,
     Metric,
     Moment,
+    Outer,
     Signal,
+    Time,
+    When,
     Window,
 )
 from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.integrator import Step
 from drakesep.systems.batch.lanes import BatchParameters, Lanes, pick
 from drakesep.systems.equations import relative_motion as motion_laws
+from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.equations.relative_motion import RelativeMotion
+from drakesep.systems.vectors import Vector
 
 
 _ROUND_OFF = 1e-13
 """By which two values of the same may differ, as a part of them."""
+_ROUND_OFF_END = 1e-9
+"""By which a time that is its end may lie beyond a step, as a part of it."""
 
-Component: TypeAlias = tuple[str, int]
-"""A field of `RelativeMotion`, and which of its components."""
-When: TypeAlias = Window | Moment
+
+class Component(NamedTuple):
+    """A component of the motion of B."""
+
+    quantity: str
+    """Field of `RelativeMotion`."""
+    law: Law | None
+    """Makes it of the field."""
+    place: int
+    """Among what it is one of."""
+
 
 _EXTREMES = (Functional.SMALLEST, Functional.LARGEST)
 _GATHERED: Mapping[Functional, tuple[Functional, ...]] = {
@@ -87,6 +106,67 @@ class Found(NamedTuple):
     jumps; NaN before the first."""
 
 
+class _Told:
+    """The components of a motion at the nodes of a step; each is made once."""
+
+    def __init__(self, motion: RelativeMotion, facts: PairFacts):
+        self._motion, self._facts = motion, facts
+        self._made = functools.cache(self._make)
+
+    def component(self, component: Component) -> Lanes:
+        """Return a component (8, n)."""
+        lanes: Lanes = self._made(component.quantity, component.law)[component.place]
+        return lanes
+
+    def _make(self, quantity: str, law: Law | None) -> tuple[Lanes, ...]:
+        field: Vector = getattr(self._motion, quantity)
+        return field if law is None else law(field, self._facts, jnp)
+
+
+class _Part(NamedTuple):
+    """A part of a step."""
+
+    start: Lanes
+    """(n,), s."""
+    length: Lanes
+    """(n,), s."""
+    signals: StepSignals
+    inside: Lanes
+    """(n,) whether it is looked at."""
+
+    def between(self, start: Time, end: Time, step: Step) -> "_Part":
+        """Return what lies from one time to another: steps end where moments are."""
+        inside = self.inside
+        low, high = jnp.zeros_like(self.length), jnp.ones_like(self.length)
+        if isinstance(start, Moment):
+            inside &= _begun(start, step)
+        else:
+            low = jnp.clip((start - self.start) / self._divisor, 0.0, 1.0)
+        if isinstance(end, Moment):
+            inside &= ~_begun(end, step)
+        else:
+            high = jnp.clip((end - self.start) / self._divisor, 0.0, 1.0)
+        if isinstance(start, Moment) and isinstance(end, Moment):
+            return self._replace(inside=inside)
+        return _Part(
+            self.start + low * self.length,
+            (high - low) * self.length,
+            self.signals.part(low, high),
+            inside & (high > low),
+        )
+
+    def fraction(self, time: float) -> tuple[Lanes, Lanes]:
+        """Return (n,) where a time lies in it, and whether it does."""
+        theta = (time - self.start) / self._divisor
+        # Round-off of the step's end is within it.
+        holds = (self.length > 0.0) & (theta >= 0.0) & (theta <= 1.0 + _ROUND_OFF_END)
+        return theta, holds
+
+    @property
+    def _divisor(self) -> Lanes:
+        return jnp.where(self.length > 0.0, self.length, 1.0)
+
+
 class MetricsFold:
     """Gathers metrics of a batch, step by step.
 
@@ -105,13 +185,18 @@ class MetricsFold:
         Args:
             equations: of the separation.
             deviation_limits: (3,) of roll, pitch and yaw, rad; infinite for none.
-            metrics: to be told; those that are not of every run are left out.
+            metrics: to be told; those that are not of every run are left out, and those
+                that look at a time that no run reaches.
         """
         self._equations = equations
         self._duration = equations.separation.duration
         limits = zip(_components_of(ANGLE), deviation_limits, strict=True)
         self._limits = {c: limit for c, limit in limits if limit < math.inf}
-        self._metrics = [metric for metric in metrics if metric.of_every_run]
+        self._metrics = [
+            metric
+            for metric in metrics
+            if metric.of_every_run and metric.reached(self._duration)
+        ]
         self.names = tuple(name for m in self._metrics for name in m.names)
         self._moments = [
             moment
@@ -125,7 +210,7 @@ class MetricsFold:
             dict.fromkeys(
                 component
                 for one in gathered
-                if isinstance(one.when, Window)
+                if not isinstance(one.when, Moment)
                 for component in one.components
             )
         )
@@ -182,24 +267,28 @@ class MetricsFold:
         motion = motion_laws.relative_motion(
             pick(bodies, a), pick(bodies, b), *self._equations.mated_place(params), jnp
         )
-        smooth = {c: _component(motion, c) for c in self._components}
+        told = _Told(motion, self._facts(params))
+        smooth = {c: told.component(c) for c in self._components}
         for component, before in zip(self._angles, found.angles, strict=True):
             smooth[component] = unwrapped(smooth[component], before)
-        signals = StepSignals(list(smooth.values()))
         angles = [smooth[component][-1] for component in self._angles]
+        looked_at = self._parts(list(smooth.values()), step)
         begins = {
             moment: _begun(moment, step) & jnp.isinf(found.times[moment.name])
             for moment in self._moments
         }
         values = []
         for gathered, before in zip(self._gathered, found.values, strict=True):
-            if isinstance(gathered.when, Moment):
-                now = self._at(gathered, motion)
+            if isinstance(gathered.when, Window):
+                part = looked_at[gathered.when]
+                values.append(self._over(gathered, before, part))
+            elif isinstance(gathered.when, Moment):
+                now = self._at(gathered, told)
                 if gathered.when is not Moment.END:  # else it is the last that was
                     now = jnp.where(begins[gathered.when], now, before)
                 values.append(now)
             else:
-                values.append(self._over(gathered, before, signals, step))
+                values.append(self._at_time(gathered, before, looked_at))
         times = {
             moment.name: jnp.where(begins[moment], step.start, found.times[moment.name])
             for moment in self._moments
@@ -208,21 +297,51 @@ class MetricsFold:
             times, tuple(values), jnp.stack(angles) if angles else found.angles
         )
 
-    def _at(self, gathered: _Gathered, motion: RelativeMotion) -> Lanes:
+    def _parts(self, smooth: Sequence[Lanes], step: Step) -> dict[When, _Part]:
+        """Return the parts of a step that are looked at, with their signals."""
+        if not smooth:
+            return {}
+        whole = _Part(step.start, step.length, StepSignals(smooth), step.length >= 0.0)
+        parts: dict[When, _Part] = {WHOLE_RUN: whole}
+        for gathered in self._gathered:
+            when = gathered.when
+            if isinstance(when, Window) and when not in parts:
+                parts[when] = whole.between(when.start, when.end, step)
+        return parts
+
+    def _facts(self, params: BatchParameters) -> PairFacts:
+        """Return the pair as it is mated, with its inertia on lanes."""
+        separation = self._equations.separation
+        _, b = self._equations.pair
+        facts = PairFacts.of(separation, separation.pairs[0])
+        return facts._replace(I_BBcm_B=pick(params.I_BBcm_B, b))
+
+    def _at(self, gathered: _Gathered, told: _Told) -> Lanes:
         """Return (c, n) components at the start of a step, or at its end."""
         node = -1 if gathered.when is Moment.END else 0
-        return jnp.stack([_component(motion, c)[node] for c in gathered.components])
+        return jnp.stack([told.component(c)[node] for c in gathered.components])
 
-    def _over(
-        self, gathered: _Gathered, before: Lanes, signals: StepSignals, step: Step
+    def _at_time(
+        self, gathered: _Gathered, before: Lanes, parts: Mapping[When, _Part]
     ) -> Lanes:
-        """Return (c, n) what is gathered over some time, after a step."""
-        assert isinstance(gathered.when, Window)
+        """Return (c, n) components at a time in seconds, once a step holds it."""
+        whole = parts[WHOLE_RUN]
+        assert isinstance(gathered.when, float)
+        theta, holds = whole.fraction(gathered.when)
         which = rows([self._components.index(c) for c in gathered.components])
-        inside = _inside(gathered.when, step)
+        now = whole.signals.at(theta[None])[0, which]
+        turn = 2.0 * jnp.pi
+        turns = np.array([c in self._angles for c in gathered.components])[:, None]
+        now = jnp.where(turns, now - turn * jnp.round(now / turn), now)
+        return jnp.where(holds, now, before)
+
+    def _over(self, gathered: _Gathered, before: Lanes, part: _Part) -> Lanes:
+        """Return (c, n) what is gathered over some time, after a step."""
+        which = rows([self._components.index(c) for c in gathered.components])
+        signals = part.signals
         # Where events coincide, steps of no length lie between them: what stands there
         # has been seen, and moves with the time of another event.
-        moving = inside & (step.length > 0.0)
+        moving = part.inside & (part.length > 0.0)
         match gathered.functional:
             case Functional.SMALLEST:
                 return -_larger(-before, -signals.lowest[which], moving)
@@ -233,20 +352,19 @@ class MetricsFold:
             case Functional.INTEGRAL_OF_SQUARE:
                 mean = signals.mean_square(which)
             case _:
-                return self._within_until(gathered, which, before, signals, step)
-        return before + jnp.where(inside, step.length * mean, 0.0)
+                return self._within_until(gathered, which, before, part)
+        return before + jnp.where(part.inside, part.length * mean, 0.0)
 
     def _within_until(
         self,
         gathered: _Gathered,
         which: Rows,
         before: Lanes,
-        signals: StepSignals,
-        step: Step,
+        part: _Part,
     ) -> Lanes:
         limits = jnp.array([self._limits[c] for c in gathered.components])
-        beyond, theta = signals.first_beyond(which, limits)
-        times = jnp.where(beyond, step.start + theta * step.length, jnp.inf)
+        beyond, theta = part.signals.first_beyond(which, limits)
+        times = jnp.where(beyond, part.start + theta * part.length, jnp.inf)
         return jnp.where(jnp.isfinite(before), before, times)
 
     def finish(self, found: Found) -> Lanes:
@@ -281,18 +399,13 @@ class MetricsFold:
             each = jnp.minimum(of(metric.functional), whole) if limited else whole
         else:
             each = _derived(metric.functional, of)
+            assert metric.signal is not None
+            each = _outer(metric.signal.outer, each)
         return metric.sign * _combined(metric.combined, each)
 
 
 def _components_of(signal: Signal) -> list[Component]:
-    return [(signal.quantity, i) for i in signal.components]
-
-
-def _component(motion: RelativeMotion, component: Component) -> Lanes:
-    """Return a component (8, n) of the motion, at the nodes."""
-    quantity, i = component
-    lanes: Lanes = getattr(motion, quantity)[i]
-    return lanes
+    return [Component(signal.quantity, signal.law, i) for i in signal.components]
 
 
 def _begun(moment: Moment, step: Step) -> Lanes:
@@ -306,11 +419,6 @@ def _begun(moment: Moment, step: Step) -> Lanes:
             return step.separated
         case Moment.END:
             return jnp.zeros_like(step.separated)
-
-
-def _inside(window: Window, step: Step) -> Lanes:
-    """Return (n,) whether a step is in a window: steps end where moments are."""
-    return _begun(window.start, step) & ~_begun(window.end, step)
 
 
 def _larger(before: Lanes, value: Lanes, when: Lanes) -> Lanes:
@@ -332,6 +440,18 @@ def _derived(functional: Functional, of: Callable[[Functional], Lanes]) -> Lanes
             return jnp.maximum(0.0, jnp.maximum(lowest, -highest))
         case _:
             return of(functional)
+
+
+def _outer(outer: Outer, each: Lanes) -> Lanes:
+    """Return what is made of signals; its derivative at zero, a kink, is zero."""
+    match outer:
+        case Outer.ITSELF:
+            return each
+        case Outer.ROOT:
+            return _root(each)
+        case Outer.CONE:
+            inner = jnp.minimum(_root(each), 1.0 - _ROUND_OFF)
+            return 2.0 * jnp.arcsin(inner)
 
 
 def _combined(combined: Combined, each: Lanes) -> Lanes:

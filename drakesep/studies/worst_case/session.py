@@ -13,7 +13,7 @@ from drakesep.analysis.engines.evaluator import Evaluator
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
 from drakesep.analysis.engines.run_evaluator import RunEvaluator
-from drakesep.analysis.metrics.objectives import Objective
+from drakesep.analysis.metrics.objectives import MetricObjective, Objective
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import Problem, SearchProgress
 from drakesep.studies.background_process import BackgroundProcess
@@ -106,7 +106,7 @@ def session(
         RuntimeError: the nominal run fails.
     """
     case = plan.case
-    batch = _batch_of(case) if plan.on_batch_engine else None
+    batch = _batch_of(case, plan.objectives) if plan.on_batch_engine else None
     if plan.folder is not None:
         plan.folder.begin(plan.asked)
     nominal = _fly_nominal(case)
@@ -143,9 +143,19 @@ def _fly_nominal(case: AnalysisCase) -> Run:
     return nominal
 
 
-def _batch_of(case: AnalysisCase) -> Batch:
-    limits = case.deviation_limits
-    return Batch(case.separation, case.box.names, deviation_limits=limits)
+def _batch_of(case: AnalysisCase, objectives: Sequence[Objective]) -> Batch:
+    read = {
+        name: None
+        for objective in objectives
+        if isinstance(objective, MetricObjective)
+        for name in sorted(objective.reads)
+    }
+    return Batch(
+        case.separation,
+        case.box.names,
+        deviation_limits=case.deviation_limits,
+        metrics=read,
+    )
 
 
 def _on_batch(

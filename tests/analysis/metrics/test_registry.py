@@ -350,7 +350,6 @@ LARGEST = {"functional": Functional.LARGEST, "signal": RATE}
             "limits are those of the angles",
         ),
         (LARGEST | {"sign": math.nan}, "sign must be 1 or -1, got nan"),
-        (LARGEST | {"stem": "my toy"}, "stem must be of letters, digits and _"),
         (
             LARGEST | {"when": Window(Moment.END, Moment.RELEASE, "backwards")},
             "window must be from one moment to a later, got from the end to the f",
@@ -372,6 +371,12 @@ LARGEST = {"functional": Functional.LARGEST, "signal": RATE}
 def test_entries_that_make_no_sense(fields, message):
     with pytest.raises(InputError, match=f"(mine|metric): {message}"):
         Metric(**{"stem": "mine", "kind": Kind.RATE, **fields})
+
+
+def test_a_stem_that_cannot_be_a_name_is_refused():
+    spaced = Metric(stem="my toy", kind=Kind.RATE, **LARGEST)
+    with pytest.raises(InputError, match="stem must be of letters, digits and _, got"):
+        register_metric(spaced)
 
 
 def test_metrics_of_drakesep_stay():

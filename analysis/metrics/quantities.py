@@ -1,0 +1,213 @@
+"""Quantities that a run has, and the metrics that tell them at some time of it.
+
+The name of such a metric says what it is: the quantity, which extreme over a stretch of
+time, when, and the axis, as in ``rate_max_after_separation_x``. Without an extreme it
+is the one that a requirement is most often about.
+"""
+
+import functools
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from drakesep.analysis.metrics.metric import (
+    AFTER_SEPARATION,
+    ANGLE,
+    LONGITUDINAL_SPEED,
+    RATE,
+    RELATIVE_RATE,
+    SINCE_RELEASE,
+    UNTIL_SEPARATION,
+    WHOLE_RUN,
+    Functional,
+    Kind,
+    Metric,
+    Moment,
+    Signal,
+    When,
+    Window,
+)
+from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Quantity:
+    """What a run has at every time of it."""
+
+    name: str
+    kind: Kind
+    signal: Signal
+    two_sided: bool = False
+    """Whether limits are those of its magnitude."""
+    signed: str = ""
+    """Name of the quantity that is the same with its sign; itself if empty."""
+    over_time: Functional = Functional.LARGEST
+    """What stands for it over a stretch of time, if it is not two-sided."""
+
+
+QUANTITIES: Mapping[str, Quantity] = {
+    quantity.name: quantity
+    for quantity in (
+        Quantity(name="rate", kind=Kind.RATE, signal=RATE, two_sided=True),
+        Quantity(
+            name="relative_rate", kind=Kind.RATE, signal=RELATIVE_RATE, two_sided=True
+        ),
+        Quantity(
+            name="deviation",
+            kind=Kind.ANGLE,
+            signal=ANGLE,
+            two_sided=True,
+            signed="angle",
+        ),
+        Quantity(name="angle", kind=Kind.ANGLE, signal=ANGLE),
+        Quantity(
+            name="longitudinal_speed",
+            kind=Kind.SPEED,
+            signal=LONGITUDINAL_SPEED,
+            over_time=Functional.SMALLEST,
+        ),
+    )
+}
+"""By name."""
+
+_TIMES: Mapping[str, When] = {
+    "": WHOLE_RUN,
+    "since_release": SINCE_RELEASE,
+    "after_separation": AFTER_SEPARATION,
+    "until_separation": UNTIL_SEPARATION,
+    "at_release": Moment.RELEASE,
+    "at_separation": Moment.SEPARATION,
+    "at_end": Moment.END,
+}
+"""By what stands for them in names."""
+_NUMBER = r"(\d+(?:\.\d+)?(?:e-?\d+)?)"
+_SECONDS: tuple[tuple[str, Callable[..., When]], ...] = (
+    (rf"at_{_NUMBER}_s", lambda t: t),
+    (rf"until_{_NUMBER}_s", lambda t: Window(Moment.START, t, f"until {t:g} s")),
+    (rf"from_{_NUMBER}_s", lambda t: Window(t, Moment.END, f"from {t:g} s")),
+    (
+        rf"from_{_NUMBER}_to_{_NUMBER}_s",
+        lambda t, u: Window(t, u, f"from {t:g} to {u:g} s"),
+    ),
+)
+"""The same, of times in seconds."""
+
+
+def at_time(seconds: float) -> str:
+    """Return what stands in names for a time, s."""
+    return f"at_{_written(seconds)}_s"
+
+
+def between_times(start: float | None, end: float | None) -> str:
+    """Return what stands in names for the stretch from one time to another, s.
+
+    Args:
+        start: None: the start of the run.
+        end: None: the end of the run.
+    """
+    if start is None:
+        return "" if end is None else f"until_{_written(end)}_s"
+    if end is None:
+        return f"from_{_written(start)}_s"
+    return f"from_{_written(start)}_to_{_written(end)}_s"
+
+
+def _written(seconds: float) -> str:
+    return f"{seconds:.10g}".replace("e+", "e")
+
+
+def time_named(text: str) -> When | None:
+    """Return the time for which a text stands in names; None if there is none."""
+    if text in _TIMES:
+        return _TIMES[text]
+    for pattern, make in _SECONDS:
+        found = re.fullmatch(pattern, text)
+        if found is not None:
+            return make(*map(float, found.groups()))
+    return None
+
+
+_NAME = re.compile(
+    rf"({'|'.join(sorted(QUANTITIES, key=len, reverse=True))})"
+    r"(?:_(max|min|magnitude_min|value))?(?:_(.+?))??"
+    rf"(?:_({'|'.join((*XYZ, *ROLL_PITCH_YAW))}))?"
+)
+
+
+@functools.lru_cache(maxsize=4096)
+def metric_of_quantity(name: str) -> tuple[Metric, str] | None:
+    """Return the metric of a name or a stem, and the axis that is in the name.
+
+    Args:
+        name: such as ``rate_max_from_0.5_to_2_s_x``; the axis of a stem is empty.
+
+    Returns:
+        None if no quantity has such a metric.
+    """
+    found = _NAME.fullmatch(name)
+    if found is None:
+        return None
+    quantity, extreme, when, axis = (part or "" for part in found.groups())
+    metric = _metric(QUANTITIES[quantity], extreme, when)
+    if metric is None or (axis and axis not in metric.axes):
+        return None
+    return metric, axis
+
+
+def _metric(quantity: Quantity, extreme: str, when: str) -> Metric | None:
+    """Return the metric of a quantity; None if it has no such extreme."""
+    time = time_named(when)
+    if time is None:
+        return None
+
+    def stem(extreme: str, name: str = quantity.name) -> str:
+        return "_".join(filter(None, (name, extreme, when)))
+
+    roles = (_over_time if isinstance(time, Window) else _at_once)(quantity, stem)
+    if extreme not in roles:
+        return None
+    functional, partners = roles[extreme]
+    return Metric(
+        stem=stem(extreme),
+        kind=quantity.kind,
+        functional=functional,
+        signal=quantity.signal,
+        when=time,
+        **partners,
+    )
+
+
+_Role: TypeAlias = tuple[Functional, dict[str, Any]]
+"""A functional, and the partners of the metric that it makes."""
+
+
+def _over_time(quantity: Quantity, stem: Callable[..., str]) -> dict[str, _Role]:
+    """Return what a quantity has over a stretch of time, by the extreme's name."""
+    signed = quantity.signed or quantity.name
+    extremes: dict[str, _Role] = {
+        "max": (Functional.LARGEST, {}),
+        "min": (Functional.SMALLEST, {}),
+    }
+    if quantity.two_sided:
+        magnitude = {
+            "at_least": stem("magnitude_min"),
+            "directions": (stem("max", signed), stem("min", signed)),
+        }
+        return {
+            "": (Functional.LARGEST_MAGNITUDE, magnitude),
+            "magnitude_min": (Functional.SMALLEST_MAGNITUDE, {}),
+            **({} if quantity.signed else extremes),
+        }
+    if quantity.over_time is Functional.SMALLEST:
+        return {"": (Functional.SMALLEST, {"at_most": stem("max")}), **extremes}
+    return {"": (Functional.LARGEST, {"at_least": stem("min")}), **extremes}
+
+
+def _at_once(quantity: Quantity, stem: Callable[..., str]) -> dict[str, _Role]:
+    """Return what a quantity has at a time."""
+    if not quantity.two_sided:
+        return {"": (Functional.VALUE, {})}
+    value = stem("", quantity.signed) if quantity.signed else stem("value")
+    roles: dict[str, _Role] = {"": (Functional.MAGNITUDE, {"directions": (value,) * 2})}
+    return roles if quantity.signed else roles | {"value": (Functional.VALUE, {})}
