@@ -44,6 +44,9 @@ if TYPE_CHECKING:  # imports Drake
     from drakesep.analysis.clearance.objective import LowestClearance
 
 
+_WITHIN = "deviation_within_limits_until"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClearancePairs:
     """Which parts are measured to each other, and how long their distance matters.
@@ -179,7 +182,12 @@ class AnalysisCase:
                 )
         for requirement in self.requirements:
             with named("requirements"):
-                _check_limit(requirement, self.deviation_limits)
+                others = [pair.B for pair in self.separation.others]
+                if requirement.pair and requirement.pair not in others:
+                    why = unknown("body that leaves", requirement.pair, others)
+                    raise InputError(f"{requirement.metric}: {why}")
+                limits = self.limits_of_pairs[requirement.pair]
+                _check_limit(requirement, limits)
             if requirement.measured_apart and not self.has_clearance:
                 raise InputError(
                     f"requirements: {requirement.metric} needs geometry on two bodies "
@@ -203,8 +211,17 @@ class AnalysisCase:
 
     @property
     def deviation_limits(self) -> tuple[float, ...]:
-        """(3,) limits of roll, pitch and yaw, rad; infinite where there is none."""
+        """(3,) limits of roll, pitch and yaw, rad; infinite where there is none.
+
+        Those of the first pair.
+        """
         return deviation_limits(self.requirements)
+
+    @property
+    def limits_of_pairs(self) -> dict[str, tuple[float, ...]]:
+        """The same of each pair, by its B; those of the first by an empty name."""
+        pairs = ["", *(pair.B for pair in self.separation.others)]
+        return {pair: deviation_limits(self.requirements, pair) for pair in pairs}
 
     @property
     def has_clearance(self) -> bool:
@@ -223,16 +240,14 @@ class AnalysisCase:
         of_requirements = [
             name for r in self.requirements for name in self.names_towards(r)
         ]
-        if self._limits_deviations:
-            of_requirements.append(_until_violation().name)
+        of_requirements += [objective.name for objective in self._until_violations]
         return tuple(dict.fromkeys([*OBJECTIVES, *of_requirements]))
 
     @property
     def requirement_objectives(self) -> tuple[Objective, ...]:
         """What leads out of each requirement, and the time to a deviation's limit."""
         objectives = [o for limit in self.requirements for o in self.towards(limit)]
-        if self._limits_deviations:
-            objectives.append(_until_violation())
+        objectives += self._until_violations
         return tuple({objective.name: objective for objective in objectives}.values())
 
     @property
@@ -247,8 +262,13 @@ class AnalysisCase:
         return found is not None and found[0].reached(self.separation.duration)
 
     @property
-    def _limits_deviations(self) -> bool:
-        return any(math.isfinite(limit) for limit in self.deviation_limits)
+    def _until_violations(self) -> list[Objective]:
+        """What makes the time to a deviation's limit short, of each pair with one."""
+        return [
+            lowest(f"{pair}.{_WITHIN}" if pair else _WITHIN)
+            for pair, limits in self.limits_of_pairs.items()
+            if any(map(math.isfinite, limits))
+        ]
 
     def towards(self, requirement: Requirement) -> tuple[Objective, ...]:
         """Return the objectives that lead out of a requirement.
@@ -288,6 +308,11 @@ def _check_limit(requirement: Requirement, deviation_limits: tuple[float, ...]) 
     """Raise InputError where a limit says nothing, or would be held unseen."""
     metric, sense, limit = requirement.metric, requirement.sense, requirement.limit
     if requirement.measured_apart:
+        if requirement.pair:
+            raise InputError(
+                f"{metric}: a clearance is that of all pairs of parts together, got "
+                f"{requirement.pair!r}"
+            )
         if sense != ">=" or limit <= 0.0:  # at contact it is 0, however deep
             raise InputError(
                 f"{metric}: sense must be '>=' and the limit > 0, got {sense!r} and "
@@ -307,8 +332,3 @@ def _check_limit(requirement: Requirement, deviation_limits: tuple[float, ...]) 
             f"{metric}: '>=' must be judged by a smallest magnitude: register one, and "
             "name it as this metric's at_least"
         )
-
-
-def _until_violation() -> Objective:
-    """Return the objective that makes the time to a deviation's limit short."""
-    return lowest("deviation_within_limits_until")

@@ -8,7 +8,7 @@ functionals: `drakesep.analysis.metrics.of_run`, on a run's samples, and
 import enum
 import functools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple, TypeAlias
 
 from drakesep.systems.checks import (
@@ -245,6 +245,30 @@ class Metric:
     small where it is large downwards."""
     objective: str = ""
     """Name of the paper's objective that it is."""
+    pair: str = ""
+    """B of the pair that it is of, which begins its name; empty: the first one."""
+
+    def of(self, body: str) -> "Metric":
+        """Return the same of the pair in which another body leaves."""
+
+        def named(stem: str) -> str:
+            return f"{body}.{stem}" if stem else ""
+
+        ways = self.directions
+        return replace(
+            self,
+            stem=named(self.stem),
+            at_most=named(self.at_most),
+            at_least=named(self.at_least),
+            directions=None if ways is None else (named(ways[0]), named(ways[1])),
+            objective="",
+            pair=body,
+        )
+
+    @property
+    def stem_of_any(self) -> str:
+        """Its stem, whichever pair it is of."""
+        return self.stem.removeprefix(f"{self.pair}.") if self.pair else self.stem
 
     def __post_init__(self) -> None:
         """Check that the fields go together."""

@@ -23,6 +23,7 @@ from drakesep.analysis.metrics.of_run import (
     metric_within,
 )
 from drakesep.analysis.metrics.registry import METRICS, find_metric, registered_metrics
+from drakesep.analysis.metrics.requirements import Limits as Limits
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
@@ -32,8 +33,6 @@ from drakesep.systems.model.run import Run
 
 ObjectiveName: TypeAlias = Literal["L1", "L2", "Linf", "PM"]
 """Of the paper."""
-Limits: TypeAlias = Sequence[float]
-"""(3,) of roll, pitch and yaw, rad; see `metrics_of_run`."""
 Metrics: TypeAlias = Mapping[str, Array]
 """Of one run or of many, by name."""
 Window: TypeAlias = tuple[float, float]
@@ -104,7 +103,7 @@ class Objective(ABC):
 
         Args:
             run: a completed run.
-            limits: (3,) of the deviations, as `metrics_of_run` takes them.
+            limits: of the deviations, as `metrics_of_run` takes them.
         """
 
     def about(self, run: Run, limits: Limits) -> About:
@@ -114,7 +113,7 @@ class Objective(ABC):
 
         Args:
             run: a completed run.
-            limits: (3,) of the deviations, as `metrics_of_run` takes them.
+            limits: of the deviations, as `metrics_of_run` takes them.
         """
         return About(self.of_run(run, limits), lambda near: self.of_run(near, limits))
 

@@ -23,6 +23,7 @@ from drakesep.analysis.metrics.metric import (
     Window,
 )
 from drakesep.analysis.metrics.registry import METRICS, find_metric, registered_metrics
+from drakesep.analysis.metrics.requirements import Limits, limits_of
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.equations.pair_signals import PairFacts
@@ -30,19 +31,21 @@ from drakesep.systems.model.run import Run
 
 
 def metrics_of_run(
-    run: Run, deviation_limits: Sequence[float], also: Iterable[str] = ()
+    run: Run, deviation_limits: Limits, also: Iterable[str] = ()
 ) -> dict[str, float]:
-    """Return every metric of a completed run, by name.
+    """Return every metric of a completed run, by name: of each body that leaves.
 
     Separation ends when every attachment is released and the last spring has reached
     its stroke. Rates are those of B in W, in B; deviations are its roll, pitch and yaw
     in W; the longitudinal speed is that of B's CG as seen from A. A metric of a rate's
-    or an angle's magnitude stands beside those of its two directions.
+    or an angle's magnitude stands beside those of its two directions. Those of the
+    first body have plain names, those of others begin with theirs.
 
     Args:
         run: a completed run.
         deviation_limits: (3,) limits of roll, pitch and yaw, rad, for the time
-            until which all stay within theirs; infinite where there is none.
+            until which all stay within theirs; infinite where there is none; or those
+            of several pairs, see `Limits`.
         also: names of metrics that are not registered (see
             `drakesep.analysis.metrics.quantities`). One that looks at a time that the
             run does not reach is NaN.
@@ -51,27 +54,31 @@ def metrics_of_run(
         RuntimeError: the run failed.
         ValueError: there is no such metric of every run.
     """
-    samples = _Samples(run)
+    samples = _samples_of(run)
     values: dict[str, float] = {}
     metrics = [metric for metric in registered_metrics() if metric.of_every_run]
+    metrics += [m.of(pair.B) for pair in run.separation.others for m in metrics]
     for metric in dict.fromkeys([*metrics, *map(metric_named, also)]):
-        values |= _values(metric, samples, deviation_limits)
+        limits = limits_of(deviation_limits, metric.pair)
+        values |= _values(metric, samples(metric.pair), limits)
     return values
 
 
-def metric_of_run(run: Run, name: str, deviation_limits: Sequence[float]) -> float:
+def metric_of_run(run: Run, name: str, deviation_limits: Limits) -> float:
     """Return one metric of a completed run, as `metrics_of_run` does.
 
     Args:
         run: a completed run.
         name: one of `METRICS`, or of a quantity.
-        deviation_limits: (3,) as there.
+        deviation_limits: as there.
 
     Raises:
         RuntimeError: the run failed.
         ValueError: there is no such metric of every run.
     """
-    return _values(metric_named(name), _Samples(run), deviation_limits)[name]
+    metric = metric_named(name)
+    limits = limits_of(deviation_limits, metric.pair)
+    return _values(metric, _samples_of(run)(metric.pair), limits)[name]
 
 
 def metric_within(run: Run, metric: str, window: tuple[float, float]) -> float:
@@ -94,10 +101,10 @@ def metric_within(run: Run, metric: str, window: tuple[float, float]) -> float:
     """
     entry = metric_named(metric)
     check_windowed(entry, metric)
-    samples = _Samples(run)
+    samples = _samples_of(run)(entry.pair)
     since = 0.0
     if isinstance(entry.when, Window) and entry.when.start is Moment.RELEASE:
-        since = time_of(Moment.RELEASE, run)
+        since = samples.time(Moment.RELEASE)
     start, stop = max(window[0], since), min(window[1], run.separation.duration)
     if start >= stop:
         raise InputError(
@@ -107,15 +114,22 @@ def metric_within(run: Run, metric: str, window: tuple[float, float]) -> float:
     return _over_time(entry, samples, start, stop)[metric]
 
 
-def time_of(time: Time, run: Run) -> float:
-    """Return when a time of a run was, s from its start."""
+def time_of(time: Time, run: Run, body: str = "") -> float:
+    """Return when a time of a run was, s from its start.
+
+    Args:
+        time: in question.
+        run: completed.
+        body: that leaves, whose release and separation are meant; the first if empty.
+    """
+    body = body or run.separation.B
     match time:
         case Moment.START:
             return 0.0
         case Moment.RELEASE:
-            return run.separation_start
+            return run.start_of(body)
         case Moment.SEPARATION:
-            return run.separation_end
+            return run.end_of(body)
         case Moment.END:
             return run.separation.duration
         case _:
@@ -141,13 +155,28 @@ def check_windowed(metric: Metric, name: str) -> None:
         raise InputError(f"window: must be of one of {', '.join(every)}, got {name}")
 
 
-class _Samples:
-    """The signals of a run; what is asked for twice is made once."""
+def _samples_of(run: Run) -> "Callable[[str], _Samples]":
+    """Return what gives the signals of each pair, by its B; empty: of the first."""
 
-    def __init__(self, run: Run):
-        self._run = run
-        self._motion = run.completed_motion
-        self._facts = PairFacts.of(run.separation, run.separation.pairs[0])
+    @functools.cache
+    def of(pair: str) -> _Samples:
+        body = pair or run.separation.B
+        known = [one.B for one in run.separation.pairs]
+        if body not in known:
+            raise InputError(unknown("body that leaves", body, known))
+        return _Samples(run, body)
+
+    return of
+
+
+class _Samples:
+    """The signals of a body that leaves; what is asked for twice is made once."""
+
+    def __init__(self, run: Run, body: str):
+        self._run, self._body = run, body
+        self._motion = run.motion_of(body)
+        pair = run.separation.pair_of(body)
+        self._facts = PairFacts.of(run.separation, pair)
         self.stretch = functools.cache(self._stretch)
         self._whole = functools.cache(self._interpolated)
 
@@ -158,7 +187,7 @@ class _Samples:
 
     def time(self, time: Time) -> float:
         """Return when a time was, s from the start."""
-        return time_of(time, self._run)
+        return time_of(time, self._run, self._body)
 
     def at(self, signal: Signal, when: Time) -> list[float]:
         """Return the values of a signal's components at a time."""

@@ -22,6 +22,7 @@ from drakesep.analysis.metrics.metric import (
 )
 from drakesep.analysis.metrics.quantities import metric_of_quantity
 from drakesep.systems.checks import InputError
+from drakesep.systems.model.separation import RESERVED_NAMES
 
 
 _PAPER = (
@@ -179,15 +180,25 @@ def registered_metrics() -> tuple[Metric, ...]:
 def find_metric(name: str) -> tuple[Metric, str] | None:
     """Return the metric of a name or a stem, and the axis that is in the name.
 
-    One that is registered, or of a quantity at some time of the run.
+    One that is registered, or of a quantity at some time of the run; of the first pair,
+    or of that of the body whose name stands before it.
 
     Args:
-        name: such as ``rate_after_separation_x``; the axis of a stem is empty.
+        name: such as ``rate_after_separation_x`` or ``satellite.rate_at_end_x``; the
+            axis of a stem is empty.
 
     Returns:
         None if there is no such metric.
     """
-    return _registered(name) or metric_of_quantity(name)
+    found = _registered(name) or metric_of_quantity(name)
+    if found is not None:
+        return found
+    body, _, rest = name.partition(".")
+    found = _registered(rest) or metric_of_quantity(rest)
+    if found is None or body in ("", *RESERVED_NAMES):
+        return None
+    metric, axis = found
+    return metric.of(body), axis
 
 
 def _registered(name: str) -> tuple[Metric, str] | None:

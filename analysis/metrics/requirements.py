@@ -4,11 +4,17 @@ import enum
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from drakesep.analysis.metrics.metric import Sense
 from drakesep.analysis.metrics.registry import DEVIATION, find_metric
 from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.model.parameter_table import with_axis
+
+
+Limits: TypeAlias = Sequence[float] | Mapping[str, Sequence[float]]
+"""(3,) of roll, pitch and yaw of the first pair, rad, infinite where there is none; or
+such limits of several pairs, by their B's name, and of the first by an empty one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,9 +62,15 @@ class Requirement:
 
     @property
     def quantity(self) -> tuple[str, str]:
-        """Stem of its metric, and the axis; empty if it has none."""
+        """Stem of its metric, of any pair, and the axis; empty if it has none."""
         found = find_metric(self.metric)
-        return (self.metric, "") if found is None else (found[0].stem, found[1])
+        return (self.metric, "") if found is None else (found[0].stem_of_any, found[1])
+
+    @property
+    def pair(self) -> str:
+        """B of the pair that it is about; empty: of the first."""
+        found = find_metric(self.metric)
+        return "" if found is None else found[0].pair
 
     @property
     def measured_apart(self) -> bool:
@@ -156,12 +168,18 @@ def _finding(
     )
 
 
-def deviation_limits(requirements: Sequence[Requirement]) -> tuple[float, ...]:
+def deviation_limits(
+    requirements: Sequence[Requirement], pair: str = ""
+) -> tuple[float, ...]:
     """Return the limits of roll, pitch and yaw, rad; infinite where there is none.
 
     Where there are several, the least.
+
+    Args:
+        requirements: some of which limit deviations.
+        pair: B of the pair whose deviations they are; empty: of the first.
     """
-    found = find_metric(DEVIATION)
+    found = find_metric(f"{pair}.{DEVIATION}" if pair else DEVIATION)
     assert found is not None
     return tuple(
         min(
@@ -170,3 +188,13 @@ def deviation_limits(requirements: Sequence[Requirement]) -> tuple[float, ...]:
         )
         for name in found[0].names
     )
+
+
+NO_LIMITS = (math.inf,) * 3
+
+
+def limits_of(limits: Limits, pair: str) -> Sequence[float]:
+    """Return the limits (3,) of a pair's deviations, rad; see `Limits`."""
+    if isinstance(limits, Mapping):
+        return limits.get(pair, NO_LIMITS)
+    return NO_LIMITS if pair else limits

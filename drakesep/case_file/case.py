@@ -39,7 +39,7 @@ from drakesep.case_file.values import parameter_of, values_in_si
 from drakesep.systems.checks import named
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.part_pairs import pairs_apart
-from drakesep.systems.model.separation import Separation
+from drakesep.systems.model.separation import Pair, Separation
 from drakesep.tables.roles import check_labels
 from drakesep.units import unit_of, with_unit
 
@@ -56,7 +56,9 @@ class Case(Section):
 
     name: Name
     description: str = ""
-    pair: PairSection
+    pair: PairSection | None = None
+    """The body that leaves, and from which; or several, in `pairs`."""
+    pairs: list[PairSection] = Field(default_factory=list)
     bodies: dict[Name, BodySection] = Field(min_length=2)
     attachments: dict[Name, AttachmentSection] = Field(min_length=1)
     loads: dict[Name, LoadSection] = Field(default_factory=dict)
@@ -78,6 +80,13 @@ class Case(Section):
     _record: AnalysisCase = PrivateAttr()
     _read: tuple[str, str] | None = PrivateAttr(default=None)
     """From where, and the text; None if it was made or changed in Python."""
+
+    @model_validator(mode="after")
+    def _check_pairs(self) -> Self:
+        if (self.pair is None) == (not self.pairs):
+            got = "none" if self.pair is None else "both"
+            raise ValueError(f"must have one of 'pair' and 'pairs', got {got}")
+        return self
 
     @model_validator(mode="after")
     def _turn_into_si(self, info: ValidationInfo) -> Self:
@@ -121,12 +130,14 @@ class Case(Section):
 
     def _separation(self) -> Separation:
         touching, recontact = self.clearance.touching, self.recontact
+        first, *others = self._pairs
         return Separation(
             bodies=tuple(body.in_si(name) for name, body in self.bodies.items()),
             attachments=tuple(a.in_si(name) for name, a in self.attachments.items()),
-            A=self.pair.A,
-            B=self.pair.B,
-            direction=self.pair.direction,
+            A=first.A,
+            B=first.B,
+            direction=first.direction,
+            others=tuple(Pair(A=x.A, B=x.B, direction=x.direction) for x in others),
             loads=tuple(load.in_si(name) for name, load in self.loads.items()),
             initial=self.before_separation.in_si(),
             orbit=None if self.orbit is None else self.orbit.in_si(),
@@ -188,8 +199,18 @@ class Case(Section):
         return [s for s in self.requirements if not s.metric.of_every_run]
 
     @property
+    def _pairs(self) -> list[PairSection]:
+        return self.pairs if self.pair is None else [self.pair]
+
+    @property
     def _limits(self) -> tuple[Requirement, ...]:
-        return tuple(r for section in self.requirements for r in section.requirements())
+        bodies = [pair.B for pair in self._pairs]
+        with named("requirements"):
+            return tuple(
+                requirement
+                for section in self.requirements
+                for requirement in section.requirements(bodies)
+            )
 
     def in_si(self) -> AnalysisCase:
         """Return the case in SI and radians, as studies take it."""

@@ -1,7 +1,7 @@
 """The other sections of a case file: pair, orbit, requirements, run, publications."""
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import (
@@ -183,6 +183,8 @@ class RequirementSection(Section):
     """Of a quantity; over the whole run if absent. A metric says it in its name."""
     at_most: Limits | None = None
     at_least: Limits | None = None
+    pair: str | None = None
+    """The body that leaves, B of its pair; if absent, of each pair."""
     id: str = ""
     """By which others know the requirement."""
     source: str = ""
@@ -199,6 +201,8 @@ class RequirementSection(Section):
         of_clearance = not self.metric.of_every_run
         if of_clearance and (self.at_least is None or self.at_most is not None):
             raise ValueError("a clearance must have 'at_least', got 'at_most'")
+        if of_clearance and self.pair is not None:
+            raise ValueError("a clearance is that of all pairs, and has no 'pair'")
         if not of_clearance and self.until_separation_mm is not None:
             raise ValueError("until_separation_mm must stand with clearance_mm")
         axes = len(self.metric.axes)
@@ -256,14 +260,34 @@ class RequirementSection(Section):
         assert found is not None
         return found[0]
 
-    def requirements(self) -> list[Requirement]:
-        """Return the requirements in SI, one for each limit."""
+    def requirements(self, pairs: Sequence[str]) -> list[Requirement]:
+        """Return the requirements in SI, one for each limit.
+
+        Args:
+            pairs: names of the bodies that leave, the first one's first.
+
+        Raises:
+            CaseError: the body does not leave.
+        """
+        if not self.metric.of_every_run:
+            return self._of_pair("")
+        chosen = pairs if self.pair is None else [self.pair]
+        for body in chosen:
+            if body not in pairs:
+                raise CaseError(unknown("body that leaves", body, pairs))
+        return [
+            requirement
+            for body in chosen
+            for requirement in self._of_pair("" if body == pairs[0] else f"{body}.")
+        ]
+
+    def _of_pair(self, prefix: str) -> list[Requirement]:
         condition = ""
         if self.until_separation_mm is not None:
             condition = f"until {self.until_separation_mm:g} mm of separation"
         return [
             Requirement(
-                metric=name,
+                metric=prefix + name,
                 sense=sense,
                 limit=unit_of(name).to_si(value),
                 condition=condition,

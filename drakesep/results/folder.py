@@ -12,7 +12,7 @@ from typing import Self, TypeAlias
 from drakesep.files import PREFIX
 from drakesep.results import catalogue, recorded_runs
 from drakesep.results.asked import Asked
-from drakesep.results.recorded_case import CASE, save_case
+from drakesep.results.recorded_case import CASE, other_bodies, save_case
 from drakesep.results.study_record import (
     STUDY,
     Ended,
@@ -133,7 +133,7 @@ class ResultsFolder:
             runs=recorded_runs.labels_in(self.path),
         )
         record.write(self.path)
-        files = catalogue.files_in(self.path, self._study)
+        files = catalogue.files_in(self.path, self._study, other_bodies(self.path))
         replace(record, files=files_as_json(files)).write(self.path)
         self._record = None
 
@@ -161,7 +161,8 @@ class ResultsFolder:
         """Take out what the last study left; its record last, which says what it is."""
         last = StudyRecord.read(self.path)
         labels = recorded_runs.labels_in(self.path)
-        left = [name for name, _ in catalogue.names_of(self._study, labels)]
+        bodies = other_bodies(self.path)
+        left = [name for name, _ in catalogue.names_of(self._study, labels, bodies)]
         left += [str(file["name"]) for file in last.files] if last else []
         left += [f"{catalogue.GEOMETRY}/{p.name}" for p in self._meshes(last)]
         for name in dict.fromkeys(left):

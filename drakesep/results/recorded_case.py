@@ -1,5 +1,6 @@
 """The case as a results folder keeps it: in SI, with copies of its meshes."""
 
+import contextlib
 import dataclasses
 import json
 import shutil
@@ -53,6 +54,17 @@ def read_case(folder: Path) -> AnalysisCase:
         return dataclasses.replace(shape, file=folder / shape.file)
 
     return _with_meshes(case, here)
+
+
+def other_bodies(folder: Path) -> tuple[str, ...]:
+    """Return the bodies that leave, but the first; none if no case tells.
+
+    Args:
+        folder: of the results.
+    """
+    with contextlib.suppress(InputError):
+        return tuple(pair.B for pair in read_case(folder).separation.others)
+    return ()
 
 
 def _with_meshes(

@@ -208,7 +208,7 @@ def clearance(
             raise RuntimeError(f"the run failed: {run.message}")
         role = Changed() if values else Nominal()
         study = Clearances(
-            labelled=measured(role, run, case.deviation_limits),
+            labelled=measured(role, run, case),
             values=values,
             analysis=analysis,
             found=tuple(analysis.of(run)),

@@ -37,7 +37,7 @@ def _of_direction(run: Run, pair: Pair) -> list[str]:
 
 
 def _speed_at_end(run: Run, pair: Pair) -> float:
-    velocity = run.completed_motion.relative_velocity[-1]
+    velocity = run.motion_of(pair.B).relative_velocity[-1]
     return float(velocity @ np.array(pair.direction))
 
 

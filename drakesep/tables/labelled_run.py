@@ -77,7 +77,7 @@ def measured(
     """
     if run.motion is None:
         return LabelledRun(role=role, run=run, metrics={}, outcome=failed(run.message))
-    metrics = metrics_of_run(run, case.deviation_limits, case.metrics)
+    metrics = metrics_of_run(run, case.limits_of_pairs, case.metrics)
     nearest = None if clearance is None else clearance.nearest(run)
     if clearance is not None and nearest is not None:
         metrics[CLEARANCE] = clearance_told(run, nearest, clearance)

@@ -20,6 +20,7 @@ def requirements_table(
     growths: "Sequence[tuple[Requirement, Growth]]" = (),
     single_growths: "Sequence[tuple[Requirement, Growth]]" = (),
     box: ToleranceBox | None = None,
+    first: str = "",
 ) -> pd.DataFrame:
     """Return a row for each requirement and axis, with its margins and verdict.
 
@@ -28,6 +29,7 @@ def requirements_table(
         growths: of all tolerances together.
         single_growths: of single tolerances.
         box: the tolerances, if they grow.
+        first: name of the body that leaves in the first pair.
     """
     of_all = dict(growths)
     rows = []
@@ -53,6 +55,7 @@ def requirements_table(
                 "looked_up_to": math.nan if growth is None else growth.most,
                 **_first_tolerance(finding, single_growths, box),
                 "verdict": finding.verdict.value,
+                "pair": requirement.pair or first,
                 "id": requirement.id,
                 "source": requirement.source,
             }

@@ -23,8 +23,9 @@ class SeparationForces(Diagram):
     Built once for the structure of a separation: every number in it is written into a
     Context with `set_separation`, so that a run is varied without a rebuild.
 
-    Subsystems: ``release``, ``springs``, ``cfe_bushing``, ``motion_analysis``; and
-    ``loads`` and ``gravity`` if the separation has loads or an orbit.
+    Subsystems: ``release``, ``springs``, ``cfe_bushing``, ``motion_analysis``; one more
+    of these for each other body that leaves; and ``loads`` and ``gravity`` if the
+    separation has loads or an orbit.
 
     Input ports:
         plant_state: in which the layout finds the motion of each body.
@@ -42,7 +43,8 @@ class SeparationForces(Diagram):
         joint_loads, joint_energy: see `CfeBushing`.
         rate, relative_rate, angle, relative_position, relative_velocity,
         acceleration, linear_momentum_change, angular_momentum_change: see
-            `MotionAnalysis`.
+            `MotionAnalysis`; those of the other bodies that leave have their names
+            before them, as in ``satellite_rate``.
     """
 
     def __init__(
@@ -71,9 +73,14 @@ class SeparationForces(Diagram):
         self._bushing: CfeBushing = builder.AddNamedSystem(
             "cfe_bushing", CfeBushing(separation, layout)
         )
-        self._motion: MotionAnalysis = builder.AddNamedSystem(
-            "motion_analysis", MotionAnalysis(separation, layout)
-        )
+        # In the order of the pairs, which is that of their states.
+        self._motions: dict[str, MotionAnalysis] = {
+            pair.B: builder.AddNamedSystem(
+                "_".join(["motion_analysis", pair.B][: 1 + (pair.B != separation.B)]),
+                MotionAnalysis(separation, layout, pair.B),
+            )
+            for pair in separation.pairs
+        }
         self._loads: Loads | None = None
         self._gravity: Gravity | None = None
         forces: list[System] = [self._springs, self._bushing]
@@ -99,17 +106,20 @@ class SeparationForces(Diagram):
         for system in (self._springs, self._bushing, self._loads):
             if system is not None:
                 builder.Connect(released, system.GetInputPort("released"))
-        readers = (self._release, *forces, self._motion)
+        motions = list(self._motions.values())
+        readers = (self._release, *forces, *motions)
         builder.ExportInput(readers[0].GetInputPort("plant_state"), "plant_state")
         for system in readers[1:]:
             builder.ConnectInput("plant_state", system.GetInputPort("plant_state"))
-        builder.Connect(
-            self._springs.GetOutputPort("wrenches"),
-            self._motion.GetInputPort("spring_wrenches"),
-        )
-        builder.ExportInput(
-            self._motion.GetInputPort("plant_acceleration"), "plant_acceleration"
-        )
+        for motion in motions:
+            builder.Connect(
+                self._springs.GetOutputPort("wrenches"),
+                motion.GetInputPort("spring_wrenches"),
+            )
+        name = "plant_acceleration"
+        builder.ExportInput(motions[0].GetInputPort(name), name)
+        for motion in motions[1:]:
+            builder.ConnectInput(name, motion.GetInputPort(name))
         for name in ("trigger", "triggers"):
             builder.ExportInput(self._release.GetInputPort(name), name)
 
@@ -122,9 +132,13 @@ class SeparationForces(Diagram):
             (self._bushing, "energy", "joint_energy"),
         ):
             builder.ExportOutput(system.GetOutputPort(port), name)
-        for i in range(self._motion.num_output_ports()):
-            output = self._motion.get_output_port(i)
-            builder.ExportOutput(output, output.get_name())
+        for body, motion in self._motions.items():
+            for i in range(motion.num_output_ports()):
+                output, prefix = motion.get_output_port(i), f"{body}_"
+                name = output.get_name()
+                builder.ExportOutput(
+                    output, name if motion is motions[0] else prefix + name
+                )
         builder.BuildInto(self)
         self._structure = _structure(separation)
 
@@ -153,7 +167,8 @@ class SeparationForces(Diagram):
         self._release.set_schedule(of(self._release), separation)
         self._springs.set_springs(of(self._springs), separation)
         self._bushing.set_joints(of(self._bushing), separation)
-        self._motion.set_measured(of(self._motion), separation)
+        for motion in self._motions.values():
+            motion.set_measured(of(motion), separation)
         if self._loads is not None:
             self._loads.set_loads(of(self._loads), separation)
         if self._gravity is not None:
@@ -205,7 +220,7 @@ def _structure(separation: Separation) -> dict[str, object]:
             (x.name, x.body, x.axes, x.after, x.times, x.forces, x.torques)
             for x in separation.loads
         ),
-        "pair": (separation.A, separation.B),
+        "pairs": tuple((pair.A, pair.B) for pair in separation.pairs),
         "recontact": separation.recontact
         and (separation.recontact, tuple(body.parts for body in separation.bodies)),
         "gravity": "of an orbit" if separation.orbit else "none",

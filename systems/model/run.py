@@ -82,6 +82,8 @@ class Run:
     """Why the run failed; empty if it did not."""
     motion: Motion | None = field(default=None, repr=False)
     """None if the run failed."""
+    others: Mapping[str, Motion] = field(default_factory=dict, repr=False)
+    """Motions of the other bodies that leave, by their names; as seen from their A."""
     trajectory: Trajectory | None = field(default=None, repr=False)
     """None if the run failed."""
     breaks: tuple[float, ...] = ()
@@ -108,6 +110,15 @@ class Run:
         if self.motion is None:
             raise RuntimeError(f"the run failed: {self.message}")
         return self.motion
+
+    def motion_of(self, body: str) -> Motion:
+        """Return the motion of a body that leaves, of a completed run.
+
+        Raises:
+            RuntimeError: the run failed.
+        """
+        motion = self.completed_motion
+        return motion if body == self.separation.B else self.others[body]
 
     @property
     def completed_trajectory(self) -> Trajectory:

@@ -35,6 +35,7 @@ from drakesep.analysis.engines.jax.metrics_fold import MetricsFold
 from drakesep.analysis.engines.jax.sampled_runs import SampledRun
 from drakesep.analysis.metrics.of_run import metric_named
 from drakesep.analysis.metrics.registry import registered_metrics
+from drakesep.analysis.metrics.requirements import Limits
 from drakesep.systems.arrays import Array
 from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.integrator import (
@@ -45,7 +46,7 @@ from drakesep.systems.batch.integrator import (
 from drakesep.systems.batch.lanes import Lanes
 from drakesep.systems.batch.motion import MotionFold
 from drakesep.systems.batch.row_checks import check_rows
-from drakesep.systems.checks import InputError, check_positive
+from drakesep.systems.checks import InputError, check_positive, unknown
 from drakesep.systems.model.parameters import (
     check_read,
     declarations,
@@ -120,7 +121,7 @@ class Batch:
         separation: Separation,
         names: Sequence[str],
         *,
-        deviation_limits: Sequence[float] = (math.inf,) * 3,
+        deviation_limits: Limits = (math.inf,) * 3,
         metrics: Iterable[str] = (),
         tolerance: float = TOLERANCE,
         max_steps: int = MAX_STEPS,
@@ -133,7 +134,8 @@ class Batch:
             separation: to be flown and varied.
             names: (n_p,) parameters that vary; see `drakesep.systems.model.parameters`.
             deviation_limits: (3,) limits of roll, pitch and yaw, rad, for the time
-                until which all stay within theirs; infinite where there is none.
+                until which all stay within theirs; infinite where there is none; or
+                those of several pairs, see `Limits`.
             metrics: names of others to tell beside those that are registered; see
                 `drakesep.analysis.metrics.quantities`.
             tolerance: of the error estimates of all steps of a run together, in SI.
@@ -152,7 +154,7 @@ class Batch:
             )
         nominal = parameters(separation)
         check_names(names, nominal)
-        check_limits(deviation_limits)
+        check_limits(deviation_limits, separation.pairs)
         check_released(separation)
         check_free(separation)
         check_positive("tolerance", tolerance)
@@ -185,6 +187,10 @@ class Batch:
         timed = any(declared[name].kind == "time" for name in names)
         self._integrator_of_slopes = state(one_by_one=timed)
         told = dict.fromkeys([*registered_metrics(), *map(metric_named, metrics)])
+        known = ["", *(pair.B for pair in separation.pairs)]
+        for metric in told:
+            if metric.pair not in known:
+                raise InputError(unknown("body that leaves", metric.pair, known))
         self._fold = MetricsFold(self._equations, deviation_limits, tuple(told))
         self.metrics = self._fold.names
         compiled = functools.partial(

@@ -115,7 +115,7 @@ def _confirmed(study: WorstCases, found: WorstCase, run: Run) -> LabelledRun:
 def _value(study: WorstCases, objective: Objective, labelled: LabelledRun) -> float:
     if objective is study.clearance and labelled.nearest is not None:
         return -labelled.nearest.minimum
-    return objective.of_run(labelled.run, study.case.deviation_limits)
+    return objective.of_run(labelled.run, study.case.limits_of_pairs)
 
 
 def _accuracy(case: AnalysisCase) -> float:

@@ -153,7 +153,7 @@ def _batch_of(case: AnalysisCase, objectives: Sequence[Objective]) -> Batch:
     return Batch(
         case.separation,
         case.box.names,
-        deviation_limits=case.deviation_limits,
+        deviation_limits=case.limits_of_pairs,
         metrics=read,
     )
 
@@ -166,7 +166,7 @@ def _on_batch(
     derivatives: bool,
 ) -> BatchEvaluator:
     evaluator = BatchEvaluator(
-        batch, objectives, case.deviation_limits, derivatives=derivatives
+        batch, objectives, case.limits_of_pairs, derivatives=derivatives
     )
     evaluator.prepare()  # its programs are compiled beside what comes next
     return evaluator
@@ -180,4 +180,4 @@ def _in_drake(
     def fly(rows: Array) -> list[Run]:
         return pool.fly([dict(zip(names, row.tolist(), strict=True)) for row in rows])
 
-    return RunEvaluator(fly, names, objectives, case.deviation_limits)
+    return RunEvaluator(fly, names, objectives, case.limits_of_pairs)
