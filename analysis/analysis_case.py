@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from drakesep.analysis.metrics.metric import Functional
+from drakesep.analysis.metrics.metric import Functional, Owner
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective, lowest, towards
 from drakesep.analysis.metrics.of_run import metric_named
 from drakesep.analysis.metrics.registry import (
@@ -20,7 +20,11 @@ from drakesep.analysis.metrics.registry import (
     find_metric,
     registered_metrics,
 )
-from drakesep.analysis.metrics.requirements import Requirement, deviation_limits
+from drakesep.analysis.metrics.requirements import (
+    NO_LIMITS,
+    Requirement,
+    deviation_limits,
+)
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
@@ -182,17 +186,26 @@ class AnalysisCase:
                 )
         for requirement in self.requirements:
             with named("requirements"):
-                others = [pair.B for pair in self.separation.others]
-                if requirement.pair and requirement.pair not in others:
-                    why = unknown("body that leaves", requirement.pair, others)
-                    raise InputError(f"{requirement.metric}: {why}")
-                limits = self.limits_of_pairs[requirement.pair]
+                self._check_owner(requirement)
+                limits = self.limits_of_pairs.get(requirement.pair, NO_LIMITS)
                 _check_limit(requirement, limits)
             if requirement.measured_apart and not self.has_clearance:
                 raise InputError(
                     f"requirements: {requirement.metric} needs geometry on two bodies "
                     "that does not touch while mated, got none"
                 )
+
+    def _check_owner(self, requirement: Requirement) -> None:
+        """Raise InputError unless there is what a requirement is about."""
+        separation, name = self.separation, requirement.pair
+        if requirement.owner is Owner.PAIR:
+            known = ["", *(pair.B for pair in separation.others)]
+        else:
+            of_springs = requirement.owner is Owner.SPRING
+            known = [*separation.owners_of_forces(springs=of_springs)]
+        if name not in known:
+            why = unknown(requirement.owner.value, name, known)
+            raise InputError(f"{requirement.metric}: {why}")
 
     def _check_published(self) -> None:
         labels = [published.label for published in self.published]

@@ -8,8 +8,8 @@ functionals: `drakesep.analysis.metrics.of_run`, on a run's samples, and
 import enum
 import functools
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Literal, NamedTuple, TypeAlias
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 from drakesep.systems.checks import (
     InputError,
@@ -21,7 +21,8 @@ from drakesep.systems.equations import pair_signals
 from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.equations.relative_motion import RelativeMotion
 from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ, with_axis
-from drakesep.systems.vectors import Ops, Scalar, Vector
+from drakesep.systems.model.run import Motion
+from drakesep.systems.vectors import Ops, Scalar
 
 
 Sense: TypeAlias = Literal["<=", ">="]
@@ -36,6 +37,12 @@ class Kind(enum.Enum):
     SPEED = "speed"
     TIME = "time"
     CLEARANCE = "clearance"
+    DISPLACEMENT = "displacement"
+    ACCELERATION = "acceleration"
+    FORCE = "force"
+    TORQUE = "torque"
+    MOMENTUM = "momentum"
+    ANGULAR_MOMENTUM = "angular momentum"
 
 
 @functools.total_ordering
@@ -148,8 +155,19 @@ class Outer(enum.Enum):
     CONE = "twice the arcsine of the square root of the signal"
 
 
-Law: TypeAlias = Callable[[Vector, PairFacts, Ops], tuple[Scalar, ...]]
-"""Makes components of a vector of the motion; see `equations.pair_signals`."""
+class Owner(enum.Enum):
+    """Whose a quantity is; the value says it."""
+
+    PAIR = "body that leaves"
+    ATTACHMENT = "attachment"
+    SPRING = "spring"
+
+
+JOINT_LOAD, SPRING_FORCE = "joint_load", "spring_force"
+_OWNERS = {JOINT_LOAD: Owner.ATTACHMENT, SPRING_FORCE: Owner.SPRING}
+Law: TypeAlias = Callable[[Any, PairFacts, Ops], tuple[Scalar, ...]]
+"""Makes components of a vector of the motion, or of a load; see
+`equations.pair_signals`."""
 
 
 class Signal(NamedTuple):
@@ -157,7 +175,8 @@ class Signal(NamedTuple):
 
     words: str
     quantity: str
-    """Field of `Motion`, and of `RelativeMotion`."""
+    """Field of `Motion`, of which the batch engine tells those of `RelativeMotion`; or
+    the load of a joint or the force of a spring."""
     axes: tuple[str, ...] = XYZ
     """What the components are called in names; empty for one alone."""
     components: tuple[int, ...] = (0, 1, 2)
@@ -168,6 +187,19 @@ class Signal(NamedTuple):
     law: Law | None = None
     """Makes the components of the field; None: they are its own."""
     outer: Outer = Outer.ITSELF
+    jumps: bool = False
+    """Whether it leaps at releases and ends of strokes: it is told at samples, with
+    straight lines between."""
+
+    @property
+    def owner(self) -> Owner:
+        """Whose it is."""
+        return _OWNERS.get(self.quantity, Owner.PAIR)
+
+    @property
+    def of_steps(self) -> bool:
+        """Whether the batch engine tells it, from its steps."""
+        return self.quantity in RelativeMotion._fields
 
     def check(self, name: str) -> None:
         """Raise InputError unless there are such components, each with its axis.
@@ -175,7 +207,7 @@ class Signal(NamedTuple):
         Args:
             name: of what has the signal.
         """
-        known = RelativeMotion._fields  # what both engines tell
+        known = [*_OWNERS, *(f.name for f in fields(Motion) if f.name != "time")]
         if self.quantity not in known:
             message = unknown("field", self.quantity, known)
             raise InputError(f"{name}: signal: {message}")
@@ -246,10 +278,16 @@ class Metric:
     objective: str = ""
     """Name of the paper's objective that it is."""
     pair: str = ""
-    """B of the pair that it is of, which begins its name; empty: the first one."""
+    """B of the pair that it is of, or the attachment or spring, which begins its name;
+    empty: the first one."""
+
+    @property
+    def owner(self) -> Owner:
+        """Whose it is."""
+        return Owner.PAIR if self.signal is None else self.signal.owner
 
     def of(self, body: str) -> "Metric":
-        """Return the same of the pair in which another body leaves."""
+        """Return the same of another body that leaves, attachment or spring."""
 
         def named(stem: str) -> str:
             return f"{body}.{stem}" if stem else ""
@@ -319,6 +357,11 @@ class Metric:
         """Return whether a run of such a length goes on for as long as it looks, s."""
         ends = self.when[:2] if isinstance(self.when, Window) else (self.when,)
         return all(isinstance(t, Moment) or t <= duration for t in ends)
+
+    @property
+    def of_steps(self) -> bool:
+        """Whether the batch engine tells it: else whole runs are flown for it."""
+        return self.of_every_run and (self.signal is None or self.signal.of_steps)
 
     @property
     def windowed(self) -> bool:

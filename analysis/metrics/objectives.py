@@ -221,6 +221,19 @@ class _OfMetric(MetricObjective):
         return {self._metric: np.full_like(metrics[self._metric], self._sign)}
 
 
+class _OfRunMetric(Objective):
+    """A metric that whole runs tell, or less it."""
+
+    def __init__(self, metric: str, sign: float, name: str):
+        metric_named(metric)
+        self.name = name
+        self.shown_as = SignedMetric(metric, sign)
+        self._metric, self._sign = metric, sign
+
+    def of_run(self, run: Run, limits: Limits) -> float:
+        return self._sign * metric_of_run(run, self._metric, limits)
+
+
 class _OfWindow(Objective):
     """A metric of a part of a run, or less it."""
 
@@ -384,7 +397,8 @@ def _of_metric(
 ) -> Objective:
     name = f"{which}_{metric}"
     if window is None:
-        return _OfMetric(metric, sign, name)
+        told = _OfMetric if metric_named(metric).of_steps else _OfRunMetric
+        return told(metric, sign, name)
     return _OfWindow(metric, sign, f"{name}{_suffix(window)}", window)
 
 

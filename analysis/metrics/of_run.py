@@ -18,6 +18,7 @@ from drakesep.analysis.metrics.metric import (
     Metric,
     Moment,
     Outer,
+    Owner,
     Signal,
     Time,
     Window,
@@ -26,8 +27,10 @@ from drakesep.analysis.metrics.registry import METRICS, find_metric, registered_
 from drakesep.analysis.metrics.requirements import Limits, limits_of
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
+from drakesep.systems.equations.forces_of_run import joint_loads, spring_forces
 from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.model.run import Run
+from drakesep.systems.model.separation import Separation
 
 
 def metrics_of_run(
@@ -60,7 +63,7 @@ def metrics_of_run(
     metrics += [m.of(pair.B) for pair in run.separation.others for m in metrics]
     for metric in dict.fromkeys([*metrics, *map(metric_named, also)]):
         limits = limits_of(deviation_limits, metric.pair)
-        values |= _values(metric, samples(metric.pair), limits)
+        values |= _values(metric, samples(metric), limits)
     return values
 
 
@@ -78,7 +81,7 @@ def metric_of_run(run: Run, name: str, deviation_limits: Limits) -> float:
     """
     metric = metric_named(name)
     limits = limits_of(deviation_limits, metric.pair)
-    return _values(metric, _samples_of(run)(metric.pair), limits)[name]
+    return _values(metric, _samples_of(run)(metric), limits)[name]
 
 
 def metric_within(run: Run, metric: str, window: tuple[float, float]) -> float:
@@ -101,7 +104,7 @@ def metric_within(run: Run, metric: str, window: tuple[float, float]) -> float:
     """
     entry = metric_named(metric)
     check_windowed(entry, metric)
-    samples = _samples_of(run)(entry.pair)
+    samples = _samples_of(run)(entry)
     since = 0.0
     if isinstance(entry.when, Window) and entry.when.start is Moment.RELEASE:
         since = samples.time(Moment.RELEASE)
@@ -155,25 +158,41 @@ def check_windowed(metric: Metric, name: str) -> None:
         raise InputError(f"window: must be of one of {', '.join(every)}, got {name}")
 
 
-def _samples_of(run: Run) -> "Callable[[str], _Samples]":
-    """Return what gives the signals of each pair, by its B; empty: of the first."""
+def _samples_of(run: Run) -> "Callable[[Metric], _Samples]":
+    """Return what gives the signals of a metric's owner; each is made once."""
 
     @functools.cache
-    def of(pair: str) -> _Samples:
-        body = pair or run.separation.B
-        known = [one.B for one in run.separation.pairs]
-        if body not in known:
-            raise InputError(unknown("body that leaves", body, known))
-        return _Samples(run, body)
+    def of(owner: Owner, name: str) -> _Samples:
+        return _Samples(run, *_found(run.separation, owner, name))
 
-    return of
+    return lambda metric: of(metric.owner, metric.pair)
+
+
+def _found(separation: Separation, owner: Owner, name: str) -> tuple[str, str]:
+    """Return the body that leaves, whose moments are meant, and the part.
+
+    Raises:
+        ValueError: there is no such owner.
+    """
+    bodies = [pair.B for pair in separation.pairs]
+    if owner is Owner.PAIR:
+        name = name or bodies[0]
+        if name not in bodies:
+            raise InputError(unknown(owner.value, name, bodies))
+        return name, ""
+    parts = separation.owners_of_forces(springs=owner is Owner.SPRING)
+    if name not in parts:
+        raise InputError(unknown(owner.value, name, parts))
+    held = parts[name]
+    leaving = [body for body in bodies if body in (held.A, held.B)]
+    return (leaving or bodies)[0], name
 
 
 class _Samples:
-    """The signals of a body that leaves; what is asked for twice is made once."""
+    """The signals of a body that leaves, or of a joint or spring that holds it."""
 
-    def __init__(self, run: Run, body: str):
-        self._run, self._body = run, body
+    def __init__(self, run: Run, body: str, part: str):
+        self._run, self._body, self._part = run, body, part
         self._motion = run.motion_of(body)
         pair = run.separation.pair_of(body)
         self._facts = PairFacts.of(run.separation, pair)
@@ -207,15 +226,28 @@ class _Samples:
         values = self._columns(signal)
         if signal.turns:
             values = np.unwrap(values, axis=0)
+        if signal.jumps:
+            return signals.straight(self._motion.time, values)
         return signals.interpolate(self._motion.time, values, self._run.breaks)
 
     def _columns(self, signal: Signal) -> Array:
         """Return the samples (n, c) of a signal's components."""
-        field: Array = getattr(self._motion, signal.quantity)
+        field = self._field(signal)
         if signal.law is not None:
             made = signal.law(tuple(field.T), self._facts, np)
             field = np.stack(made, axis=1)
         return field[:, list(signal.components)]
+
+    def _field(self, signal: Signal) -> Array:
+        """Return the samples (n, k) of what a signal is made of."""
+        match signal.owner:
+            case Owner.ATTACHMENT:
+                return joint_loads(self._run)[self._part]
+            case Owner.SPRING:
+                return spring_forces(self._run)[self._part][:, None]
+            case Owner.PAIR:
+                field: Array = getattr(self._motion, signal.quantity)
+                return field
 
 
 _OVER_TIME: Mapping[Functional, Callable[[PPoly], float]] = {

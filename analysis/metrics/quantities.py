@@ -7,27 +7,32 @@ is the one that a requirement is most often about.
 
 import functools
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from drakesep.analysis.metrics.metric import (
     AFTER_SEPARATION,
     ANGLE,
+    JOINT_LOAD,
     LONGITUDINAL_SPEED,
     RATE,
     RELATIVE_RATE,
     SINCE_RELEASE,
+    SPRING_FORCE,
     UNTIL_SEPARATION,
     WHOLE_RUN,
     Functional,
     Kind,
+    Law,
     Metric,
     Moment,
+    Outer,
     Signal,
     When,
     Window,
 )
+from drakesep.systems.equations import pair_signals as laws
 from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ
 
 
@@ -46,13 +51,87 @@ class Quantity:
     """What stands for it over a stretch of time, if it is not two-sided."""
 
 
+def _alone(
+    words: str, quantity: str, law: Law, outer: Outer = Outer.ITSELF, **more: bool
+) -> Signal:
+    """Return a signal of one component, which a law makes of a field of the motion."""
+    return Signal(words, quantity, ("",), (0,), law=law, outer=outer, **more)
+
+
+_OF_B, _SEEN = "of B in W (w_WB_B)", "of B's CG as seen from A"
+_RELATIVE = "of B relative to A (w_AB_B)"
+_ACROSS, _ABOUT = "across the direction, as mated", "about the direction, as mated"
+_ROOT = Outer.ROOT
+
+
+def _rates(prefix: str, field: str, of: str) -> tuple[Quantity, ...]:
+    """Return what is said of an angular velocity."""
+    return (
+        Quantity(
+            name=f"{prefix}rate_modulus",
+            kind=Kind.RATE,
+            signal=_alone(
+                f"modulus of the rate {of}", field, laws.length_squared, _ROOT
+            ),
+        ),
+        Quantity(
+            name=f"{prefix}transverse_rate",
+            kind=Kind.RATE,
+            signal=_alone(
+                f"modulus of the rate {of} {_ACROSS}",
+                field,
+                laws.transverse_squared,
+                _ROOT,
+            ),
+        ),
+        Quantity(
+            name=f"{prefix}spin_rate",
+            kind=Kind.RATE,
+            signal=_alone(f"rate {of} {_ABOUT}", field, laws.about),
+            two_sided=True,
+        ),
+    )
+
+
+def _lengths(kind: Kind, field: str, names: Sequence[str]) -> tuple[Quantity, ...]:
+    """Return what is said of a velocity, or of a displacement: across, and in all."""
+    lateral, total = names
+    words = f"modulus of the {total}"
+    return (
+        Quantity(
+            name=lateral,
+            kind=kind,
+            signal=_alone(
+                f"{words} {_SEEN} across the direction",
+                field,
+                laws.across_squared,
+                _ROOT,
+            ),
+        ),
+        Quantity(
+            name=total,
+            kind=kind,
+            signal=_alone(f"{words} {_SEEN}", field, laws.length_squared, _ROOT),
+        ),
+    )
+
+
+def _leaping(name: str, kind: Kind, field: str, words: str) -> Quantity:
+    """Return the modulus of what leaps at releases and ends of strokes."""
+    law = laws.length_squared
+    signal = _alone(f"modulus of the {words}", field, law, _ROOT, jumps=True)
+    return Quantity(name=name, kind=kind, signal=signal)
+
+
 QUANTITIES: Mapping[str, Quantity] = {
     quantity.name: quantity
     for quantity in (
         Quantity(name="rate", kind=Kind.RATE, signal=RATE, two_sided=True),
+        *_rates("", "rate", _OF_B),
         Quantity(
             name="relative_rate", kind=Kind.RATE, signal=RELATIVE_RATE, two_sided=True
         ),
+        *_rates("relative_", "relative_rate", _RELATIVE),
         Quantity(
             name="deviation",
             kind=Kind.ANGLE,
@@ -62,10 +141,91 @@ QUANTITIES: Mapping[str, Quantity] = {
         ),
         Quantity(name="angle", kind=Kind.ANGLE, signal=ANGLE),
         Quantity(
+            name="tip_off_angle",
+            kind=Kind.ANGLE,
+            signal=_alone(
+                "angle between B's axis and its mated direction in W",
+                "angle",
+                laws.tip_off,
+                Outer.CONE,
+            ),
+        ),
+        Quantity(
+            name="nutation",
+            kind=Kind.ANGLE,
+            signal=_alone(
+                "angle between B's angular momentum and its axis",
+                "rate",
+                laws.nutation,
+                Outer.CONE,
+            ),
+        ),
+        Quantity(
             name="longitudinal_speed",
             kind=Kind.SPEED,
             signal=LONGITUDINAL_SPEED,
             over_time=Functional.SMALLEST,
+        ),
+        *_lengths(Kind.SPEED, "relative_velocity", ("lateral_speed", "speed")),
+        Quantity(
+            name="longitudinal_displacement",
+            kind=Kind.DISPLACEMENT,
+            signal=_alone(
+                "longitudinal displacement of B's CG as seen from A",
+                "relative_position",
+                laws.along,
+            ),
+            over_time=Functional.SMALLEST,
+        ),
+        *_lengths(
+            Kind.DISPLACEMENT,
+            "relative_position",
+            ("lateral_displacement", "displacement"),
+        ),
+        _leaping(
+            "acceleration",
+            Kind.ACCELERATION,
+            "acceleration",
+            "acceleration of B's CG in W",
+        ),
+        _leaping(
+            "momentum_given",
+            Kind.MOMENTUM,
+            "linear_momentum_change",
+            "momentum that springs give to B (Eq. 6)",
+        ),
+        _leaping(
+            "angular_momentum_given",
+            Kind.ANGULAR_MOMENTUM,
+            "angular_momentum_change",
+            "angular momentum that springs give to B about its CG (Eq. 7)",
+        ),
+        Quantity(
+            name="joint_force",
+            kind=Kind.FORCE,
+            signal=_alone(
+                "modulus of the force of the joint",
+                JOINT_LOAD,
+                laws.force_squared,
+                _ROOT,
+                jumps=True,
+            ),
+        ),
+        Quantity(
+            name="joint_torque",
+            kind=Kind.TORQUE,
+            signal=_alone(
+                "modulus of the torque of the joint about B's pad",
+                JOINT_LOAD,
+                laws.torque_squared,
+                _ROOT,
+                jumps=True,
+            ),
+        ),
+        Quantity(
+            name="spring_force",
+            kind=Kind.FORCE,
+            signal=Signal("force of the spring", SPRING_FORCE, ("",), (0,), jumps=True),
         ),
     )
 }

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from drakesep.analysis.metrics.metric import Sense
+from drakesep.analysis.metrics.metric import Owner, Sense
 from drakesep.analysis.metrics.registry import DEVIATION, find_metric
 from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.model.parameter_table import with_axis
@@ -68,9 +68,15 @@ class Requirement:
 
     @property
     def pair(self) -> str:
-        """B of the pair that it is about; empty: of the first."""
+        """B of the pair, the attachment or the spring; empty: B of the first pair."""
         found = find_metric(self.metric)
         return "" if found is None else found[0].pair
+
+    @property
+    def owner(self) -> Owner:
+        """Whose its metric is."""
+        found = find_metric(self.metric)
+        return Owner.PAIR if found is None else found[0].owner
 
     @property
     def measured_apart(self) -> bool:

@@ -4,7 +4,7 @@ Keys carry their units; a `Case` hands everything on in SI and radians.
 """
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -105,7 +105,8 @@ class Case(Section):
                 )
                 for section in self.ellipsoids
             ]
-        self._check_requirements(separation)
+        limits = self._limits(separation)
+        self._check_requirements(separation, limits)
         published = []
         for section in self.published:
             with named(f"published: {section.label}"):
@@ -117,7 +118,7 @@ class Case(Section):
                 integration=self.run.in_si(),
                 tolerances=tolerances,
                 ellipsoids=tuple(ellipsoids),
-                requirements=self._limits,
+                requirements=limits,
                 clearance=self._clearance_pairs(),
                 published=tuple(published),
             )
@@ -157,9 +158,11 @@ class Case(Section):
             ),
         )
 
-    def _check_requirements(self, separation: Separation) -> None:
+    def _check_requirements(
+        self, separation: Separation, limits: Sequence[Requirement]
+    ) -> None:
         """Check what only a file can say of them: its keys, and limits in its units."""
-        sides = [(r.metric, r.sense, r.id) for r in self._limits]
+        sides = [(r.metric, r.sense, r.id) for r in limits]
         for metric, sense, name in sides:
             if sides.count((metric, sense, name)) > 1:
                 side = "at_most" if sense == "<=" else "at_least"
@@ -173,7 +176,7 @@ class Case(Section):
                 "requirements: until_separation_mm must be the same of all clearances, "
                 f"got {' and '.join(map(str, windows))}"
             )
-        if any(limit.measured_apart for limit in self._limits):
+        if any(limit.measured_apart for limit in limits):
             with named("clearance"):
                 of = self.clearance
                 apart = pairs_apart(separation, of.pairs, of.touching)
@@ -182,7 +185,7 @@ class Case(Section):
                     "requirements: clearance_mm needs geometry on two bodies that does "
                     "not touch while mated, got none"
                 )
-        for limit in self._limits:
+        for limit in limits:
             wanted = ""
             if limit.never_negative and limit.sense == "<=" and limit.limit < 0.0:
                 wanted = "at_most must be >= 0"
@@ -202,14 +205,13 @@ class Case(Section):
     def _pairs(self) -> list[PairSection]:
         return self.pairs if self.pair is None else [self.pair]
 
-    @property
-    def _limits(self) -> tuple[Requirement, ...]:
-        bodies = [pair.B for pair in self._pairs]
+    def _limits(self, separation: Separation) -> tuple[Requirement, ...]:
+        """Return the requirements in SI."""
         with named("requirements"):
             return tuple(
                 requirement
                 for section in self.requirements
-                for requirement in section.requirements(bodies)
+                for requirement in section.requirements(separation)
             )
 
     def in_si(self) -> AnalysisCase:

@@ -1,7 +1,7 @@
 """The other sections of a case file: pair, orbit, requirements, run, publications."""
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import (
@@ -15,7 +15,7 @@ from pydantic import (
 )
 
 from drakesep.analysis.analysis_case import PrintedResult, PublishedCase
-from drakesep.analysis.metrics.metric import Metric, Sense
+from drakesep.analysis.metrics.metric import Metric, Owner, Sense
 from drakesep.analysis.metrics.objectives import ObjectiveName
 from drakesep.analysis.metrics.quantities import (
     QUANTITIES,
@@ -185,6 +185,8 @@ class RequirementSection(Section):
     at_least: Limits | None = None
     pair: str | None = None
     """The body that leaves, B of its pair; if absent, of each pair."""
+    of: str | None = None
+    """The attachment or the spring, of a joint's or a spring's; if absent, of each."""
     id: str = ""
     """By which others know the requirement."""
     source: str = ""
@@ -260,25 +262,32 @@ class RequirementSection(Section):
         assert found is not None
         return found[0]
 
-    def requirements(self, pairs: Sequence[str]) -> list[Requirement]:
+    def requirements(self, separation: Separation) -> list[Requirement]:
         """Return the requirements in SI, one for each limit.
 
         Args:
-            pairs: names of the bodies that leave, the first one's first.
+            separation: that has what they are about.
 
         Raises:
-            CaseError: the body does not leave.
+            CaseError: it has no such body, attachment or spring.
         """
+        owner, bodies = self.metric.owner, [pair.B for pair in separation.pairs]
         if not self.metric.of_every_run:
             return self._of_pair("")
-        chosen = pairs if self.pair is None else [self.pair]
-        for body in chosen:
-            if body not in pairs:
-                raise CaseError(unknown("body that leaves", body, pairs))
+        if owner is Owner.PAIR:
+            key, known, named, other = "pair", bodies, self.pair, self.of
+        else:
+            of_springs = owner is Owner.SPRING
+            known = [*separation.owners_of_forces(springs=of_springs)]
+            key, named, other = "of", self.of, self.pair
+        if other is not None:
+            raise CaseError(f"{self.quantity}: must be of one by {key!r}, got {other}")
+        if named is not None and named not in known:
+            raise CaseError(unknown(owner.value, named, known))
         return [
             requirement
-            for body in chosen
-            for requirement in self._of_pair("" if body == pairs[0] else f"{body}.")
+            for name in (known if named is None else [named])
+            for requirement in self._of_pair("" if name == bodies[0] else f"{name}.")
         ]
 
     def _of_pair(self, prefix: str) -> list[Requirement]:

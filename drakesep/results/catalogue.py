@@ -439,7 +439,7 @@ _WORST_CASES = (
             Column("first_tolerance", "", "That alone violates it with least growth."),
             Column("its_growth_factor", "", "On that tolerance."),
             Column("verdict", "", "`met`, `not met` or `not looked at`."),
-            Column("pair", "", "The body that leaves, B of its pair."),
+            Column("pair", "", "The body that leaves, or the attachment or spring."),
             Column("id", "", "By which others know the requirement."),
             Column("source", "", "Where it comes from."),
         ),

@@ -7,6 +7,7 @@ have kinks.
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from drakesep.systems.model.separation import Pair, Separation
@@ -99,6 +100,16 @@ def transverse_squared(vector_B: Vector, facts: PairFacts, ops: Ops) -> tuple[Sc
 def length_squared(vector: Vector, facts: PairFacts, ops: Ops) -> tuple[Scalar]:
     """Return the square of the length of a vector."""
     return (dot(vector, vector),)
+
+
+def force_squared(load: Sequence[Scalar], facts: Any, ops: Ops) -> tuple[Scalar]:
+    """Return the square of the force of a joint's load, torque first."""
+    return (dot((load[3], load[4], load[5]), (load[3], load[4], load[5])),)
+
+
+def torque_squared(load: Sequence[Scalar], facts: Any, ops: Ops) -> tuple[Scalar]:
+    """Return the square of the torque of a joint's load, torque first."""
+    return (dot((load[0], load[1], load[2]), (load[0], load[1], load[2])),)
 
 
 def tip_off(angle: Vector, facts: PairFacts, ops: Ops) -> tuple[Scalar]:

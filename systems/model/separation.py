@@ -342,6 +342,12 @@ class Separation:
         """Return the pair in which a body leaves."""
         return next(pair for pair in self.pairs if pair.B == body)
 
+    def owners_of_forces(self, *, springs: bool) -> dict[str, Attachment]:
+        """Return the attachments by their names, or by those of their springs."""
+        if springs:
+            return {spring.name: attachment for attachment, spring in self.pushing}
+        return {attachment.name: attachment for attachment in self.attachments}
+
     def attached_to(self, body: str) -> list[Attachment]:
         """Return the attachments that hold a body."""
         return [a for a in self.attachments if body in (a.A, a.B)]

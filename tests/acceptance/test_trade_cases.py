@@ -74,6 +74,47 @@ def test_band_of_a_speed_by_two_sources():
     assert study.completed and not study.passed
 
 
+def test_forces_of_joints_and_springs_have_limits():
+    """1000 N on 2500 kg: four joints carry 200 N to 500 kg until they let go."""
+    plain = symmetric_design().model_dump(mode="json", exclude_none=True)
+    attachments = plain["attachments"]
+    for pad in attachments.values():
+        pad["release_time_s"] = 0.6
+    thrust = {
+        "body": "lv",
+        "position_mm": [-1200.0, 0.0, 0.0],
+        "direction": [1.0, 0.0, 0.0],
+        "times_s": [0.0, 0.6],
+        "thrusts_N": [1000.0, 1000.0],
+    }
+    at = {"when": {"at_s": 0.5}}
+    case = symmetric_design(
+        attachments=attachments,
+        loads={"engine": thrust},
+        dispersions={"sc.mass_kg": 50.0},
+        requirements=[
+            {"quantity": "joint_force_N", "at_most": 51.0, "of": "a2"} | at,
+            {"quantity": "joint_torque_N_m", "at_most": 1.0, "of": "a2"} | at,
+            {"quantity": "spring_force_N", "at_most": 490.0, "of": "s3"},
+            {"quantity": "acceleration_m_s2", "at_least": 0.1} | at,
+        ],
+        run={"duration_s": 1.0, "accuracy": 1e-8},
+    )
+    study = drakesep.verify(case, samples=50, starts=1, growth=False)
+    force, torque, spring, acceleration = study.requirements.to_dict("records")
+    # Joints swing at 100 rad/s with a quarter of critical damping: gone by e^-12.
+    assert force["nominal"] == pytest.approx(50.0, rel=1e-4)
+    assert force["worst"] == pytest.approx(1000.0 * 550.0 / 2550.0 / 4.0, rel=1e-4)
+    assert (force["pair"], force["verdict"]) == ("a2", "not met")
+    assert torque["worst"] == pytest.approx(0.0, abs=1e-3)
+    # Joints give by 50 N / 1e6 N/m meanwhile, of a stroke of 80 mm.
+    pressed = 500.0 * (1.0 + force["worst"] / 1e6 / 0.08)
+    assert spring["worst"] == pytest.approx(pressed, rel=1e-4)
+    assert spring["verdict"] == "not met"
+    assert acceleration["worst"] == pytest.approx(1000.0 / 2550.0, rel=1e-4)
+    assert study.completed
+
+
 def test_growth_of_a_band_to_both_sides():
     """Forces go together: speed grows as the root of their energy, up and down."""
     names = [f"s{i}.force_max_N" for i in range(1, 5)]

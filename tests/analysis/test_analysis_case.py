@@ -73,8 +73,8 @@ WRONG = [
     ),
     ({"requirements": (SPEED, SPEED)}, "requirements: longitudinal.* must stand once"),
     (
-        {"requirements": (dataclasses.replace(SPEED, metric="speed"),)},
-        "requirements: unknown metric 'speed'",
+        {"requirements": (dataclasses.replace(SPEED, metric="velocity"),)},
+        "requirements: unknown metric 'velocity'",
     ),
     (
         {"requirements": (Requirement(metric="clearance", sense=">=", limit=0.1),)},

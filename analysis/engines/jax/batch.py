@@ -136,8 +136,8 @@ class Batch:
             deviation_limits: (3,) limits of roll, pitch and yaw, rad, for the time
                 until which all stay within theirs; infinite where there is none; or
                 those of several pairs, see `Limits`.
-            metrics: names of others to tell beside those that are registered; see
-                `drakesep.analysis.metrics.quantities`.
+            metrics: names of others to tell beside those that are registered, if steps
+                tell them; see `drakesep.analysis.metrics.quantities`.
             tolerance: of the error estimates of all steps of a run together, in SI.
             max_steps: after which a row has failed.
             chunk: rows that are flown together; what suits the machine if None.
@@ -189,7 +189,7 @@ class Batch:
         told = dict.fromkeys([*registered_metrics(), *map(metric_named, metrics)])
         known = ["", *(pair.B for pair in separation.pairs)]
         for metric in told:
-            if metric.pair not in known:
+            if metric.of_steps and metric.pair not in known:
                 raise InputError(unknown("body that leaves", metric.pair, known))
         self._fold = MetricsFold(self._equations, deviation_limits, tuple(told))
         self.metrics = self._fold.names

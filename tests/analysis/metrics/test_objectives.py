@@ -174,7 +174,7 @@ def test_a_window_looks_at_a_part_of_the_run():
         (lambda: of_run(3), "must be a function of a run, got 3"),
         (lambda: math.nan * highest("G_L1"), "factors of a sum must be finite"),
         (lambda: as_objective("L3"), "unknown objective 'L3'; did you mean 'L"),
-        (lambda: as_objective("highest_speed"), "unknown metric 'speed'"),
+        (lambda: as_objective("highest_velocity"), "unknown metric 'velocity'"),
     ],
 )
 def test_bad_objectives(make, message):
