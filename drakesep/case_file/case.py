@@ -23,6 +23,7 @@ from drakesep.analysis.tolerances.box import ToleranceBox, UnphysicalTolerance
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.case_file.attachments import AttachmentSection, LoadSection
 from drakesep.case_file.bodies import BodySection
+from drakesep.case_file.dispersions import Tolerance, tolerances_in_si
 from drakesep.case_file.errors import CaseError, explained
 from drakesep.case_file.geometry import ClearanceSection, RecontactSection
 from drakesep.case_file.others import (
@@ -34,7 +35,7 @@ from drakesep.case_file.others import (
     RequirementSection,
     RunSection,
 )
-from drakesep.case_file.section import Name, Positive, Section, files_of
+from drakesep.case_file.section import Name, Section, files_of
 from drakesep.case_file.values import parameter_of, values_in_si
 from drakesep.systems.checks import named
 from drakesep.systems.model.integration import Integration
@@ -65,7 +66,7 @@ class Case(Section):
     """Thrusters, retro-rockets, disturbances."""
     orbit: OrbitSection | None = None
     before_separation: BeforeSeparationSection = BeforeSeparationSection()
-    dispersions: dict[str, Positive] = Field(default_factory=dict)
+    dispersions: dict[str, Tolerance] = Field(default_factory=dict)
     """Tolerances to either side of the values above."""
     ellipsoids: list[CorrelationSection] = Field(default_factory=list)
     """Dispersed parameters that go together."""
@@ -97,7 +98,7 @@ class Case(Section):
     def _in_si(self) -> AnalysisCase:
         separation = self._separation()
         with named("dispersions"):
-            tolerances = values_in_si(separation, self.dispersions)
+            tolerances = tolerances_in_si(separation, self.dispersions)
         with named("ellipsoids"):
             ellipsoids = [
                 section.in_si(
@@ -124,7 +125,8 @@ class Case(Section):
             )
         except UnphysicalTolerance as error:
             key = with_unit(error.name)
-            got = f"{key} ± {self.dispersions[key]:g}"
+            tolerance = unit_of(error.name).from_si(tolerances[error.name])
+            got = f"{key} ± {tolerance:g}"
             raise CaseError(f"dispersions: {got}: {error.reason}") from error
         check_labels(record, record.objective_names)
         return record
