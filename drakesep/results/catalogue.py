@@ -19,7 +19,7 @@ from drakesep.analysis.search.judge import CONFIDENCE
 from drakesep.analysis.search.registry import SEARCHES
 from drakesep.results import recorded_runs
 from drakesep.systems.model.parameters import ParameterName
-from drakesep.units import records, split_unit
+from drakesep.units import records, split_unit, with_unit
 
 
 SIMULATE, CLEARANCE = "simulate", "clearance"
@@ -634,7 +634,7 @@ def _of_parameter(column: Column, name: str) -> Column | None:
 def _of_metric(column: Column, name: str) -> Column | None:
     stem, unit = split_unit(name)
     found = find_metric(stem)
-    if found is None:
+    if found is None or with_unit(stem) != name:
         return None
     metric, axis = found
     words = f"{metric.words[:1].upper()}{metric.words[1:]}"
