@@ -6,10 +6,12 @@
 All on the VEGA case, in turns within one process, so that ratios hold on a machine
 whose speed drifts; speeds are medians. Errors are the largest of the payload's final
 rates and, where there is one, of the longitudinal speed, against Drake at an accuracy
-of 1e-10. Then what the Jacobian costs, how cost grows, and how soon the first result
-comes.
+of 1e-10. Then what springs by displacement cost beside those by time, ends, corners and
+dampers among them; what the Jacobian costs, how cost grows, and how soon the first
+result comes. `--springs` prints the springs alone.
 """
 
+import argparse
 import dataclasses
 import os
 import resource
@@ -22,19 +24,24 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from mujoco_rollout import MujocoRollout
 
 from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.case_file.reader import load_case
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.separation import Separation
+from drakesep.systems.model.springs import LINEAR, DisplacementSpring, Profile
 
 
 ROUNDS = 5
 REFERENCE_ROWS = 16
+ROWS_OF_SPRINGS = 4096
+ONE_CORNER: Profile = ((0.0, 1.0), (0.5, 0.4), (1.0, 0.0))
+TWO_CORNERS: Profile = ((0.0, 1.0), (0.3, 0.8), (0.6, 0.4), (1.0, 0.0))
+JUMP: Profile = ((0.0, 1.0), (1.0, 0.3))
 FIRST = """
 import time
 began = time.perf_counter()
@@ -90,6 +97,8 @@ def batched(batch: Batch) -> Callable:
 
 
 def mujoco(case, rows: np.ndarray, timestep: float) -> Callable:
+    from mujoco_rollout import MujocoRollout  # of [bench], which --springs does without
+
     flown = variations(case.box.names, rows)
     rollout = MujocoRollout(case.separation, flown, timestep=timestep, threads=2)
     return lambda _: rollout.fly()
@@ -147,6 +156,106 @@ def print_jacobian(batch: Batch, rows: np.ndarray) -> None:
         ratios.append(8.0 * spent / (middle - began))
     count = len(batch.names)
     print(f"\nJacobian, {count} parameters: {statistics.median(ratios):.0f} runs' cost")
+
+
+def by_displacement(
+    separation: Separation, profile: Profile = LINEAR, damping: float = 0.0
+) -> Separation:
+    """Return the separation with its springs driven by displacement."""
+    attachments = tuple(
+        dataclasses.replace(
+            a,
+            spring=DisplacementSpring(
+                name=a.spring.name,
+                force_max=a.spring.force_max,
+                stroke=a.spring.stroke,
+                damping=damping,
+                profile=profile,
+            ),
+        )
+        for a in separation.attachments
+    )
+    return dataclasses.replace(separation, attachments=attachments)
+
+
+class Pushed(NamedTuple):
+    """A separation by springs of some kind."""
+
+    name: str
+    batch: Batch
+    rows: np.ndarray
+
+    @classmethod
+    def of(cls, name: str, case, separation: Separation) -> "Pushed":
+        """Return it with rows over the tolerances of a case."""
+        u = np.random.default_rng(0).uniform(-1, 1, (ROWS_OF_SPRINGS, len(case.box)))
+        tolerances = case.tolerance_set
+        batch = Batch(separation, case.box.names, workers=1)
+        return cls(name, batch, tolerances.rows(tolerances.draw_back(u)))
+
+
+def all_pushed() -> list[Pushed]:
+    vega, smallsat = load_case("vega"), load_case("smallsat")
+    timed, more = vega.separation, with_springs(vega.separation, 8)
+    damped = by_displacement(timed, damping=300.0)
+    return [
+        Pushed.of("VEGA, Eq. 5", vega, timed),
+        Pushed.of("VEGA by displacement", vega, by_displacement(timed)),
+        Pushed.of("smallsat", smallsat, smallsat.separation),
+        Pushed.of("8 springs, Eq. 5", vega, more),
+        Pushed.of("8 by displacement", vega, by_displacement(more)),
+        Pushed.of("4 with a jump", vega, by_displacement(timed, JUMP)),
+        Pushed.of("4 with a corner", vega, by_displacement(timed, ONE_CORNER)),
+        Pushed.of("4 with two corners", vega, by_displacement(timed, TWO_CORNERS)),
+        Pushed.of("4 with dampers", vega, damped),
+    ]
+
+
+def print_springs() -> None:
+    """Print what kinds of springs cost, in CPU time: the machine may be busy.
+
+    Ratios are those of pairs of calls, one after the other, with as many rows.
+    """
+    every = all_pushed()
+    base = every[0]
+    print(
+        f"{'springs':24} {'steps':>6} {'most':>5} {'us/row':>7} {'ratio':>6} "
+        f"{'rad/s':>8} {'m/s':>8}"
+    )
+    for one in every:
+        one.batch.run(one.rows[:1])
+        ratios, spent = [], []
+        for _ in range(ROUNDS):
+            reference = cpu_time(base)
+            mine = cpu_time(one)
+            ratios.append(reference / mine)
+            spent.append(1e6 * mine / len(one.rows))
+        steps = one.batch.run(one.rows).steps
+        rates, speed = errors(one)
+        print(
+            f"{one.name:24} {steps.mean():6.1f} {steps.max():5} "
+            f"{statistics.median(spent):7.1f} {statistics.median(ratios):6.2f} "
+            f"{rates:8.0e} {speed:8.0e}"
+        )
+
+
+def cpu_time(one: Pushed) -> float:
+    began = time.process_time()
+    one.batch.run(one.rows)
+    return time.process_time() - began
+
+
+def errors(one: Pushed) -> tuple[float, float]:
+    """Return those of final rates, rad/s, and of the final speed, m/s."""
+    names = [f"final_rate_{axis}" for axis in "xyz"]
+    names.append("longitudinal_speed_after_separation")
+    rows = one.rows[:REFERENCE_ROWS]
+    with DrakePool(one.batch.separation, Integration(accuracy=1e-10)) as pool:
+        runs = pool.fly(variations(one.batch.names, rows))
+    metrics = [metrics_of_run(run, (np.inf,) * 3) for run in runs]
+    expected = np.array([[metric[name] for name in names] for metric in metrics])
+    off = np.abs(one.batch.run(rows).metrics[names].to_numpy() - expected)
+    return float(off[:, :3].max()), float(off[:, 3].max())
 
 
 def with_springs(separation: Separation, count: int) -> Separation:
@@ -234,6 +343,11 @@ def _run(code: str, environment: dict[str, str]) -> float:
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--springs", action="store_true", help="these alone")
+    if parser.parse_args().springs:
+        print_springs()
+        return
     case = load_case("vega")
     box, tolerances = case.box, case.tolerance_set
     u = np.random.default_rng(0).uniform(-1.0, 1.0, size=(16_384, len(box)))
@@ -256,6 +370,8 @@ def main() -> None:
             name = f"MuJoCo, two threads, steps of {milliseconds} ms"
             engines.append(Engine(name, 64, fly))
         table(rows, case, engines)
+    print()
+    print_springs()
     print_jacobian(batch, rows)
     print_growth(case, batch, rows)
     print()

@@ -68,11 +68,12 @@ class Recorded:
         if time.perf_counter() > self._end:
             raise OutOfTime
 
-    def all(self, rows, on_progress=None):
+    def all(self, rows, on_progress=None, of=None):
         """Note the values, some rows at a time."""
         told = []
         for first in range(0, len(rows), self._rows):
-            told.append(self._evaluator.all(rows[first : first + self._rows]))
+            some = rows[first : first + self._rows]
+            told.append(self._evaluator.all(some, of=of))
             self._note(told[-1].values)
         return told[0]._replace(values=np.concatenate([t.values for t in told]))
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import hypothesis
 import pytest
+from small_case import small_case, write_case
 
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.requirements import deviation_limits
@@ -40,3 +41,13 @@ def vega_batch(vega: Case) -> Batch:
     """Shared for its programs, which take their time to compile."""
     limits = deviation_limits(vega.limits)
     return Batch(vega.separation, vega.box.names, deviation_limits=limits)
+
+
+@pytest.fixture(scope="session")
+def small_study(tmp_path_factory: pytest.TempPathFactory) -> tuple[Verification, Path]:
+    """The main job on a case that takes a second, and the folder of its tables."""
+    folder = tmp_path_factory.mktemp("small")
+    case = write_case(folder, small_case())
+    study = verify(case, samples=200, starts=3, seed=3, workers=1)
+    study.save_tables(folder)
+    return study, folder

@@ -7,15 +7,17 @@ import numpy as np
 
 from drakesep.case_file.reader import load_case
 from drakesep.systems.model.joints import Joint
+from drakesep.systems.model.loads import Load
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.separation import (
+    EARTH_RADIUS,
     Attachment,
     Body,
     InitialMotion,
     Orbit,
     Separation,
 )
-from drakesep.systems.model.springs import Spring
+from drakesep.systems.model.springs import DisplacementSpring, Spring
 
 
 FREE = Joint(K_F=0.0, D_F=0.0, K_T=0.0, D_T=0.0)
@@ -90,6 +92,84 @@ def generic_pair(
         orbit=orbit,
         duration=duration,
     )
+
+
+def staged_pair() -> Separation:
+    """Tilted springs of both laws, stage by stage, under loads and in orbit."""
+    pair = generic_pair(
+        release_times=(0.0, 0.03, 0.05),
+        joint=Joint(type="revolute", K_F=2e5, D_F=2e3, K_T=2e4, D_T=2e2),
+        initial=dataclasses.replace(GENERIC, w_WA_A=(0.2, -0.3, 0.25)),
+        orbit=Orbit(radius=EARTH_RADIUS + 7e5),
+        duration=0.35,
+    )
+    first, second, third = (
+        dataclasses.replace(spring, tilt_y=0.1 * i, tilt_z=0.15 - 0.1 * i)
+        for i, spring in enumerate(pair.springs, 1)
+    )
+    second = DisplacementSpring(
+        name=second.name,
+        force_max=2500.0,
+        stroke=0.05,
+        damping=300.0,
+        profile=((0.0, 0.8), (0.3, 1.0), (1.0, 0.4)),
+        tilt_y=second.tilt_y,
+        tilt_z=second.tilt_z,
+    )
+    attachments = tuple(
+        dataclasses.replace(a, spring=spring)
+        for a, spring in zip(pair.attachments, (first, second, third), strict=True)
+    )
+    rows = ((900.0, 150.0, -80.0), (-100.0, 700.0, 300.0))
+    jet = Load(
+        name="jet",
+        body="upper",
+        p_BoQ_B=(0.1, 0.2, 0.0),
+        times=(0.0, 0.1),
+        forces=rows,
+        start=0.02,
+    )
+    retro = Load(
+        name="retro",
+        body="lower",
+        p_BoQ_B=(0.2, -0.1, 0.3),
+        axes="world",
+        times=(0.01, 0.1),
+        forces=rows,
+        torques=rows[::-1],
+        start=0.01,
+        after=attachments[2].name,
+    )
+    return dataclasses.replace(pair, attachments=attachments, loads=(jet, retro))
+
+
+def hinged_pair() -> Separation:
+    """Two bodies on one hinge, which lets go at an angle; a spring turns them."""
+    pair = generic_pair(release_times=(0.0, math.inf), duration=0.35)
+    pushed, hung = pair.attachments
+    pushed = dataclasses.replace(
+        pushed,
+        p_AoPad_A=(0.0, 0.1, 0.6),
+        spring=DisplacementSpring(
+            name="spring_1", force_max=2e4, stroke=0.1, damping=30.0, tilt_y=0.1
+        ),
+    )
+    hung = dataclasses.replace(
+        hung,
+        joint=Joint(
+            type="revolute",
+            K_F=2e5,
+            D_F=2e3,
+            K_T=2e4,
+            D_T=2e2,
+            x_axis_A=(0.0, 1.0, 0.0),
+            y_axis_A=(0.0, 0.0, 1.0),
+        ),
+        p_AoPad_A=(0.05, 0.0, -0.6),
+        release_angle=0.15,
+        spring=None,
+    )
+    return dataclasses.replace(pair, attachments=(pushed, hung))
 
 
 def on_axis(separation: Separation) -> tuple[Body, ...]:

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from pictures import is_drawn
 
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
@@ -16,7 +17,7 @@ def run(example, picture):
         [sys.executable, EXAMPLES / example, picture], capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
-    assert picture.stat().st_size > 10_000
+    assert is_drawn(picture)
     return [line.split() for line in done.stdout.splitlines()]
 
 

@@ -1,19 +1,23 @@
-"""The code of the guide and of the other pages runs as it stands."""
+"""The code of the README, of the guide and of the other pages runs as it stands."""
 
 import math
 import re
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from ruamel.yaml import YAML
 
+import drakesep
 from drakesep.analysis.metrics.objectives import Needs, highest
 from drakesep.analysis.metrics.registry import forget_metric
 from drakesep.case_file.case import Case
 from drakesep.case_file.reader import builtin_cases
 
 
-DOCS = Path(__file__).parent.parent / "docs"
+ROOT = Path(__file__).parents[1]
+README = ROOT / "README.md"
+DOCS = ROOT / "docs"
 GUIDE = DOCS / "guide.md"
 WORST_CASES = DOCS / "worst_cases.md"
 CLEARANCE = DOCS / "clearance.md"
@@ -40,6 +44,27 @@ def run(block, capsys):
 def containing(words):
     [block] = [block for block in BLOCKS if words in block]
     return block
+
+
+def test_case_file_of_the_readme(tmp_path, monkeypatch, capsys):
+    """Fifteen lines. Nominally v = sqrt(2 E / mu), and nothing turns by symmetry."""
+    [text] = blocks(README, "yaml")
+    assert len(text.splitlines()) == 15
+    monkeypatch.chdir(tmp_path)
+    Path("mine.yaml").write_text(text, encoding="utf-8")
+    [summary] = drakesep.simulate("mine.yaml").summary.to_dict("records")
+    speed = math.sqrt(2.0 * (0.5 * 1500.0 * 0.1) * (1 / 900 + 1 / 400))
+    # 2e-6 of the energy: the default accuracy, of a spring by displacement
+    assert summary["longitudinal_speed_max_m_s"] == pytest.approx(speed, rel=2e-6)
+    assert summary["final_rate_z_deg_s"] == pytest.approx(0.0, abs=1e-9)
+    [code] = blocks(README, "python")
+    run(code, capsys)
+    motion = pd.read_csv("results/mine/motion.csv")
+    # The push beside the CG, p dy over the inertia, but for what A turns: a tenth.
+    p = math.sqrt(2.0 * 75.0 * 900.0 * 420.0 / 1320.0)
+    assert abs(motion["rate_z_deg_s"].iloc[-1]) == pytest.approx(
+        math.degrees(p * 0.005 / 140.0), rel=0.1
+    )
 
 
 def test_body_of_a_shape(capsys):

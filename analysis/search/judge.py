@@ -118,7 +118,7 @@ def find_worst_cases(
             stack.enter_context(beside)
         known: list[Candidate] = []
         for name in names:
-            found = SEARCHES[name](cheap, settings, known, on_progress)
+            found = SEARCHES[name](cheap, settings, known, on_progress)  # Eq. 10
             known.extend(found.candidates)
             done.append(found if beside is None else beside.join(found))
             on_search(done[-1])

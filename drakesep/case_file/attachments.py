@@ -36,18 +36,26 @@ class AxesSection(Section):
     """Axes of a joint's frame, in A; z completes them."""
 
     x: Vector
+    """Unit vector."""
     y: Vector
+    """Unit vector, at a right angle to x."""
 
 
 class JointSection(Section):
     """A joint by constraint forces; a gain is one number, or one for each axis."""
 
     type: JointType = "fixed"
+    """Which directions it holds."""
     stiffness_N_m: Gains
+    """Of translation (K_F of Eq. 3)."""
     damping_N_s_m: Gains
+    """Of translation (D_F of Eq. 3)."""
     angular_stiffness_N_m_rad: Gains
+    """Of rotation (K_T of Eq. 4)."""
     angular_damping_N_m_s_rad: Gains
+    """Of rotation (D_T of Eq. 4)."""
     axes: AxesSection = AxesSection(x=(1.0, 0.0, 0.0), y=(0.0, 1.0, 0.0))
+    """Of its frame; by default those of A."""
 
     def in_si(self) -> Joint:
         """Return the joint."""
@@ -63,10 +71,12 @@ class JointSection(Section):
 
 
 class SpringSection(Section):
-    """A separation spring, or whatever else pushes: a kind of `PUSHERS`."""
+    """A separation spring, or whatever else pushes; its other keys go by its law."""
 
     name: Name
+    """Differs from all other names."""
     law: str = "time"
+    """What its force follows."""
     axis: Vector = (1.0, 0.0, 0.0)
     """Unit vector along which it pushes B, fixed in A."""
 
@@ -75,7 +85,7 @@ class SpringSection(Section):
         kind = PUSHERS[self.law]
         values: dict[str, Any] = {"axis_A": self.axis}
         for argument in kind.arguments:
-            key, unit = _key(kind, argument)
+            key, unit = key_of(kind, argument)
             value = getattr(self, key)
             if isinstance(value, tuple):
                 values[argument] = tuple(map(unit.to_si, value))
@@ -85,7 +95,7 @@ class SpringSection(Section):
         return pusher
 
 
-def _key(kind: PusherKind, argument: str) -> tuple[str, Unit]:
+def key_of(kind: PusherKind, argument: str) -> tuple[str, Unit]:
     """Return the key of an argument of a kind of pusher, and its unit."""
     if argument in kind.columns:
         unit = unit_of_kind(kind.columns[argument])
@@ -109,7 +119,7 @@ def _section_of(law: str, kind: PusherKind) -> type[SpringSection]:
     fields: dict[str, Any] = {"law": (Literal[law], law)}
     for argument in kind.arguments:
         optional = _value_type(kind, argument) | None
-        fields[_key(kind, argument)[0]] = (optional, None)
+        fields[key_of(kind, argument)[0]] = (optional, None)
     return create_model("SpringSection", __base__=SpringSection, **fields)
 
 
@@ -129,7 +139,7 @@ def _read_spring(data: Any, info: ValidationInfo) -> SpringSection:
         create_model("Law", law=(laws, ...)).model_validate({"law": law})
     kind, section = PUSHERS[law], sections[law]
     for argument, needed in kind.arguments.items():
-        key, _ = _key(kind, argument)
+        key, _ = key_of(kind, argument)
         if needed and key not in given:
             raise ValueError(f"{key}: missing; law: {law} needs it")
     for key in given:
@@ -142,15 +152,21 @@ class AttachmentSection(Section):
     """A place where two bodies are held together."""
 
     A: str
+    """Name of the body pushed from."""
     B: str
+    """Name of the body pushed away."""
     position_mm: Vector
+    """Of the pad, in the frame of its A."""
     joint: JointSection
+    """What holds until the release."""
     spring: (
         Annotated[SerializeAsAny[SpringSection], PlainValidator(_read_spring)] | None
     ) = None
+    """What pushes from the release on; none if left out."""
     release_time_s: float | None = None
-    """By default 0, or never if it lets go at an angle."""
+    """At which it lets go, 0 or later; by default 0, or never if there is an angle."""
     release_angle_deg: float | None = None
+    """Of its joint about x, either way, at which it lets go: above 0, below 180."""
 
     def in_si(self, name: str) -> Attachment:
         """Return the attachment."""
@@ -175,18 +191,25 @@ class LoadSection(Section):
     """Forces and torques on a body over time, or the thrust of a thruster."""
 
     body: str
+    """Name of the body that feels it."""
     position_mm: Vector = (0.0, 0.0, 0.0)
+    """Where the force acts, in the body."""
     start_s: NotNegative = 0.0
+    """When the table begins: in the run, or after the release of `after`."""
     after: str | None = None
     """Attachment whose release starts the table."""
     times_s: Column
+    """Of the rows, increasing; straight lines join them."""
     thrusts_N: Column | None = None
+    """Of a thruster, for each time; it needs a `direction`."""
     direction: Vector | None = None
     """Along which a thruster pushes its body, in the body's axes."""
     axes: Axes | None = None
     """By default the body's; a thruster has no others."""
     forces_N: Rows | None = None
+    """For each time; this or torques, or both, without thrusts."""
     torques_N_m: Rows | None = None
+    """For each time."""
 
     @model_validator(mode="after")
     def _check_kind(self) -> Self:

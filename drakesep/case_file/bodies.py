@@ -36,18 +36,26 @@ class InertiaSection(Section):
     """Inertia about the CG in body axes: entries of the matrix."""
 
     xx: float
+    """Moment about x."""
     yy: float
+    """Moment about y."""
     zz: float
+    """Moment about z."""
     xy: float = 0.0
+    """Product of inertia: minus the integral of x y dm."""
     xz: float = 0.0
+    """Product of inertia: minus the integral of x z dm."""
     yz: float = 0.0
+    """Product of inertia: minus the integral of y z dm."""
 
 
 class MatedPlaceSection(Section):
     """Where a body stands in the frame of A while mated."""
 
     position_mm: Vector = (0.0, 0.0, 0.0)
+    """Of the body's origin, in the frame of A."""
     attitude_deg: Vector = (0.0, 0.0, 0.0)
+    """Roll, pitch and yaw of the body, in the frame of A."""
 
 
 _SHAPES: "tuple[SolidKind, ...]" = ("box", "cylinder", "sphere", "ellipsoid", "capsule")
@@ -57,15 +65,25 @@ class SolidSection(Section):
     """A uniform solid that makes up a body: one shape or mesh, its mass or density."""
 
     box: BoxSection | None = None
+    """One of these shapes."""
     cylinder: CylinderSection | None = None
+    """One of these shapes."""
     sphere: SphereSection | None = None
+    """One of these shapes."""
     ellipsoid: EllipsoidSection | None = None
+    """One of these shapes."""
     capsule: CapsuleSection | None = None
+    """One of these shapes."""
     mesh: MeshSection | None = None
+    """One of these shapes."""
     mass_kg: Positive | None = None
+    """This, or a density."""
     density_kg_m3: Positive | None = None
+    """This, or a mass."""
     position_mm: Vector = (0.0, 0.0, 0.0)
+    """Of the shape's frame, in the body."""
     attitude_deg: Vector = (0.0, 0.0, 0.0)
+    """Roll, pitch and yaw of the shape's frame, in the body."""
 
     @model_validator(mode="after")
     def _check_one_of_each(self) -> Self:
@@ -103,6 +121,7 @@ class ModelSection(Section):
     """A model in an SDF, URDF or MJCF file, taken as one rigid body."""
 
     file: File
+    """SDF, URDF or MJCF, from the folder of the case file."""
     frame: str | None = None
     """That becomes the body's; by default that of the first body."""
 
@@ -117,11 +136,17 @@ class BodySection(Section):
     """A rigid body: its mass properties, or what they are computed from."""
 
     mass_kg: Positive | None = None
+    """With `cg_mm` and `inertia_kg_m2`, unless it is computed."""
     cg_mm: Vector | None = None
+    """The CG, from the body's origin."""
     inertia_kg_m2: InertiaSection | None = None
+    """About the CG, in the body's axes."""
     solid: SolidSection | None = None
+    """Computes mass, CG and inertia from a shape or a mesh."""
     model: ModelSection | None = None
+    """Reads mass, CG and inertia from a model file."""
     mated: MatedPlaceSection = MatedPlaceSection()
+    """Where the body stands before separation; A stands at its own origin."""
     geometry: dict[Name, PartSection] = Field(default_factory=dict)
     """Parts of it that may come near others."""
 

@@ -56,27 +56,37 @@ class Case(Section):
     """
 
     name: Name
+    """Of the case: results go to a folder of this name."""
     description: str = ""
+    """A line for `drakesep cases`."""
     pair: PairSection | None = None
     """The body that leaves, and from which; or several, in `pairs`."""
     pairs: list[PairSection] = Field(default_factory=list)
+    """The bodies that leave, each from another; in place of `pair`."""
     bodies: dict[Name, BodySection] = Field(min_length=2)
+    """All bodies, by name."""
     attachments: dict[Name, AttachmentSection] = Field(min_length=1)
+    """Where bodies are held together until they are released, by name."""
     loads: dict[Name, LoadSection] = Field(default_factory=dict)
     """Thrusters, retro-rockets, disturbances."""
     orbit: OrbitSection | None = None
+    """Gravity of the Earth on W's orbit; free of gravity if left out."""
     before_separation: BeforeSeparationSection = BeforeSeparationSection()
+    """Motion of the mated stack at t = 0."""
     dispersions: dict[str, Tolerance] = Field(default_factory=dict)
     """Tolerances to either side of the values above."""
     ellipsoids: list[CorrelationSection] = Field(default_factory=list)
     """Dispersed parameters that go together."""
     requirements: list[RequirementSection] = Field(default_factory=list)
+    """What runs are held against."""
     clearance: ClearanceSection = ClearanceSection()
     """Which of the bodies' geometry is measured."""
     recontact: RecontactSection | None = None
-    """Whether it pushes where it touches; measured alone if absent."""
+    """How it pushes where it touches again; without, it is only measured."""
     run: RunSection
+    """How long, and how it is integrated."""
     published: list[PublishedSection] = Field(default_factory=list)
+    """Worst cases of a publication, to be compared with ours."""
 
     _record: AnalysisCase = PrivateAttr()
     _read: tuple[str, str] | None = PrivateAttr(default=None)

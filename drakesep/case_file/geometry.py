@@ -37,17 +37,24 @@ class TubeSection(Section):
     """A cylinder along x; hollow if its wall has a thickness."""
 
     radius_mm: Positive
+    """Outside."""
     length_mm: Positive
+    """Along x."""
     thickness_mm: Positive | None = None
+    """Of its wall, inward from the radius; solid if left out."""
 
 
 class ConeSection(Section):
     """A cone or truncated cone along x; hollow if its wall has a thickness."""
 
     radius_aft_mm: NotNegative
+    """Outside, at the end toward -x."""
     radius_fore_mm: NotNegative
+    """Outside, at the end toward +x."""
     length_mm: Positive
+    """Along x."""
     thickness_mm: Positive | None = None
+    """Of its wall, inward from the radii; solid if left out."""
 
 
 _SHAPES = ("box", "sphere", "capsule", "cylinder", "cone", "mesh")
@@ -57,14 +64,23 @@ class PartSection(Section):
     """A part of a body: one shape or mesh, its place, and what it is."""
 
     box: BoxSection | None = None
+    """One of these shapes."""
     sphere: SphereSection | None = None
+    """One of these shapes."""
     capsule: CapsuleSection | None = None
+    """One of these shapes."""
     cylinder: TubeSection | None = None
+    """One of these shapes, solid or hollow."""
     cone: ConeSection | None = None
+    """One of these shapes, solid or hollow."""
     mesh: MeshSection | None = None
+    """One of these shapes."""
     position_mm: Vector = (0.0, 0.0, 0.0)
+    """Of the shape's frame, in the body."""
     attitude_deg: Vector = (0.0, 0.0, 0.0)
+    """Roll, pitch and yaw of the shape's frame, in the body."""
     role: str = ""
+    """What it is, for tables: an antenna, a nozzle."""
 
     @model_validator(mode="after")
     def _check_one_shape(self) -> Self:
@@ -125,8 +141,11 @@ class RecontactSection(Section):
     """Forces between bodies that touch again after they have parted."""
 
     stiffness_N_m: Positive
+    """Of two pieces that touch: force over overlap."""
     dissipation_s_m: NotNegative = 0.0
+    """Of Hunt and Crossley; 0: no energy is lost."""
     friction: NotNegative = 0.0
+    """Coulomb's coefficient, sticking and sliding."""
 
     def in_si(self, touching: list[PartNames]) -> Recontact:
         """Return it, without the parts that touch while mated."""
@@ -142,6 +161,6 @@ class ClearanceSection(Section):
     """Which parts are measured to each other."""
 
     pairs: list[PartNames] | None = None
-    """All of different bodies if None."""
+    """All of different bodies if left out."""
     touching: list[PartNames] = Field(default_factory=list)
     """That touch or overlap while mated: measured once they have parted."""

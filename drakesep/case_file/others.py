@@ -96,6 +96,7 @@ class OrbitSection(Section):
     """A circular orbit."""
 
     altitude_km: Positive
+    """Above a sphere of the Earth's equatorial radius."""
 
     def in_si(self) -> Orbit:
         """Return the orbit."""
@@ -106,7 +107,9 @@ class BeforeSeparationSection(Section):
     """Motion of the mated stack at t = 0."""
 
     attitude_deg: Vector = (0.0, 0.0, 0.0)
+    """Roll, pitch and yaw of A in W."""
     rate_deg_s: Vector = (0.0, 0.0, 0.0)
+    """Angular velocity of A in W, in A's axes."""
 
     def in_si(self) -> InitialMotion:
         """Return the motion."""
@@ -137,8 +140,11 @@ class WhenSection(Section):
     """A time in seconds, or the stretch from one to another."""
 
     at_s: Seconds | None = None
+    """The time; or, in its place, the stretch."""
     from_s: Seconds | None = None
+    """Where the stretch begins; the start of the run if absent."""
     to_s: Positive | None = None
+    """Where it ends; the end of the run if absent."""
 
     @model_validator(mode="after")
     def _check_order(self) -> Self:
@@ -182,7 +188,9 @@ class RequirementSection(Section):
     when: WhenOf | None = None
     """Of a quantity; over the whole run if absent. A metric says it in its name."""
     at_most: Limits | None = None
+    """Limits from above, in the unit of the quantity; this, `at_least` or both."""
     at_least: Limits | None = None
+    """Limits from below, in the unit of the quantity; this, `at_most` or both."""
     pair: str | None = None
     """The body that leaves, B of its pair; if absent, of each pair."""
     of: str | None = None
@@ -311,9 +319,13 @@ class RunSection(Section):
     """Length of the run, and how it is integrated."""
 
     duration_s: Positive
+    """From t = 0."""
     integrator: Scheme = Integration().scheme
+    """Drake's; the third is implicit, for stiff joints with much damping."""
     accuracy: Positive = Integration().accuracy
+    """Of the error control, in m, rad, m/s and rad/s a step: 1e-12 to 1e-3."""
     max_step_s: Positive = Integration().max_step
+    """Longest step."""
 
     def in_si(self) -> Integration:
         """Return how runs are integrated."""
@@ -326,9 +338,13 @@ class PrintedSection(Section):
     """What a publication prints of a worst case, in the form of the paper's Table 4."""
 
     rate_deg_s: Vector
+    """Angular rate modulus."""
     deviation_within_limits_until_s: float
+    """Until when angular deviations are within their limits."""
     longitudinal_speed_m_s: float
+    """With respect to A."""
     iterations: int
+    """Of the publication's solver."""
 
     def in_si(self) -> PrintedResult:
         """Return it."""
@@ -344,9 +360,14 @@ class PublishedSection(Section):
     """A published worst case: M and m for the bounds of a tolerance, or a value."""
 
     label: Name
+    """Of its run, in tables and plots."""
     objectives: list[ObjectiveName]
+    """Of which it is the published worst case."""
     values: dict[str, Mark]
+    """By parameter: `M` or `m` for a bound of its tolerance, or a value; the others are
+    nominal."""
     printed: PrintedSection
+    """What it is compared with."""
 
     def in_si(
         self, separation: Separation, tolerances: Mapping[str, float]

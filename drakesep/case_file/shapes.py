@@ -7,37 +7,45 @@ class BoxSection(Section):
     """A box."""
 
     size_mm: Vector
+    """Edges along x, y and z."""
 
 
 class CylinderSection(Section):
     """A cylinder along x."""
 
     radius_mm: Positive
+    """Of the cylinder."""
     length_mm: Positive
+    """Along x."""
 
 
 class SphereSection(Section):
     """A sphere."""
 
     radius_mm: Positive
+    """Of the sphere."""
 
 
 class EllipsoidSection(Section):
     """An ellipsoid."""
 
     semi_axes_mm: Vector
+    """Along x, y and z."""
 
 
 class CapsuleSection(Section):
     """A capsule along x; its length is that between the centres of its round ends."""
 
     radius_mm: Positive
+    """Of the cylinder and of its round ends."""
     length_mm: Positive
+    """Between the centres of the round ends."""
 
 
 class MeshSection(Section):
     """A closed mesh."""
 
     file: File
+    """A closed OBJ or STL, from the folder of the case file."""
     scale: Positive = 1.0
     """Metres in a unit of the file."""

@@ -5,6 +5,7 @@ before it runs over bodies, attachments, springs or loads, so that the size of t
 traced program does not grow with the number of bodies.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -72,6 +73,12 @@ class BatchEquations:
         )
         """Whether a joint holds at some time: joints are half of a program."""
         self.ends = [separation.ends(a) for a in separation.attachments]
+        self.released_at_angle = [
+            i
+            for i, attachment in enumerate(separation.attachments)
+            if math.isfinite(attachment.release_angle)
+        ]
+        """Attachments that let go at an angle."""
         self.springs = BatchSprings(separation, varied)
         self._joints = BatchJoints(separation)
         names = [body.name for body in separation.bodies]
@@ -144,10 +151,13 @@ class BatchEquations:
         )
         flat = [[x for part in motion for x in part] for motion in motions]
         x = jnp.stack([rows(state, n) for state in zip(*flat, strict=True)])
+        rows_of_loads = sum(len(load.times) for load in separation.loads)
         return x, Mode(
-            jnp.full((len(self.ends), n), jnp.inf),
-            jnp.full((len(separation.springs), n), False),
-            jnp.full((sum(len(load.times) for load in separation.loads), n), False),
+            released=jnp.full((len(self.ends), n), jnp.inf),
+            spent=jnp.full((self.springs.count, n), False),
+            corners=jnp.full((len(self.springs.corners), n), False),
+            lifted=jnp.full((self.springs.count, n), False),
+            passed=jnp.full((rows_of_loads, n), False),
         )
 
     def mated_place(self, pair: Pair, params: BatchParameters) -> tuple[Vector, Vector]:
@@ -245,7 +255,7 @@ class BatchEquations:
             wrench,
         )
         q_dot = newton_euler_laws.quaternion_rate(bodies.q_WB, bodies.w_WB)
-        return jnp.stack([*q_dot, *bodies.v_WBo, *alpha, *a])
+        return jnp.stack([*q_dot, *bodies.v_WBo, *alpha, *a])  # Eq. 9
 
     def _sum_wrenches(
         self,

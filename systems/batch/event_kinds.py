@@ -10,23 +10,25 @@ Stepped to             Watched while      Time                        Latches   
 =====================  =================  ==========================  ==========  =====
 Found within steps     Watched while      Quantity that crosses zero  Latches     Next
 =====================  =================  ==========================  ==========  =====
-`ProfileCorner`        its spring pushes  displacement - corner       nothing     as is
-`StrokeEnd`            its spring pushes  displacement - stroke       spent, its  fresh
+`ProfileCorners`       its spring pushes  displacement - corner       corners     as is
+`StrokeEnds`           its spring pushes  displacement - stroke       spent, its  fresh
                                                                       time
-`LiftOff`              its spring pushes  - force                     nothing     as is
-`ReleaseAtAngle`       it holds           twist to one side - angle   released    fresh
+`LiftOffs`             its spring pushes  - force                     lifted      as is
+`ReleasesAtAngle`      it holds           twist to one side - angle   released    fresh
                                           of release
 =====================  =================  ==========================  ==========  =====
 
-Every event ends a step. One that latches happens once, upwards, and the next step is
-guessed anew, fresh. The others are crossed in either direction, as often as it comes,
-and the step control goes on: its steps are as good beyond a corner.
+Every event ends a step: within one, all that acts is smooth, as if the event were not
+to come. One that latches happens once, upwards, and the next step is guessed anew,
+fresh. The others are crossed in either direction, as often as it comes, and the step
+control goes on: its steps are as good beyond a corner.
 """
 
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import jax.numpy as jnp
+import numpy as np
 
 from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode, pick
@@ -42,13 +44,9 @@ class Latched(NamedTuple):
     mode: Mode
     stroke_ends: Lanes
     """(k, n) when each stroke was reached, s; infinite before."""
-    beyond: Lanes
-    """(c, n) whether the quantity of each crossing is on the upper side of zero.
-
-    A crossing changes it; a quantity's sign is asked only when it begins to be watched.
-    At a crossing it is zero but for round-off, and its sign means nothing."""
-    watched: Lanes
-    """(c, n) whether each crossing was watched when events were last latched."""
+    watched: tuple[Lanes, ...]
+    """Of each kind of crossings, (e, n) which were watched when events were last
+    latched: the side of zero is asked only of what begins to be watched."""
 
     def release(self, released: Lanes) -> "Latched":
         """Return what has happened with other times of release."""
@@ -132,120 +130,187 @@ class LoadRows:
         return latched._replace(mode=mode._replace(passed=mode.passed | due))
 
 
-# Events found within steps: each crosses zero in its own way.
+# Events found within steps: one kind is all of its events, on an axis before the lanes.
 
 
-class Crossing(Protocol):
-    """An event where a quantity crosses zero."""
+class Crossings(Protocol):
+    """A kind of events, each where a quantity crosses zero."""
 
-    @property
-    def latches(self) -> bool:
-        """Whether it happens once, upwards."""
+    latches: bool
+    """Whether each happens once, upwards."""
+    count: int
+    """How many there are, e."""
 
-    def watched(self, held: Lanes, pushing: Lanes) -> Lanes:
-        """Return (n,) whether it can happen.
+    def watched(self, mode: Mode) -> Lanes:
+        """Return (e, n) which can happen."""
 
-        Args:
-            held: (a, n) which attachments hold.
-            pushing: (k, n) which springs push.
+    def beyond(self, mode: Mode) -> Lanes:
+        """Return (e, n) which quantities are on the upper side of zero.
+
+        A crossing changes it: at a crossing a quantity is zero but for round-off, and
+        its sign means nothing.
         """
 
-    def quantity(self, bodies: BodyState, params: BatchParameters) -> Lanes:
-        """Return (..., n) the quantity, of bodies (..., m, n)."""
+    def quantities(
+        self, bodies: BodyState, params: BatchParameters, mode: Mode
+    ) -> Lanes:
+        """Return (..., e, n) the quantities, of bodies (..., m, n)."""
 
     def happen(self, latched: Latched, now: Lanes, t: Lanes) -> Latched:
-        """Return what has happened with it, where it happens now, of (n,)."""
+        """Return what has happened with those that happen now, of (e, n)."""
 
 
-@dataclass(frozen=True)
-class ProfileCorner:
-    """A spring's pad passes a corner of its profile, which is a kink of its force."""
+class ProfileCorners:
+    """Pads pass corners of their springs' profiles: another piece of the force acts."""
 
-    springs: BatchSprings
-    k: int
-    part: float
-    """Of the stroke."""
     latches = False
 
-    def watched(self, held: Lanes, pushing: Lanes) -> Lanes:
-        """Return (n,) whether the spring pushes."""
-        return pushing[self.k]
+    def __init__(self, springs: BatchSprings):
+        self._springs = springs
+        places, parts = zip(*springs.corners, strict=True)
+        self._of, self._parts = np.array(places), np.array(parts)[:, None]
+        self.count = len(places)
 
-    def quantity(self, bodies: BodyState, params: BatchParameters) -> Lanes:
-        """Return (..., n) how far the pad is past the corner, m."""
-        return self.springs.past(self.k, self.part, bodies, params)
+    def watched(self, mode: Mode) -> Lanes:
+        """Return (e, n) whose springs push."""
+        return self._springs.pushing(mode)[np.array(self._springs.by_stroke)[self._of]]
+
+    def beyond(self, mode: Mode) -> Lanes:
+        """Return (e, n) which are passed."""
+        return mode.corners
+
+    def quantities(
+        self, bodies: BodyState, params: BatchParameters, mode: Mode
+    ) -> Lanes:
+        """Return (..., e, n) how far the pads are past the corners, m."""
+        displacements = self._springs.displacements(bodies, params)
+        places = self._parts * self._springs.strokes(params)[self._of]
+        return displacements[..., self._of, :] - places
 
     def happen(self, latched: Latched, now: Lanes, t: Lanes) -> Latched:
-        """Leave all as it is."""
-        return latched
+        """Pass them, or pass them back."""
+        mode = latched.mode
+        return latched._replace(mode=mode._replace(corners=mode.corners ^ now))
 
 
-class StrokeEnd(ProfileCorner):
-    """A spring's pad reaches the end of its stroke."""
+class StrokeEnds:
+    """Pads reach the ends of their springs' strokes."""
 
     latches = True
 
+    def __init__(self, springs: BatchSprings):
+        self._springs = springs
+        self._index = np.array(springs.by_stroke)
+        self.count = len(self._index)
+
+    def watched(self, mode: Mode) -> Lanes:
+        """Return (e, n) whose springs push."""
+        return self._springs.pushing(mode)[self._index]
+
+    def beyond(self, mode: Mode) -> Lanes:
+        """Return (e, n) which are reached."""
+        return mode.spent[self._index]
+
+    def quantities(
+        self, bodies: BodyState, params: BatchParameters, mode: Mode
+    ) -> Lanes:
+        """Return (..., e, n) how far the pads are past their strokes, m."""
+        displacements = self._springs.displacements(bodies, params)
+        return displacements - self._springs.strokes(params)
+
     def happen(self, latched: Latched, now: Lanes, t: Lanes) -> Latched:
-        """Let the spring go of its pad."""
+        """Let the springs go of their pads."""
         spent, ends = latched.mode.spent, latched.stroke_ends
+        before = ends[self._index]
         return latched.end_strokes(
-            spent.at[self.k].set(spent[self.k] | now),
-            ends.at[self.k].set(jnp.where(now, t, ends[self.k])),
+            spent.at[self._index].set(spent[self._index] | now),
+            ends.at[self._index].set(jnp.where(now, t, before)),
         )
 
 
-@dataclass(frozen=True)
-class LiftOff:
-    """A pad lifts off its damper, or is met again: the spring does not pull."""
+class LiftOffs:
+    """Pads lift off their springs, which do not pull, or are met again."""
 
-    springs: BatchSprings
-    k: int
     latches = False
 
-    def watched(self, held: Lanes, pushing: Lanes) -> Lanes:
-        """Return (n,) whether the spring pushes."""
-        return pushing[self.k]
+    def __init__(self, springs: BatchSprings):
+        self._springs = springs
+        self._places = np.array(springs.may_lift)
+        self._index = np.array(springs.by_stroke)[self._places]
+        self.count = len(self._index)
 
-    def quantity(self, bodies: BodyState, params: BatchParameters) -> Lanes:
-        """Return (..., n) what keeps the pad from its spring, N."""
-        return -self.springs.stroke_force(self.k, bodies, params)
+    def watched(self, mode: Mode) -> Lanes:
+        """Return (e, n) whose springs push."""
+        return self._springs.pushing(mode)[self._index]
+
+    def beyond(self, mode: Mode) -> Lanes:
+        """Return (e, n) which pads are off."""
+        return mode.lifted[self._index]
+
+    def quantities(
+        self, bodies: BodyState, params: BatchParameters, mode: Mode
+    ) -> Lanes:
+        """Return (..., e, n) what keeps the pads from their springs, N."""
+        forces = self._springs.stroke_forces(bodies, params, mode)
+        return -forces[..., self._places, :]
 
     def happen(self, latched: Latched, now: Lanes, t: Lanes) -> Latched:
-        """Leave all as it is."""
-        return latched
+        """Let the pads off, or let them be met."""
+        mode = latched.mode
+        lifted = mode.lifted.at[self._index].set(mode.lifted[self._index] ^ now)
+        return latched._replace(mode=mode._replace(lifted=lifted))
 
 
-class ReleaseAtAngle:
-    """A joint lets go where it has turned far enough, one way."""
+class ReleasesAtAngle:
+    """Joints let go where they have turned far enough, either way."""
 
     latches = True
 
-    def __init__(self, equations: BatchEquations, i: int, way: float):
+    def __init__(self, equations: BatchEquations):
         """Prepare.
 
         Args:
             equations: of the separation.
-            i: the attachment.
-            way: 1 or -1, about the joint's x axis.
         """
         separation = equations.separation
-        self._i, self._way = i, way
-        self._a, self._b = a, b = equations.ends[i]
-        self._q_AB = mated_orientation(separation.bodies[a], separation.bodies[b])
-        self._axis_A = separation.attachments[i].joint.x_axis_A
+        self._joints = [
+            (i, way) for i in equations.released_at_angle for way in (1.0, -1.0)
+        ]
+        self._index = np.array([i for i, _ in self._joints])
+        self.count = len(self._joints)
+        self._ends = [equations.ends[i] for i, _ in self._joints]
+        self._mated = [
+            mated_orientation(separation.bodies[a], separation.bodies[b])
+            for a, b in self._ends
+        ]
+        self._axes_A = [
+            separation.attachments[i].joint.x_axis_A for i, _ in self._joints
+        ]
 
-    def watched(self, held: Lanes, pushing: Lanes) -> Lanes:
-        """Return (n,) whether it holds."""
-        return held[self._i]
+    def watched(self, mode: Mode) -> Lanes:
+        """Return (e, n) which hold."""
+        return ~self.beyond(mode)
 
-    def quantity(self, bodies: BodyState, params: BatchParameters) -> Lanes:
-        """Return (..., n) how far it has turned past its angle of release, rad."""
-        q_WA, q_WB = (pick(bodies, body).q_WB for body in (self._a, self._b))
-        angle = joint_laws.twist_angle(q_WA, q_WB, self._q_AB, self._axis_A, jnp)
-        return self._way * angle - params.release_angle[self._i]
+    def beyond(self, mode: Mode) -> Lanes:
+        """Return (e, n) which have let go."""
+        return jnp.isfinite(mode.released)[self._index]
+
+    def quantities(
+        self, bodies: BodyState, params: BatchParameters, mode: Mode
+    ) -> Lanes:
+        """Return (..., e, n) how far each has turned past its angle of release, rad."""
+        past = []
+        for (i, way), (a, b), q_AB, axis_A in zip(
+            self._joints, self._ends, self._mated, self._axes_A, strict=True
+        ):
+            q_WA, q_WB = pick(bodies, a).q_WB, pick(bodies, b).q_WB
+            angle = joint_laws.twist_angle(q_WA, q_WB, q_AB, axis_A, jnp)
+            past.append(way * angle - params.release_angle[i])
+        return jnp.stack(past, axis=-2)
 
     def happen(self, latched: Latched, now: Lanes, t: Lanes) -> Latched:
-        """Release it."""
+        """Release them."""
         released = latched.mode.released
-        at = jnp.where(now, t, released[self._i])
-        return latched.release(released.at[self._i].set(at))
+        for (i, _), here in zip(self._joints, now, strict=True):
+            released = released.at[i].set(jnp.where(here, t, released[i]))
+        return latched.release(released)

@@ -3,33 +3,37 @@
 What there is, and what each does, is told in `event_kinds`. Events at known times are
 stepped to. The others are looked for within each step, which is cut where the first of
 them is: one at a time, since what happens at once has derivatives of its own, and
-follows in a step of no length.
+follows in a step of no length. Where a step ends, the way that its quantities went
+foresees the next of them.
 """
 
-import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import jax.numpy as jnp
+from jax import lax
 
 from drakesep.systems.batch import polynomials
 from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.event_kinds import (
-    Crossing,
+    Crossings,
     KnownEvents,
     Latched,
-    LiftOff,
+    LiftOffs,
     LoadRows,
-    ProfileCorner,
-    ReleaseAtAngle,
-    StrokeEnd,
+    ProfileCorners,
+    ReleasesAtAngle,
+    StrokeEnds,
     TimedReleases,
     TimedStrokeEnds,
 )
 from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode
 from drakesep.systems.batch.polynomials import Pieces
-from drakesep.systems.batch.springs import BatchSprings
 from drakesep.systems.equations.relative_motion import BodyState
+
+
+Crossed: TypeAlias = tuple[Lanes, ...]
+"""Of each kind of crossings, (e, n) which happen."""
 
 
 class Found(NamedTuple):
@@ -47,7 +51,8 @@ class Events:
     Attributes:
         known: kinds of events at known times, in the order in which one brings about
             another at the same instant: a release starts springs and loads.
-        crossings: events that are found within steps.
+        crossings: kinds of events that are found within steps, in such an order too: a
+            corner that is passed changes the force by which a pad lifts off.
     """
 
     def __init__(self, equations: BatchEquations, *, one_by_one: bool = False):
@@ -58,7 +63,7 @@ class Events:
             one_by_one: whether known events at the same time happen in steps of their
                 own, of no length: each has a derivative of its own.
         """
-        self._springs = springs = equations.springs
+        springs = equations.springs
         self._duration = equations.separation.duration
         self._one_by_one = one_by_one
         self.known: Sequence[KnownEvents] = (
@@ -66,23 +71,19 @@ class Events:
             TimedStrokeEnds(springs),
             LoadRows(equations),
         )
-        self.crossings: Sequence[Crossing] = (
-            *_of_springs(springs),
-            *_of_joints(equations),
-        )
+        self.crossings: Sequence[Crossings] = _crossings(equations)
 
     def start(self, mode: Mode) -> Latched:
         """Return that nothing has happened yet, and nothing is watched."""
-        k, n = mode.spent.shape
-        none = jnp.full((len(self.crossings), n), False)
-        return Latched(mode, jnp.full((k, n), jnp.inf), none, none)
+        watched = tuple(jnp.zeros_like(kind.watched(mode)) for kind in self.crossings)
+        return Latched(mode, jnp.full(mode.spent.shape, jnp.inf), watched)
 
     # Latching.
 
     def latch(
         self,
         latched: Latched,
-        crossed: Lanes,
+        crossed: Crossed,
         t: Lanes,
         x: BodyState,
         params: BatchParameters,
@@ -96,7 +97,7 @@ class Events:
 
         Args:
             latched: what has happened before.
-            crossed: (c, n) which crossings the step was cut at.
+            crossed: which crossings the step was cut at.
             t: (n,) the time, s.
             x: the bodies then, of (m, n).
             params: of the batch.
@@ -104,18 +105,21 @@ class Events:
         Returns:
             What has happened, and (n,) whether anything was latched.
         """
-        latched = latched._replace(beyond=latched.beyond ^ crossed)
-        latched, fresh = self._happen(latched, crossed, t)
+        fresh = jnp.full(t.shape, False)
+        for kind, now in zip(self.crossings, crossed, strict=True):
+            latched = kind.happen(latched, now, t)
+            fresh = fresh | _any_latched(kind, now)
         latched, due = self._latch_due(latched, t, params)
-        if not self.crossings:
-            return latched, fresh | due
-        watched = self._watched(latched.mode)
-        begins = watched & ~latched.watched
-        upper = self._quantities(x, params) >= 0.0
-        beyond = jnp.where(begins, upper, latched.beyond)
-        latched = latched._replace(beyond=beyond, watched=watched)
-        latched, begun = self._happen(latched, begins & upper, t)
-        return latched, fresh | due | begun
+        fresh = fresh | due
+        before = latched.watched
+        for kind, watched in zip(self.crossings, before, strict=True):
+            begins = kind.watched(latched.mode) & ~watched
+            upper = kind.quantities(x, params, latched.mode) >= 0.0
+            now = begins & (upper != kind.beyond(latched.mode))
+            latched = kind.happen(latched, now, t)
+            fresh = fresh | _any_latched(kind, now)
+        watched = tuple(kind.watched(latched.mode) for kind in self.crossings)
+        return latched._replace(watched=watched), fresh
 
     def _latch_due(
         self, latched: Latched, t: Lanes, params: BatchParameters
@@ -133,15 +137,6 @@ class Events:
                 due = due & (jnp.cumsum(due, axis=0) == 1) & ~happened
             latched = kind.happen(latched, due, times)
             happened = happened | due.any(axis=0)
-        return latched, happened
-
-    def _happen(self, latched: Latched, now: Lanes, t: Lanes) -> tuple[Latched, Lanes]:
-        """Let happen those crossings that latch, of (c, n)."""
-        happened = jnp.full(t.shape, False)
-        for event, here in zip(self.crossings, now, strict=True):
-            if event.latches:
-                latched = event.happen(latched, here, t)
-                happened = happened | here
         return latched, happened
 
     # Looking ahead.
@@ -177,10 +172,14 @@ class Events:
             moved: (n,) its length, s.
             params: of the batch.
         """
-        values = jnp.moveaxis(self._quantities(nodes, params), 1, 0)
-        quantities = polynomials.pieces(values)
-        watched = self._watched(latched.mode) & (moved > 0.0)
-        beyond = ((quantities.values >= 0.0) != latched.beyond) & watched
+        mode = latched.mode
+        quantities = polynomials.pieces(
+            jnp.concatenate(
+                [kind.quantities(nodes, params, mode) for kind in self.crossings], 1
+            )
+        )
+        upper = quantities.values >= 0.0
+        beyond = (upper != self._beyond(mode)) & self._watched(mode) & (moved > 0.0)
         # At the start stands what has just been crossed, on either side of zero.
         return Found(quantities, beyond & (quantities.xi > -1.0))
 
@@ -198,31 +197,63 @@ class Events:
         index = jnp.arange(len(at))[:, None]
         return fraction, (index == first) & (at < 1.0)
 
-    def _quantities(self, bodies: BodyState, params: BatchParameters) -> Lanes:
-        """Return (c, ..., n) the crossings' quantities, of bodies (..., m, n)."""
-        return jnp.stack([event.quantity(bodies, params) for event in self.crossings])
+    def by_kind(self, crossed: Lanes) -> Crossed:
+        """Return (c, n) crossings kind by kind."""
+        kinds, first = [], 0
+        for kind in self.crossings:
+            last = first + kind.count
+            kinds.append(crossed[first:last])
+            first = last
+        return tuple(kinds)
+
+    def foresee(self, found: Found, end: Lanes, mode: Mode) -> Lanes:
+        """Return (n,) after which part of a step's length the next crossing follows.
+
+        By a parabola: as its quantity goes on from where the step was cut. Infinite
+        where nothing comes.
+
+        Args:
+            found: what has been looked for within the step.
+            end: (n,) the part of it that was taken.
+            mode: what has happened by its end.
+        """
+        c = lax.stop_gradient(found.quantities.c)
+        xi = 2.0 * lax.stop_gradient(end) - 1.0
+        side = jnp.where(self._beyond(mode), -1.0, 1.0)
+        # What has just been crossed is on either side of zero.
+        slopes = polynomials.derivative(c)
+        value = jnp.minimum(side * polynomials.polynomial(c, xi), 0.0)
+        slope = side * polynomials.polynomial(slopes, xi)
+        bend = side * polynomials.polynomial(polynomials.derivative(slopes), xi)
+        square = slope * slope - 2.0 * bend * value
+        steepness = slope + jnp.sqrt(jnp.maximum(square, 0.0))
+        comes = self._watched(mode) & (square >= 0.0) & (steepness > 0.0)
+        # A step's length is two of xi.
+        after = -value / jnp.where(comes, steepness, 1.0)
+        return jnp.where(comes, after, jnp.inf).min(axis=0)
 
     def _watched(self, mode: Mode) -> Lanes:
-        """Return (c, n) whether each crossing can happen."""
-        held, pushing = jnp.isinf(mode.released), self._springs.pushing(mode)
-        return jnp.stack([event.watched(held, pushing) for event in self.crossings])
+        return jnp.concatenate([kind.watched(mode) for kind in self.crossings])
+
+    def _beyond(self, mode: Mode) -> Lanes:
+        return jnp.concatenate([kind.beyond(mode) for kind in self.crossings])
 
 
-def _of_springs(springs: BatchSprings) -> list[Crossing]:
-    crossings: list[Crossing] = []
-    for k in range(springs.count):
-        crossings += [ProfileCorner(springs, k, u) for u in springs.corners(k)]
-        if not springs.known_end[k]:
-            crossings.append(StrokeEnd(springs, k, 1.0))
-        if springs.may_lift(k):
-            crossings.append(LiftOff(springs, k))
+def _any_latched(kind: Crossings, now: Lanes) -> Lanes:
+    """Return (n,) whether any of a kind happens now, and latches."""
+    return now.any(axis=0) if kind.latches else jnp.full(now.shape[1:], False)
+
+
+def _crossings(equations: BatchEquations) -> list[Crossings]:
+    """Return the kinds of which a separation has some."""
+    springs = equations.springs
+    crossings: list[Crossings] = []
+    if springs.corners:
+        crossings.append(ProfileCorners(springs))
+    if springs.by_stroke:
+        crossings.append(StrokeEnds(springs))
+    if springs.may_lift:
+        crossings.append(LiftOffs(springs))
+    if equations.released_at_angle:
+        crossings.append(ReleasesAtAngle(equations))
     return crossings
-
-
-def _of_joints(equations: BatchEquations) -> list[Crossing]:
-    return [
-        ReleaseAtAngle(equations, i, way)
-        for i, attachment in enumerate(equations.separation.attachments)
-        if math.isfinite(attachment.release_angle)
-        for way in (1.0, -1.0)
-    ]

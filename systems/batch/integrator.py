@@ -6,6 +6,10 @@ lanes are near, as ends of strokes are, DOPRI5 goes from one to the next with ha
 stages. What a lane does depends on its own parameters; on those of its neighbours in
 the batch by less than a hundredth of its tolerance, as they choose between the two.
 
+Within a step everything is smooth: which piece of a law acts is told by what has
+happened by its start, and goes on beyond its end. So no step is rejected for a kink; it
+is cut where the event is found.
+
 Everything is differentiable in forward mode: steps end where events are, whose times
 carry their derivatives; only the choice of the number of steps carries none.
 """
@@ -19,7 +23,7 @@ from jax import lax
 from drakesep.systems.batch import runge_kutta, step_control
 from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.event_kinds import Latched
-from drakesep.systems.batch.events import Events
+from drakesep.systems.batch.events import Crossed, Events, Found
 from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode
 from drakesep.systems.batch.runge_kutta import Weights
 from drakesep.systems.batch.step_control import StepControl
@@ -87,6 +91,19 @@ class Fold(Protocol):
         """Return what there is after a step."""
 
 
+class Taken(NamedTuple):
+    """What is taken of a step that was tried."""
+
+    nodes: Lanes
+    """(13, 8, m, n) states of the bodies at the nodes of `lobatto`."""
+    accepted: Lanes
+    """(n,) whether it is taken at all."""
+    fraction: Lanes
+    """(n,) of it, until the first event in it."""
+    crossed: Crossed
+    """The crossings that it was cut at."""
+
+
 class LaneState(NamedTuple):
     """Where the lanes of a batch are."""
 
@@ -101,6 +118,8 @@ class LaneState(NamedTuple):
     """(n,) that the error of the last step admits for the next, s."""
     fresh: Lanes
     """(n,) whether what acts has changed since: the next step is guessed anew."""
+    foreseen: Lanes
+    """(n,) time until a little beyond the next crossing that is foreseen, s."""
     status: Lanes
     """(n,) of `LaneStatus`."""
     steps: Lanes
@@ -182,13 +201,14 @@ class BatchIntegrator:
         x, mode = self._equations.start(params)
         t = jnp.zeros(x.shape[-1])
         none = self._events.start(mode)
-        latched, _ = self._events.latch(none, none.beyond, t, _bodies(x), params)
+        latched, _ = self._events.latch(none, none.watched, t, _bodies(x), params)
         return LaneState(
             t=t,
             x=x,
             latched=latched,
             step=jnp.zeros_like(t),
             fresh=jnp.full(t.shape, True),
+            foreseen=jnp.full(t.shape, jnp.inf),
             status=jnp.full(t.shape, int(LaneStatus.FLYING)),
             steps=jnp.zeros(t.shape, dtype=int),
             evaluations=jnp.zeros(t.shape, dtype=int),
@@ -205,26 +225,27 @@ class BatchIntegrator:
         end = self._events.next_known(params, mode)
         left = jnp.where(flying, end - t, 0.0)
         pieces = step_control.pieces(left, wanted)
-        h = left / pieces
+        h, meets_known = left / pieces, pieces == 1.0
+        if self._events.crossings:
+            way = step_control.towards(state.foreseen, left, wanted)
+            h, meets_known = jnp.where(way < h, way, h), meets_known & (way >= h)
         weights = runge_kutta.weights_for(step_control.is_short(h, wanted, flying))
         method = weights.method
 
         K = runge_kutta.stages(self._equations, method, t, h, state.x, params, mode)
         error = self._control.error(K, method)
-        accepted = flying & (error <= 1.0)
-        moved = jnp.where(accepted, h, 0.0)
-        nodes, fraction, crossed = self._to_first_crossing(
-            state, K, weights, accepted, moved, params
-        )
+        admitted = flying & (error <= 1.0)
+        taken, found = self._take(state, K, weights, admitted, h, params)
         # A known event is met exactly.
-        t_new = jnp.where(pieces > 1.0, t + h, end)
-        t_new = jnp.where(fraction < 1.0, t + fraction * h, t_new)
-        t_new = jnp.where(accepted, t_new, t)
-        step = Step(t, fraction * moved, nodes, mode)
+        t_new = jnp.where(meets_known, end, t + h)
+        t_new = jnp.where(taken.fraction < 1.0, t + taken.fraction * h, t_new)
+        t_new = jnp.where(taken.accepted, t_new, t)
+        length = jnp.where(taken.accepted, taken.fraction * h, 0.0)
+        step = Step(t, length, taken.nodes, mode)
 
-        x = nodes[:, -1]
+        x = taken.nodes[:, -1]
         latched, fresh = self._events.latch(
-            state.latched, crossed, t_new, _bodies(x), params
+            state.latched, taken.crossed, t_new, _bodies(x), params
         )
         steps = state.steps + flying
         return LaneState(
@@ -232,46 +253,69 @@ class BatchIntegrator:
             x=x,
             latched=latched,
             step=step_control.next_step(
-                h, error, method.order_of_error, wanted, accepted
+                h, error, method.order_of_error, wanted, admitted
             ),
             fresh=fresh,
+            foreseen=self._foreseen(state, taken, found, admitted, h, latched.mode),
             status=self._judge(
-                state.status, latched.mode, t_new, steps, ~accepted & (h < _SHORTEST)
+                state.status, latched.mode, t_new, steps, ~admitted & (h < _SHORTEST)
             ),
             steps=steps,
             evaluations=state.evaluations + jnp.where(flying, method.stages, 0),
             folded=fold.add(state.folded, params, step),
         )
 
-    def _to_first_crossing(
+    def _take(
         self,
         state: LaneState,
         K: Lanes,
         weights: Weights,
-        accepted: Lanes,
-        moved: Lanes,
+        admitted: Lanes,
+        h: Lanes,
         params: BatchParameters,
-    ) -> tuple[Lanes, Lanes, Lanes]:
-        """Return the states at the nodes of a step, cut off at the first event in it.
+    ) -> tuple[Taken, Found | None]:
+        """Return what is taken of a step, and what was looked for within it.
 
-        Returns:
-            (13, 8, m, n) states, (n,) the fraction of the step that was taken, and
-            (c, n) which crossings it was cut at.
+        All is taken until the first event. Where the continuous extension is not exact
+        enough to go on from there, nothing is, and the step is tried again, to the
+        event that it has found.
         """
         change = jnp.tensordot(weights.at_nodes, K, 1)
-        nodes = runge_kutta.at_nodes(state.x, change, moved, accepted)
-        whole = nodes, jnp.ones_like(moved), jnp.zeros_like(state.latched.beyond)
+        nodes = runge_kutta.at_nodes(state.x, change, h, admitted)
+        none = tuple(jnp.zeros_like(watched) for watched in state.latched.watched)
+        whole = Taken(nodes, admitted, jnp.ones_like(h), none)
         if not self._events.crossings:
-            return whole
+            return whole, None
+        moved = jnp.where(admitted, h, 0.0)
         found = self._events.find(state.latched, _bodies(nodes), moved, params)
 
-        def cut(_: None) -> tuple[Lanes, Lanes, Lanes]:
+        def cut(_: None) -> Taken:
             fraction, crossed = self._events.first(found)
+            off = self._control.cut_error(K, weights.method, h, fraction)
+            accepted = admitted & (off <= 1.0)
             change = runge_kutta.change_until(weights, K, fraction)
-            nodes = runge_kutta.at_nodes(state.x, change, moved, accepted)
-            return nodes, fraction, crossed
+            nodes = runge_kutta.at_nodes(state.x, change, h, accepted)
+            crossed = self._events.by_kind(crossed & accepted)
+            return Taken(nodes, accepted, fraction, crossed)
 
-        return lax.cond(found.beyond.any(), cut, lambda _: whole, None)
+        return lax.cond(found.beyond.any(), cut, lambda _: whole, None), found
+
+    def _foreseen(
+        self,
+        state: LaneState,
+        taken: Taken,
+        found: Found | None,
+        admitted: Lanes,
+        h: Lanes,
+        mode: Mode,
+    ) -> Lanes:
+        """Return (n,) time until a little beyond the next crossing, s; or infinite."""
+        if found is None:
+            return state.foreseen
+        ahead = self._events.foresee(found, taken.fraction, mode)
+        return step_control.beyond_foreseen(
+            h, ahead, taken.fraction, taken.accepted, admitted, state.foreseen
+        )
 
     # How it fares.
 

@@ -67,6 +67,11 @@ class Mode(NamedTuple):
     """(a, n) time of each attachment's release, s; infinite while it holds."""
     spent: Lanes
     """(k, n) whether each spring has let go of its pad."""
+    corners: Lanes
+    """(c, n) whether each corner of a spring's force is passed, spring after spring:
+    which piece of it acts."""
+    lifted: Lanes
+    """(k, n) whether each pad has lifted off, so that its spring does not pull."""
     passed: Lanes
     """(r, n) whether each row of the load tables has been passed, load after load."""
 

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
@@ -22,7 +21,6 @@ from drakesep.systems.equations.pushers import (
     AXIS,
     Push,
     PushLaw,
-    positive_part,
     push_axis,
     push_displacement,
     push_wrenches,
@@ -37,12 +35,16 @@ from drakesep.systems.vectors import Vector
 
 
 class _Group(NamedTuple):
-    """Springs of one kind and design."""
+    """Springs of one kind and design between the same bodies, on an axis of lanes."""
 
     springs: list[int]
     law: PushLaw
     values: type[Any]
     """Named tuple of what the law reads."""
+    ends: tuple[int, int]
+    """Indices of the bodies pushed from, and pushed away."""
+    tilted: bool
+    """Whether they may push along axes of their own, not along A's x axis."""
 
 
 class BatchSprings:
@@ -55,7 +57,11 @@ class BatchSprings:
         attachments: (k,) index of each spring's attachment.
         known_end: (k, 1) whether the time at which each ends follows from its release.
         timed: springs that push for a time.
-        by_stroke: springs whose displacement ends the push.
+        by_stroke: (k_s,) springs whose displacement ends the push.
+        corners: (c,) of each corner of their forces, spring after spring, the spring,
+            by its place in `by_stroke`, and the part of its stroke.
+        may_lift: springs whose pad may lift off before the end of the stroke, by their
+            place in `by_stroke`.
     """
 
     def __init__(self, separation: Separation, varied: Sequence[str]):
@@ -74,19 +80,7 @@ class BatchSprings:
         self._ends = [
             separation.ends(attachment) for attachment, _ in separation.pushing
         ]
-        self._laws = [law_of(spring) for spring in self._springs]
-        self._groups = _group(separation, self._laws)
-        self._place = {
-            k: (g, i)
-            for g, group in enumerate(self._groups)
-            for i, k in enumerate(group.springs)
-        }
-        # Group by group, as their forces come.
-        self.timed = [
-            k for group in self._groups if group.law.by_time for k in group.springs
-        ]
-        self.by_stroke = [k for k, law in enumerate(self._laws) if not law.by_time]
-        self.known_end = np.array([law.by_time for law in self._laws], bool)[:, None]
+        self._laws = laws = [law_of(spring) for spring in self._springs]
 
         def may_be(k: int, fields: Sequence[str]) -> bool:
             """Return whether some parameters of a spring vary, or are not zero."""
@@ -96,11 +90,34 @@ class BatchSprings:
                 name in varied for name in names
             )
 
-        every = range(len(self._springs))
         self._tilted = [
-            self._springs[k].axis_A != X_AXIS or may_be(k, AXIS) for k in every
+            spring.axis_A != X_AXIS or may_be(k, AXIS)
+            for k, spring in enumerate(self._springs)
         ]
-        self._damped = [may_be(k, self._laws[k].dampers) for k in every]
+        self._groups = self._group()
+        # Group by group, as their forces come.
+        in_order = [k for group in self._groups for k in group.springs]
+        self.timed = [k for k in in_order if laws[k].by_time]
+        self.by_stroke = [k for k in in_order if not laws[k].by_time]
+        self.known_end = np.array([law.by_time for law in laws], bool)[:, None]
+        self.corners = [
+            (i, part) for i, k in enumerate(self.by_stroke) for part in laws[k].corners
+        ]
+        self.may_lift = [
+            i
+            for i, k in enumerate(self.by_stroke)
+            if laws[k].may_pull or may_be(k, laws[k].dampers)
+        ]
+
+    def _group(self) -> list[_Group]:
+        alike: dict[Any, list[int]] = {}
+        for k, (spring, law) in enumerate(zip(self._springs, self._laws, strict=True)):
+            key = type(spring), law, self._ends[k], self._tilted[k]
+            alike.setdefault(key, []).append(k)
+        return [
+            _Group(springs, law, type(values_of(law, self._springs[springs[0]])), *rest)
+            for (_, law, *rest), springs in alike.items()
+        ]
 
     # Parameters.
 
@@ -125,11 +142,6 @@ class BatchSprings:
         ]
         n = tilt_y.shape[-1]
         return tuple(groups), tuple(rows([a[c] for a in axes], n) for c in range(3))
-
-    def _values(self, k: int, params: BatchParameters) -> Any:
-        """Return what the law of a spring reads, of (n,)."""
-        g, i = self._place[k]
-        return jax.tree.map(lambda lanes: lanes[i], params.springs[g])
 
     def _axis(self, k: int, params: BatchParameters) -> Vector | None:
         axis: Vector = pick(params.push_axis_A, k)
@@ -157,32 +169,33 @@ class BatchSprings:
                     times[k] = end
         return rows(times, n)
 
-    def stroke(self, k: int, params: BatchParameters) -> Lanes:
-        """Return (n,) the displacement that ends a spring's push, m."""
-        return self._laws[k].end(self._values(k, params), jnp)
+    def strokes(self, params: BatchParameters) -> Lanes:
+        """Return (k_s, n) the displacements that end the pushes of `by_stroke`, m."""
+        _, n = params.mass.shape
+        ends = [
+            jnp.broadcast_to(group.law.end(values, jnp), (len(group.springs), n))
+            for group, values in self._stroke_groups(params)
+        ]
+        return jnp.concatenate(ends)
 
-    def past(
-        self, k: int, part: float, bodies: BodyState, params: BatchParameters
-    ) -> Lanes:
-        """Return how far a spring's pad is past a part of its stroke, m."""
-        displacement, _ = self.displacement(k, bodies, params)
-        return displacement - part * self.stroke(k, params)
+    def fastest(self, params: BatchParameters, mode: Mode, *, by_time: bool) -> Lanes:
+        """Return (n,) how fast the motion is that springs drive, rad/s.
 
-    def corners(self, k: int) -> Sequence[float]:
-        """Return the parts of a spring's stroke at which its force has a kink."""
-        return self._laws[k].corners
-
-    def may_lift(self, k: int) -> bool:
-        """Return whether a spring's pad may lift off before the end of its stroke."""
-        return self._damped[k]
-
-    def frequency(self, k: int, params: BatchParameters) -> Lanes:
-        """Return (n,) how fast the motion is that a spring drives, rad/s."""
-        a, b = self._ends[k]
-        inverse_mass = 1.0 / params.mass[a] + 1.0 / params.mass[b]
-        return self._laws[k].frequency(
-            self._values(k, params), len(self._springs), inverse_mass, jnp
-        )
+        Args:
+            params: of the batch.
+            mode: what has happened.
+            by_time: whether of those that push for a time; else of `by_stroke`.
+        """
+        acts, fastest = self._acts(mode), jnp.zeros_like(params.mass[0])
+        for group, values in zip(self._groups, params.springs, strict=True):
+            if group.law.by_time is by_time:
+                a, b = group.ends
+                together = self._ends.count(group.ends)
+                lightness = 1.0 / params.mass[a] + 1.0 / params.mass[b]
+                frequency = group.law.frequency(values, together, lightness, jnp)
+                each = jnp.where(acts[np.array(group.springs)], frequency, 0.0)
+                fastest = jnp.maximum(fastest, each.max(axis=0))
+        return fastest
 
     def _released(self, mode: Mode) -> Lanes:
         """Return (k, n) when the springs' attachments let go, s."""
@@ -191,6 +204,10 @@ class BatchSprings:
     def pushing(self, mode: Mode) -> Lanes:
         """Return (k, n) whether springs are released, and have not let go."""
         return jnp.isfinite(self._released(mode)) & ~mode.spent
+
+    def _acts(self, mode: Mode) -> Lanes:
+        """Return (k, n) whether springs push, and their pads have not lifted off."""
+        return self.pushing(mode) & ~mode.lifted
 
     # Forces.
 
@@ -209,7 +226,7 @@ class BatchSprings:
                     mine = slice(first, first + len(group.springs))
                     first = mine.stop
                     at = elapsed[..., mine, :]
-                    force = group.law.force(values, at, 0.0, jnp)
+                    force = group.law.force(values, at, 0.0, (), jnp)
                     parts.append(jnp.broadcast_to(force, at.shape))
             return jnp.where(pushing, jnp.concatenate(parts, axis=-2), 0.0)
 
@@ -217,24 +234,58 @@ class BatchSprings:
             return jnp.zeros(shape)
         return lax.cond(pushing.any(), forces, lambda _: jnp.zeros(shape), None)
 
-    def displacement(
-        self, k: int, bodies: BodyState, params: BatchParameters
+    def _stroke_groups(self, params: BatchParameters) -> list[tuple[_Group, Any]]:
+        """Return the groups of `by_stroke`, and what their laws read."""
+        return [
+            (group, values)
+            for group, values in zip(self._groups, params.springs, strict=True)
+            if not group.law.by_time
+        ]
+
+    def _displacements(
+        self, group: _Group, bodies: BodyState, params: BatchParameters
     ) -> tuple[Lanes, Lanes]:
-        """Return how far, m, and how fast, m/s, a spring's pad has moved."""
-        a, b = self._ends[k]
-        i = self.attachments[k]
+        """Return how far, m, and how fast, m/s, pads have moved, of (..., k_g, n)."""
+        a, b = group.ends
+        index = np.array(group.springs)
+        pads = np.array(self.attachments)[index]
         return push_displacement(
-            pick(bodies, a),
-            pick(bodies, b),
-            pick(params.p_AoPad_A, i),
-            pick(params.p_BoPad_B, i),
-            self._axis(k, params),
+            pick(bodies, slice(a, a + 1)),
+            pick(bodies, slice(b, b + 1)),
+            pick(params.p_AoPad_A, pads),
+            pick(params.p_BoPad_B, pads),
+            pick(params.push_axis_A, index) if group.tilted else None,
         )
 
-    def stroke_force(self, k: int, bodies: BodyState, params: BatchParameters) -> Lanes:
-        """Return the force of a spring by displacement, were it to pull, N."""
-        at, speed = self.displacement(k, bodies, params)
-        return self._laws[k].force(self._values(k, params), at, speed, jnp)
+    def displacements(self, bodies: BodyState, params: BatchParameters) -> Lanes:
+        """Return (..., k_s, n) how far the pads of `by_stroke` have moved, m."""
+        return jnp.concatenate(
+            [
+                self._displacements(group, bodies, params)[0]
+                for group, _ in self._stroke_groups(params)
+            ],
+            axis=-2,
+        )
+
+    def stroke_forces(
+        self, bodies: BodyState, params: BatchParameters, mode: Mode
+    ) -> Lanes:
+        """Return (..., k_s, n) the forces of `by_stroke`, were they to push or pull, N.
+
+        They are smooth in the bodies' motion: corners, ends and whether a pad has
+        lifted off change them through the mode alone.
+        """
+        forces, first = [], 0
+        for group, values in self._stroke_groups(params):
+            count, corners = len(group.springs), len(group.law.corners)
+            last = first + count * corners
+            # Spring after spring, and of each its corners.
+            passed = [mode.corners[first + i : last : corners] for i in range(corners)]
+            first = last
+            at, speed = self._displacements(group, bodies, params)
+            force = group.law.force(values, at, speed, passed, jnp)
+            forces.append(jnp.broadcast_to(force, at.shape))
+        return jnp.concatenate(forces, axis=-2)
 
     def forces(
         self, timed: Lanes, bodies: BodyState, params: BatchParameters, mode: Mode
@@ -247,13 +298,14 @@ class BatchSprings:
             params: of the batch.
             mode: what has happened.
         """
-        forces = [jnp.zeros(())] * len(self._springs)
+        forces = [jnp.zeros(())] * self.count
         for i, k in enumerate(self.timed):
             forces[k] = timed[..., i, :]
-        pushing = self.pushing(mode)
-        for k in self.by_stroke:
-            force = positive_part(self.stroke_force(k, bodies, params))
-            forces[k] = jnp.where(pushing[k], force, 0.0)
+        if self.by_stroke:
+            acts = self._acts(mode)[np.array(self.by_stroke)]
+            each = jnp.where(acts, self.stroke_forces(bodies, params, mode), 0.0)
+            for i, k in enumerate(self.by_stroke):
+                forces[k] = each[..., i, :]
         return forces
 
     def wrenches(
@@ -271,13 +323,3 @@ class BatchSprings:
             total.add(a, on_A)
             total.add(b, on_B)
         return total.wrench
-
-
-def _group(separation: Separation, laws: Sequence[PushLaw]) -> list[_Group]:
-    alike: dict[Any, list[int]] = {}
-    for k, (spring, law) in enumerate(zip(separation.springs, laws, strict=True)):
-        alike.setdefault((type(spring), law), []).append(k)
-    return [
-        _Group(springs, law, type(values_of(law, separation.springs[springs[0]])))
-        for (_, law), springs in alike.items()
-    ]

@@ -2,8 +2,8 @@
 
 Every lane has steps of its own: a first guess wherever something has changed what acts,
 then what the error estimate admits, at most what its bodies may turn, and so that it
-ends at the next known event. Nothing here carries a derivative but the length that this
-event leaves.
+ends at the next known event, or just beyond the next that is foreseen. Nothing here
+carries a derivative but the length that a known event leaves.
 """
 
 import jax.numpy as jnp
@@ -19,10 +19,21 @@ from drakesep.systems.vectors import TINY
 _SAFETY, _SHRINK, _GROW = 0.9, 0.2, 6.0
 _PHASE = 0.8
 """First guess of a step, rad of the fastest motion, at a tolerance of 1e-8."""
+_DRIVEN = 0.45
+"""Largest step while springs push by displacement, rad of their motion, at 1e-8: the
+error estimate lets pass what is larger than it promises where forces follow motion."""
 _TURN = 0.4
 """Largest rotation in a step, rad: its nodes resolve rates and angles to 1e-9."""
-_SHORT = 0.02
+_SHORT = 0.05
 """Part of the wanted step below which DOPRI5 is as exact."""
+_LEAST = 0.01
+"""Part of the wanted step below which none is taken towards a foreseen event."""
+_BEYOND = 1.1
+"""How far a step goes of the way to an event that a parabola foresees."""
+_SLIGHTLY_BEYOND = 1.0001
+"""The same, where a step that went beyond it has told where it is."""
+_CUT_SHARE = 0.1
+"""Of the tolerance, for what is read off within a step where it is cut."""
 
 
 class StepControl:
@@ -39,6 +50,7 @@ class StepControl:
         self._springs = equations.springs
         self._tolerance = tolerance
         self._share = tolerance / equations.separation.duration
+        self._scale = (tolerance / 1e-8) ** (1.0 / DOP853.order_of_error)
 
     def wanted(
         self,
@@ -58,7 +70,8 @@ class StepControl:
             mode: what has happened.
         """
         guess = self.first_guess(x, params, mode)
-        return jnp.minimum(jnp.where(fresh, guess, step), largest_step(x))
+        largest = jnp.minimum(largest_step(x), self._largest_push(params, mode))
+        return jnp.minimum(jnp.where(fresh, guess, step), largest)
 
     def first_guess(self, x: Lanes, params: BatchParameters, mode: Mode) -> Lanes:
         """Return (n,) a step that suits what acts now, s.
@@ -69,14 +82,17 @@ class StepControl:
             mode: what has happened.
         """
         frequency = _fastest(x)
-        pushing = self._springs.pushing(mode)
-        for k in range(self._springs.count):
-            spring = self._springs.frequency(k, params)
-            frequency = jnp.maximum(frequency, jnp.where(pushing[k], spring, 0.0))
+        for by_time in (True, False):
+            springs = self._springs.fastest(params, mode, by_time=by_time)
+            frequency = jnp.maximum(frequency, springs)
         if self._equations.holds:
             frequency = jnp.maximum(frequency, self._held_frequency(params, mode))
-        scale = (self._tolerance / 1e-8) ** (1.0 / DOP853.order_of_error)
-        return _still(_PHASE * scale / (frequency + 1e-3))
+        return _still(_PHASE * self._scale / (frequency + 1e-3))
+
+    def _largest_push(self, params: BatchParameters, mode: Mode) -> Lanes:
+        """Return (n,) the longest step while springs push by displacement, s."""
+        frequency = self._springs.fastest(params, mode, by_time=False)
+        return _still(_DRIVEN * self._scale / (frequency + TINY))
 
     def _held_frequency(self, params: BatchParameters, mode: Mode) -> Lanes:
         """Return (n,) the fastest motion of bodies in the joints that hold, rad/s."""
@@ -110,6 +126,62 @@ class StepControl:
         states = K.shape[1] * K.shape[2]
         # II.10.17; for a method without a tempering error, the norm of its own.
         return square / jnp.sqrt((square + 0.01 * tempering) * states + TINY)
+
+    def cut_error(self, K: Lanes, method: Method, h: Lanes, fraction: Lanes) -> Lanes:
+        """Return (n,) the error of a state within a step over its share.
+
+        It is that of the continuous extension without its last term: of the order below
+        its own, as estimates are.
+
+        Args:
+            K: (16, 13, m, n) derivatives at the step's stages.
+            method: that took it.
+            h: (n,) its length, s.
+            fraction: (n,) of it, where the state is.
+        """
+        last = jnp.tensordot(method.powers[-1], _still(K), 1)
+        size = jnp.sqrt((last * last).mean(axis=(0, 1)))
+        theta = _still(fraction)
+        part = theta**4 * (1.0 - theta) ** 3  # II.6.30
+        return part * _still(h) * size / (_CUT_SHARE * self._tolerance)
+
+
+def towards(foreseen: Lanes, left: Lanes, wanted: Lanes) -> Lanes:
+    """Return (n,) a step towards a foreseen event, s; the time left if that is sooner.
+
+    Args:
+        foreseen: (n,) time until a little beyond it, s.
+        left: (n,) time until the next known event, s.
+        wanted: (n,) longest step, s.
+    """
+    # A shorter one would be cut where it is as exact, and might not get there.
+    way = jnp.maximum(_still(foreseen), _LEAST * _still(wanted))
+    way = jnp.minimum(way, _still(left))
+    return way / pieces(way, wanted)
+
+
+def beyond_foreseen(
+    h: Lanes,
+    ahead: Lanes,
+    fraction: Lanes,
+    accepted: Lanes,
+    admitted: Lanes,
+    before: Lanes,
+) -> Lanes:
+    """Return (n,) time until a little beyond the next event, s; infinite without one.
+
+    Args:
+        h: (n,) length of the step that was tried, s.
+        ahead: (n,) after which part of it an event follows its end.
+        fraction: (n,) the part of it until an event within.
+        accepted: (n,) whether it was taken, until there.
+        admitted: (n,) whether its error was small enough: if it was not taken, what is
+            known of the event within is not exact enough to go on from there.
+        before: (n,) the same before the step, s.
+    """
+    next_one = jnp.where(jnp.isfinite(ahead), _BEYOND * _still(h) * ahead, jnp.inf)
+    within = _SLIGHTLY_BEYOND * _still(fraction * h)
+    return jnp.where(accepted, next_one, jnp.where(admitted, within, before))
 
 
 def largest_step(x: Lanes) -> Lanes:

@@ -40,12 +40,13 @@ class Gravity(LeafSystem):
     Acts at each CG, with the gravity-gradient torque. W's origin moves along a
     circular orbit; its axes do not turn.
 
-    Input port:
-        plant_state: state of the plant.
+    Input ports:
+        plant_state: (s,) 1, m, rad/s and m/s in W: state of the plant, in which the
+            layout finds the motion of each body.
 
-    Output port:
-        wrenches: (6 m,) torque about the origin, N m, and force, N, in W, on each
-            of the m bodies.
+    Output ports:
+        wrenches: (6 m,) N m and N in W: torque about the origin, then force, on each of
+            the m bodies.
 
     Parameters:
         0: an `OrbitRow`.

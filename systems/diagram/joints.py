@@ -90,15 +90,16 @@ class CfeBushing(LeafSystem):
     deg of rotation, but for the universal one, which locks when its axes fall together.
 
     Input ports:
-        plant_state: state of the plant.
-        released: (n,) time of each attachment's release, s; infinite while held.
+        plant_state: (s,) 1, m, rad/s and m/s in W: state of the plant, in which the
+            layout finds the motion of each body.
+        released: (n,) s: time of each attachment's release; infinite while it holds.
 
     Output ports:
-        wrenches: (6 m,) torque about the origin, N m, and force, N, in W, on each
-            of the m bodies.
-        loads: (6 n,) torque, N m, and force, N, of each joint on B at its pad, in the
-            joint's frame; zero after release.
-        energy: (1,) elastic energy of the joints that hold, J.
+        wrenches: (6 m,) N m and N in W: torque about the origin, then force, on each of
+            the m bodies.
+        loads: (6 n,) N m and N in the joints' frames: torque and force of each joint on
+            B at its pad; zero after release.
+        energy: (1,) J: elastic energy of the joints that hold.
 
     Parameters:
         0: for each attachment a `JointRow`.

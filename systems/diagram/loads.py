@@ -37,12 +37,13 @@ class Loads(LatchingSystem):
     a row of a table at which its load acts, and no pulse is stepped over.
 
     Input ports:
-        plant_state: state of the plant.
-        released: (n,) time of each attachment's release, s; infinite while held.
+        plant_state: (s,) 1, m, rad/s and m/s in W: state of the plant, in which the
+            layout finds the motion of each body.
+        released: (n,) s: time of each attachment's release; infinite while it holds.
 
-    Output port:
-        wrenches: (6 m,) torque about the origin, N m, and force, N, in W, on each
-            of the m bodies.
+    Output ports:
+        wrenches: (6 m,) N m and N in W: torque about the origin, then force, on each of
+            the m bodies.
 
     Discrete state:
         (k,) how many rows of its table each load has passed; and the step's start.

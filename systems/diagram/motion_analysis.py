@@ -47,21 +47,24 @@ class MotionAnalysis(LeafSystem):
     """Measures the motion of B.
 
     Input ports:
-        plant_state: state of the plant.
-        plant_acceleration: (6 m,) angular acceleration, rad/s^2, and acceleration of
-            the origin, m/s^2, in W, of each of the m bodies.
-        spring_wrenches: (6 m,) wrenches of the springs on each of the m bodies.
+        plant_state: (s,) 1, m, rad/s and m/s in W: state of the plant, in which the
+            layout finds the motion of each body.
+        plant_acceleration: (6 m,) rad/s^2 and m/s^2 in W: angular acceleration, then
+            acceleration of the origin, of each of the m bodies.
+        spring_wrenches: (6 m,) N m and N in W: torque about the origin, then force, of
+            the springs on each of the m bodies.
 
-    Output ports, (3,) each:
-        rate: angular velocity of B in W, in B, rad/s.
-        relative_rate: angular velocity of B in A, in B, rad/s.
-        angle: roll, pitch and yaw of B in W, rad.
-        relative_position: B's CG from its mated place, in A, m.
-        relative_velocity: velocity of B's CG as seen from A, in A, m/s.
-        acceleration: acceleration of B's CG in W, m/s^2.
-        linear_momentum_change: given to B by the springs, in B, N s (Eq. 6).
-        angular_momentum_change: given to B by the springs about its CG, in B,
-            N m s (Eq. 7).
+    Output ports:
+        rate: (3,) rad/s in B: angular velocity of B in W.
+        relative_rate: (3,) rad/s in B: angular velocity of B in A.
+        angle: (3,) rad: roll, pitch and yaw of B in W.
+        relative_position: (3,) m in A: B's CG from its mated place.
+        relative_velocity: (3,) m/s in A: velocity of B's CG as seen from A; along the
+            direction of the pair it is the longitudinal speed.
+        acceleration: (3,) m/s^2 in W: acceleration of B's CG in W.
+        linear_momentum_change: (3,) N s in B: given to B by the springs (Eq. 6).
+        angular_momentum_change: (3,) N m s in B: given to B by the springs about its CG
+            (Eq. 7).
 
     Parameters:
         0: what is known of B, a row `Measured`.

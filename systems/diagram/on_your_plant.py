@@ -61,9 +61,10 @@ def add_separation(
         name: of the system that is added.
 
     Returns:
-        The system that was added. Write the separation's numbers into its Context with
-        `SeparationForces.set_separation`; where they vary the bodies, write these
-        into the plant's with `set_mass_properties`.
+        The system that was added, whose ports `SeparationForces` lists; those for
+        motion and wrenches are connected. Write the separation's numbers into its
+        Context with `SeparationForces.set_separation`; where they vary the bodies,
+        write these into the plant's with `set_mass_properties`.
 
     Raises:
         ValueError: the plant is discrete or not finalized, has no such body or one of
@@ -185,13 +186,15 @@ class _BodyMotion(LeafSystem):
     """Reads bodies' motion from a plant's ports, as if they floated in its world.
 
     Input ports:
-        poses, velocities, accelerations: the plant's, by body.
+        poses: abstract: the plant's, by body.
+        velocities: abstract: the plant's, by body.
+        accelerations: abstract: the plant's, by body.
 
     Output ports:
-        state: (13 m,) quaternion and position of each body, then angular velocity and
-            velocity of the origin of each.
-        acceleration: (6 m,) angular acceleration of each body, and acceleration of its
-            origin.
+        state: (13 m,) 1, m, rad/s and m/s in W: quaternion and position of each of the
+            m bodies, then angular velocity and velocity of the origin of each.
+        acceleration: (6 m,) rad/s^2 and m/s^2 in W: angular acceleration, then
+            acceleration of the origin, of each of the m bodies.
     """
 
     def __init__(self, bodies: Sequence[RigidBody]):
@@ -239,11 +242,13 @@ class _SpatialForces(LeafSystem):
     """Turns wrenches about bodies' origins into a plant's external forces.
 
     Input ports:
-        wrenches: (6 m,) torque about the origin, N m, and force, N, in W.
-        other_forces: list of ExternallyAppliedSpatialForce, passed on; optional.
+        wrenches: (6 m,) N m and N in W: torque about the origin, then force, on each of
+            the m bodies.
+        other_forces: abstract: list of ExternallyAppliedSpatialForce, passed on;
+            optional.
 
-    Output port:
-        spatial_forces: list of ExternallyAppliedSpatialForce.
+    Output ports:
+        spatial_forces: abstract: list of ExternallyAppliedSpatialForce.
     """
 
     def __init__(self, bodies: Sequence[RigidBody]):

@@ -43,13 +43,14 @@ class Release(LatchingSystem):
     release is the scheduled.
 
     Input ports:
-        plant_state: state of the plant.
-        trigger: (1,) commands the release of all attachments; optional.
-        triggers: (n,) command the release of each attachment; optional.
+        plant_state: (s,) 1, m, rad/s and m/s in W: state of the plant, in which the
+            layout finds the motion of each body.
+        trigger: (1,) 1: commands the release of all attachments where it rises above
+            0.5; optional. With it, or the next, the scheduled times are not used.
+        triggers: (n,) 1: command the release of each attachment likewise; optional.
 
-    Output port:
-        released: (n,) time at which each attachment was released, s; infinite
-            while it holds.
+    Output ports:
+        released: (n,) s: time of each attachment's release; infinite while it holds.
 
     Parameters:
         0: for each attachment a `ReleaseRow`.

@@ -23,28 +23,42 @@ class SeparationForces(Diagram):
     Built once for the structure of a separation: every number in it is written into a
     Context with `set_separation`, so that a run is varied without a rebuild.
 
-    Subsystems: ``release``, ``springs``, ``cfe_bushing``, ``motion_analysis``; one more
-    of these for each other body that leaves; and ``loads`` and ``gravity`` if the
-    separation has loads or an orbit.
+    Subsystems: ``release``, ``springs``, ``cfe_bushing``, ``motion_analysis``; and
+    ``loads`` and ``gravity`` if the separation has loads or an orbit. For each other
+    body that leaves there is one more motion analysis, with outputs like the last eight
+    that have its name before theirs, as ``satellite_rate``.
 
     Input ports:
-        plant_state: in which the layout finds the motion of each body.
-        plant_acceleration: (6 m,) angular acceleration, rad/s^2, and acceleration of
-            the origin, m/s^2, in W, of each of the m bodies.
-        trigger: (1,) commands the release of all attachments; optional, see `Release`.
-        triggers: (n,) command the release of each attachment; optional.
-        external_wrenches: (6 m,), if asked for; see `SeparationSystem`.
+        plant_state: (s,) 1, m, rad/s and m/s in W: state of the plant, in which the
+            layout finds the motion of each body.
+        plant_acceleration: (6 m,) rad/s^2 and m/s^2 in W: angular acceleration, then
+            acceleration of the origin, of each of the m bodies.
+        trigger: (1,) 1: commands the release of all attachments where it rises above
+            0.5; optional. With it, or the next, the scheduled times are not used.
+        triggers: (n,) 1: command the release of each attachment likewise; optional.
+        external_wrenches: (6 m,) N m and N in W: torque about the origin, then force,
+            on each of the m bodies, in the order of `Separation.bodies`: thrust,
+            disturbances, whatever the surrounding diagram knows of; if asked for.
 
     Output ports:
-        wrenches: (6 m,) torque about the origin, N m, and force, N, in W, on each of
-            the bodies.
-        released: see `Release`.
-        spring_forces, spring_energy: see `Springs`.
-        joint_loads, joint_energy: see `CfeBushing`.
-        rate, relative_rate, angle, relative_position, relative_velocity,
-        acceleration, linear_momentum_change, angular_momentum_change: see
-            `MotionAnalysis`; those of the other bodies that leave have their names
-            before them, as in ``satellite_rate``.
+        wrenches: (6 m,) N m and N in W: torque about the origin, then force, on each of
+            the m bodies.
+        released: (n,) s: time of each attachment's release; infinite while it holds.
+        spring_forces: (k,) N: force of each spring.
+        spring_energy: (1,) J: energy that the springs driven by displacement store.
+        joint_loads: (6 n,) N m and N in the joints' frames: torque and force of each
+            joint on B at its pad; zero after release.
+        joint_energy: (1,) J: elastic energy of the joints that hold.
+        rate: (3,) rad/s in B: angular velocity of B in W.
+        relative_rate: (3,) rad/s in B: angular velocity of B in A.
+        angle: (3,) rad: roll, pitch and yaw of B in W.
+        relative_position: (3,) m in A: B's CG from its mated place.
+        relative_velocity: (3,) m/s in A: velocity of B's CG as seen from A; along the
+            direction of the pair it is the longitudinal speed.
+        acceleration: (3,) m/s^2 in W: acceleration of B's CG in W.
+        linear_momentum_change: (3,) N s in B: given to B by the springs (Eq. 6).
+        angular_momentum_change: (3,) N m s in B: given to B by the springs about its CG
+            (Eq. 7).
     """
 
     def __init__(

@@ -38,21 +38,37 @@ class SeparationSystem(Diagram):
     to be seen, ``scene_graph`` with the bodies' geometry.
 
     Input ports:
-        trigger: (1,) commands the release of all attachments when it rises above 0.5;
-            optional. With it, or the next, the scheduled times are not used.
-        triggers: (n,) command the release of each of the n attachments; optional.
-        external_wrenches: (6 m,), if asked for: torque about the origin, N m, and
-            force, N, in W, on each of the m bodies, in the order of
-            `Separation.bodies`: thrust, disturbances, whatever the surrounding diagram
-            knows of.
+        trigger: (1,) 1: commands the release of all attachments where it rises above
+            0.5; optional. With it, or the next, the scheduled times are not used.
+        triggers: (n,) 1: command the release of each attachment likewise; optional.
+        external_wrenches: (6 m,) N m and N in W: torque about the origin, then force,
+            on each of the m bodies, in the order of `Separation.bodies`: thrust,
+            disturbances, whatever the surrounding diagram knows of; if asked for.
 
     Output ports:
-        plant_state: state of the plant; q and v of each body, in the order of
-            `Separation.bodies`.
-        geometry_query: Drake's QueryObject, for a MeshcatVisualizer say; if there is a
-            scene graph.
-        contact_results: Drake's ContactResults; if the separation has recontact.
-        All of those of `SeparationForces` but ``wrenches``.
+        plant_state: (13 m,) 1, m, rad/s and m/s in W: quaternion and position of each
+            of the m bodies, in the order of `Separation.bodies`, then angular velocity
+            and velocity of the origin of each.
+        released: (n,) s: time of each attachment's release; infinite while it holds.
+        spring_forces: (k,) N: force of each spring.
+        spring_energy: (1,) J: energy that the springs driven by displacement store.
+        joint_loads: (6 n,) N m and N in the joints' frames: torque and force of each
+            joint on B at its pad; zero after release.
+        joint_energy: (1,) J: elastic energy of the joints that hold.
+        rate: (3,) rad/s in B: angular velocity of B in W.
+        relative_rate: (3,) rad/s in B: angular velocity of B in A.
+        angle: (3,) rad: roll, pitch and yaw of B in W.
+        relative_position: (3,) m in A: B's CG from its mated place.
+        relative_velocity: (3,) m/s in A: velocity of B's CG as seen from A; along the
+            direction of the pair it is the longitudinal speed.
+        acceleration: (3,) m/s^2 in W: acceleration of B's CG in W.
+        linear_momentum_change: (3,) N s in B: given to B by the springs (Eq. 6).
+        angular_momentum_change: (3,) N m s in B: given to B by the springs about its CG
+            (Eq. 7).
+        geometry_query: abstract: Drake's QueryObject, for a MeshcatVisualizer say; if
+            there is a scene graph.
+        contact_results: abstract: Drake's ContactResults; if the separation has
+            recontact.
     """
 
     def __init__(

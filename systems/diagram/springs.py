@@ -52,14 +52,15 @@ class Springs(LatchingSystem):
     reached has let go of its pad: it does not push again, wherever the bodies go.
 
     Input ports:
-        plant_state: state of the plant.
-        released: (n,) time of each attachment's release, s; infinite while held.
+        plant_state: (s,) 1, m, rad/s and m/s in W: state of the plant, in which the
+            layout finds the motion of each body.
+        released: (n,) s: time of each attachment's release; infinite while it holds.
 
     Output ports:
-        wrenches: (6 m,) torque about the origin, N m, and force, N, in W, on each
-            of the m bodies.
-        forces: (k,) force of each spring, N.
-        energy: (1,) energy that the springs driven by displacement store, J.
+        wrenches: (6 m,) N m and N in W: torque about the origin, then force, on each of
+            the m bodies.
+        forces: (k,) N: force of each spring.
+        energy: (1,) J: energy that the springs driven by displacement store.
 
     Discrete state:
         (k,) 1 for each spring that has let go of its pad; and the step's start.
@@ -175,7 +176,8 @@ class Springs(LatchingSystem):
                 bodies = bodies or self._read_bodies(context)
                 at, speed = self._displacement(bodies, k, rows[k])
             if at < law.end(values, math):
-                force = law.force(values, at, speed, math)
+                passed = law.passed(values, at, math)
+                force = law.force(values, at, speed, passed, math)
                 forces[k] = force if law.by_time else positive_part(force)
         return forces, bodies
 

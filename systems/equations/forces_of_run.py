@@ -92,11 +92,12 @@ def _force(run: Run, attachment: Attachment, spring: Pusher) -> Array:
     law = law_of(spring)
     if law.by_time:
         age = run.completed_trajectory.time - run.releases[attachment.name]
-        return np.asarray(law.force(spring, age, 0.0, np))
+        return np.asarray(law.force(spring, age, 0.0, (), np))
     A, B = (_states(run, name) for name in (attachment.A, attachment.B))
     place = push_place(run.separation, attachment, spring)
     displacement, speed = push_displacement(A, B, *place)
-    force = law.force(spring, displacement, speed, np)
+    passed = law.passed(spring, displacement, np)
+    force = law.force(spring, displacement, speed, passed, np)
     return np.asarray(positive_part(force))
 
 

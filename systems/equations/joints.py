@@ -59,7 +59,7 @@ def translation_deviation(
     r = rotate(pair.R_AB, p_BoPad_B)
     return (
         Deviation(
-            subtract(add(pair.p_AoBo, r), p_AoPad_A),
+            subtract(add(pair.p_AoBo, r), p_AoPad_A),  # Eq. 1
             add(pair.v_ABo, cross(pair.w_AB, r)),
         ),
         r,
@@ -118,7 +118,8 @@ def rotation_deviation(
         w_AB_A: angular velocity of B in A, in A, rad/s.
         ops: module of the elementary functions.
     """
-    theta = rotation_vector(rotation_from_mated(A.q_WB, B.q_WB, q_AB), ops)
+    turned = rotation_from_mated(A.q_WB, B.q_WB, q_AB)
+    theta = rotation_vector(turned, ops)  # Eq. 2
     c = _curvature(dot(theta, theta), ops)
     wt = cross(theta, w_AB_A)
     rate = add(subtract(w_AB_A, scale(0.5, wt)), scale(c, cross(theta, wt)))
@@ -157,7 +158,8 @@ def twist_angle(
 def turning_torque(turn: Turn, moment: Vector) -> Vector:
     """Return J^T moment: the torque on B of a moment conjugate to `Turn.theta`."""
     tm = cross(turn.theta, moment)
-    return add(add(moment, scale(0.5, tm)), scale(turn.c, cross(turn.theta, tm)))
+    bent = scale(turn.c, cross(turn.theta, tm))
+    return add(add(moment, scale(0.5, tm)), bent)  # Eq. 4
 
 
 def swing_torque(
@@ -181,7 +183,7 @@ def swing_torque(
     x, y, z = x_B_J
     wx, wy, wz = w_J
     f, df = _swing(x, y * y + z * z, ops)
-    theta_y, theta_z = -z * f, y * f
+    theta_y, theta_z = -z * f, y * f  # Eq. 2
     # d theta / dt = G w, with the rates of the axis w x (x, y, z)
     dx_y, dx_z = z, -y
     G_y = -f * y, f * x - z * df * dx_y, -z * df * dx_z
@@ -189,7 +191,7 @@ def swing_torque(
     m_y = K_T[1] * theta_y + D_T[1] * (G_y[0] * wx + G_y[1] * wy + G_y[2] * wz)
     m_z = K_T[2] * theta_z + D_T[2] * (G_z[0] * wx + G_z[1] * wy + G_z[2] * wz)
     energy = 0.5 * (K_T[1] * theta_y * theta_y + K_T[2] * theta_z * theta_z)
-    return negate(add(scale(m_y, G_y), scale(m_z, G_z))), energy
+    return negate(add(scale(m_y, G_y), scale(m_z, G_z))), energy  # Eq. 4
 
 
 def _swing(cosine: Scalar, sine2: Scalar, ops: Ops) -> tuple[Scalar, Scalar]:
@@ -230,11 +232,11 @@ def universal_torque(
     """
     x, y, z = y_B_J
     cosine = ops.sqrt(y * y + z * z + TINY)
-    theta = ops.atan2(-x, cosine)
+    theta = ops.atan2(-x, cosine)  # Eq. 2
     # About the normal of both axes, x_A cross y_B.
     n_y, n_z = -z / cosine, y / cosine
     m = K_T[2] * theta + D_T[2] * (n_y * w_J[1] + n_z * w_J[2])
-    return (0.0, -m * n_y, -m * n_z), 0.5 * K_T[2] * theta * theta
+    return (0.0, -m * n_y, -m * n_z), 0.5 * K_T[2] * theta * theta  # Eq. 4
 
 
 class HeldJoint(NamedTuple):

@@ -44,7 +44,8 @@ class PushLaw(ABC):
     """Whether the force depends on the time since release; if not, on how far, and how
     fast, the pad has moved along the axis."""
     dampers: ClassVar[tuple[str, ...]] = ()
-    """Parameters without which, all of them zero, the force is never negative."""
+    """Parameters without which, all of them zero, the force is never negative before
+    the end, unless it `may_pull` even so."""
 
     @classmethod
     def of(cls, pusher: Any) -> "PushLaw":
@@ -56,15 +57,21 @@ class PushLaw(ABC):
         """Return the time since release, s, or the displacement, m, that ends it."""
 
     @abstractmethod
-    def force(self, p: Any, at: Scalar, speed: Scalar, ops: Ops) -> Scalar:
+    def force(
+        self, p: Any, at: Scalar, speed: Scalar, passed: Sequence[Any], ops: Ops
+    ) -> Scalar:
         """Return the force before the end, N.
 
-        A pusher by displacement never pulls: where this is negative, it has lifted off.
+        It is smooth: which of its pieces acts is told by the corners that are passed,
+        and each piece goes on beyond its corners and beyond the end, where a step of an
+        integrator may look before it is cut. A pusher by displacement never pulls:
+        where this is negative, it has lifted off.
 
         Args:
             p: the parameters.
             at: time since release, s, or displacement, m.
             speed: of the displacement, m/s; 0 for a law by time.
+            passed: whether each of its corners is passed.
             ops: module of the elementary functions.
         """
 
@@ -87,6 +94,15 @@ class PushLaw(ABC):
     def corners(self) -> Sequence[float]:
         """Parts of the displacement that ends it at which the force has a kink."""
         return ()
+
+    def passed(self, p: Any, at: Scalar, ops: Ops) -> list[Any]:
+        """Return whether each corner is passed at a displacement, m."""
+        return [at / self.end(p, ops) >= corner for corner in self.corners]
+
+    @property
+    def may_pull(self) -> bool:
+        """Whether the force may be negative before the end without a damper."""
+        return False
 
     @property
     def ends_in_jump(self) -> bool:
@@ -114,7 +130,7 @@ def values_of(law: PushLaw, pusher: Pusher) -> Any:
     """
     asked = _Asked(pusher)
     law.end(asked, math)
-    law.force(asked, 0.0, 0.0, math)
+    law.force(asked, 0.0, 0.0, [False] * len(law.corners), math)
     law.energy(asked, 0.0)
     fields = tuple(f for f in pusher.PARAMETERS.by_field if f in asked.fields)
     values = _values_type(type(pusher).__name__, fields)

@@ -35,7 +35,9 @@ class TimedSpringLaw(PushLaw):
         """Return the time from release to the end of the stroke, s."""
         return push_duration(p, ops)
 
-    def force(self, p: Any, at: Scalar, speed: Scalar, ops: Ops) -> Scalar:
+    def force(
+        self, p: Any, at: Scalar, speed: Scalar, passed: Sequence[Any], ops: Ops
+    ) -> Scalar:
         """Return the force, N."""
         return p.force_max * ops.cos(push_frequency(p, ops) * at)  # Eq. 5
 
@@ -68,14 +70,15 @@ class DisplacementSpringLaw(PushLaw):
         """Return the stroke, m."""
         return p.stroke
 
-    def force(self, p: Any, at: Scalar, speed: Scalar, ops: Ops) -> Scalar:
+    def force(
+        self, p: Any, at: Scalar, speed: Scalar, passed: Sequence[Any], ops: Ops
+    ) -> Scalar:
         """Return the force, were it to pull, N."""
         u = at / p.stroke
         force: Scalar = self.profile[0][1]
-        for u_i, slope in self.ramps:
-            # The first ramp is a line: a pad pressed in further is pushed harder.
-            x = u - u_i
-            force = force + slope * (positive_part(x) if u_i > 0.0 else x)
+        # The first ramp is a line: a pad pressed in further is pushed harder.
+        for (u_i, slope), acts in zip(self.ramps, (True, *passed), strict=True):
+            force = force + slope * (u - u_i) * acts
         return p.force_max * force - p.damping * speed
 
     def frequency(self, p: Any, count: int, lightness: Scalar, ops: Ops) -> Scalar:
@@ -96,6 +99,11 @@ class DisplacementSpringLaw(PushLaw):
     def corners(self) -> Sequence[float]:
         """Where the profile has kinks."""
         return [u for u, _ in self.profile[1:-1]]
+
+    @property
+    def may_pull(self) -> bool:
+        """Whether the profile rises at first: a pad pressed in far might be pulled."""
+        return self.ramps[0][1] > 0.0
 
     @property
     def ends_in_jump(self) -> bool:

@@ -2,7 +2,7 @@
 
 Frozen records in SI and radians, free of Drake, that check themselves, can be
 pickled and compare by value. Frames: A is the body pushed from, B the body pushed
-away, W the freely falling world (see README, "Frames").
+away, W the freely falling world (see docs/frames.md).
 """
 
 import math

@@ -60,7 +60,7 @@ class Spring:
     force_max: float
     """Force at release, N."""
     stroke: float
-    """m."""
+    """Delta L of Eq. 5, m."""
     design_mass: float
     """m_S of Eq. 5, kg: a constant of the design, whatever is dispersed."""
     axis_A: Vector3 = X_AXIS
@@ -111,9 +111,9 @@ class DisplacementSpring:
     force_max: float
     """Largest force of the profile, N."""
     stroke: float
-    """m."""
+    """Displacement at which the push ends, m."""
     damping: float = 0.0
-    """N s/m."""
+    """Of a damper beside it, N s/m."""
     profile: Profile = LINEAR
     """A part of the design: it does not vary. Straight lines join its rows."""
     axis_A: Vector3 = X_AXIS
@@ -157,11 +157,11 @@ class DisplacementSpring:
 
         Args:
             name: of the spring.
-            displacements: (n,) from 0, increasing, m.
-            forces: (n,) N.
-            damping: N s/m.
+            displacements: (n,) of the rows, from 0, increasing, m.
+            forces: (n,) at these displacements, N.
+            damping: of a damper beside it, N s/m.
             axis_A: unit vector along which it pushes, fixed in A.
-            tilt_y: of the push from its axis, about y, rad.
+            tilt_y: of the push from its axis, about y, rad: a misalignment.
             tilt_z: about z, then, rad.
 
         Raises:

@@ -28,7 +28,7 @@ def flown():
 
 
 def test_all_fly(flown):
-    assert set(flown) == {"vega", "dual_launch", "fairing"}
+    assert set(flown) == {"vega", "dual_launch", "fairing", "smallsat"}
     assert {run.status for run in flown.values()} == {RunStatus.COMPLETED}
 
 

@@ -3,6 +3,8 @@
 import numpy as np
 import pandas as pd
 import pytest
+from pictures import is_drawn
+from scipy.spatial.transform import Rotation, Slerp
 
 import drakesep
 from drakesep.analysis.clearance.of_pair import ACCURACY
@@ -12,7 +14,6 @@ from drakesep.analysis.search.linearised_corners import linearised_corners
 from drakesep.analysis.search.problem import Problem
 from drakesep.analysis.search.sqp import Start, slopes_at
 from drakesep.systems.geometry.convex_pieces import FACET
-from drakesep.systems.geometry.relative_path import RelativePath
 
 
 @pytest.fixture(scope="module")
@@ -21,16 +22,24 @@ def study(vega):
 
 
 def rim_to_bore(run, start=0.3, end=0.6):
-    """How near the nozzle's rim comes to the ring, as points on a circle."""
-    path = RelativePath(run.completed_trajectory, "launch_vehicle", "payload")
+    """How near the nozzle's rim comes to the ring, as points on a circle.
+
+    Between samples, 10 ms apart, bodies coast: a straight line and a steady turn miss
+    their motion by less than 1e-8 m.
+    """
+    trajectory = run.completed_trajectory
+    A, B = (trajectory.of(name) for name in ("launch_vehicle", "payload"))
+    R_WA, R_WB = (Rotation.from_quat(x[:, :4], scalar_first=True) for x in (A, B))
+    R_AB = Slerp(trajectory.time, R_WA.inv() * R_WB)
+    p_AB = R_WA.apply(B[:, 4:7] - A[:, 4:7], inverse=True)
     angles = np.linspace(0.0, 2.0 * np.pi, 2001)
     rim = np.stack(
         [np.full(2001, -0.45), 0.4 * np.cos(angles), 0.4 * np.sin(angles)], axis=1
     )
     smallest = np.inf
     for t in np.linspace(start, end, 601).tolist():
-        pose = path.at(t)
-        x, y, z = (rim @ pose.R_AB.T + pose.p_AoBo_A).T
+        place = [np.interp(t, trajectory.time, x) for x in p_AB.T]
+        x, y, z = (R_AB(t).apply(rim) + place).T
         beyond = np.maximum(np.maximum(x, -0.06 - x), 0.0)
         gaps = np.hypot(np.maximum(0.44 - np.hypot(y, z), 0.0), beyond)
         smallest = min(smallest, gaps.min())
@@ -56,8 +65,8 @@ def test_every_pair_of_bodies_is_measured(study, tmp_path):
     sampled = over_time["adapter_ring_to_nozzle_mm"].min()
     assert summary["clearance_mm"].min() <= sampled
     assert sampled == pytest.approx(summary["clearance_mm"].min(), abs=0.1)
-    assert (tmp_path / "clearance.png").stat().st_size > 20_000
-    assert (tmp_path / "swept.png").stat().st_size > 20_000
+    assert is_drawn(tmp_path / "clearance.png")
+    assert is_drawn(tmp_path / "swept.png")
 
 
 def test_worst_clearance(vega_verification, vega_folder):
@@ -74,7 +83,7 @@ def test_worst_clearance(vega_verification, vega_folder):
     row = rows.loc["clearance until 500 mm of separation"]
     assert (row["verdict"], row["which_run"]) == ("met", "worst_lowest_clearance")
     assert row["margin"] == pytest.approx(1e3 * gap - 30.0)
-    assert (vega_folder / "worst_clearance.png").exists()
+    assert is_drawn(vega_folder / "worst_clearance.png")
 
 
 def test_slopes_of_the_clearance(vega, vega_batch):

@@ -9,9 +9,17 @@ import jax
 import numpy as np
 import pandas as pd
 import pytest
+from batches import (
+    NONE,
+    around,
+    assert_close,
+    assert_slopes,
+    central_differences,
+    drake_figures,
+    random_rows,
+)
 from separations import generic_pair, on_axis
 
-from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.analysis.metrics.registry import METRICS, registered_metrics
@@ -29,39 +37,7 @@ from drakesep.systems.model.springs import DisplacementSpring
 from drakesep.systems.simulation.simulation import Simulation
 
 
-RELATIVE, ABSOLUTE = 1e-8, 1e-9
-"""Of each metric, in SI: what the engine promises."""
 LIMITS = (0.02, 0.02, math.inf)
-NONE = (math.inf,) * 3
-
-
-def random_rows(case, count: int, seed: int = 0) -> np.ndarray:
-    """Values in the physical part of a case's box, many of them at its edges."""
-    tolerances, rng = case.tolerance_set, np.random.default_rng(seed)
-    u = rng.uniform(-1.3, 1.3, size=(count, len(tolerances)))
-    return tolerances.rows(tolerances.draw_back(u))
-
-
-def around(separation: Separation, names, spread: float, count: int) -> np.ndarray:
-    nominal = np.array([parameters(separation)[name] for name in names])
-    rng = np.random.default_rng(0)
-    return nominal * (1.0 + spread * rng.uniform(-1, 1, size=(count, len(names))))
-
-
-def drake_figures(
-    separation, names, rows, limits, accuracy=1e-10, workers=None
-) -> np.ndarray:
-    integration = Integration(accuracy=accuracy)
-    with DrakePool(separation, integration, workers=workers) as pool:
-        runs = pool.fly([dict(zip(names, row, strict=True)) for row in rows.tolist()])
-    return np.array([list(metrics_of_run(run, limits).values()) for run in runs])
-
-
-def assert_close(got, expected, relative=RELATIVE, absolute=ABSOLUTE):
-    allowed = np.maximum(absolute, relative * np.abs(expected))
-    excess = np.abs(got - expected) / allowed
-    column = np.unravel_index(excess.argmax(), excess.shape)[-1]
-    assert excess.max() <= 1.0, (METRICS[column], excess.max())
 
 
 @pytest.fixture
@@ -287,28 +263,6 @@ def test_convergence_over_the_whole_box(vega, vega_batch, fine_batch):
 # Derivatives.
 
 
-def central_differences(batch: Batch, row: np.ndarray, steps: np.ndarray) -> np.ndarray:
-    """Fourth-order differences of the metrics, (n_m, n_p)."""
-    offsets = {-2: 1 / 12, -1: -8 / 12, 1: 8 / 12, 2: -1 / 12}
-    probes = [
-        row + k * step * unit
-        for step, unit in zip(steps, np.eye(len(row)), strict=True)
-        for k in offsets
-    ]
-    result = batch.run(np.array(probes))
-    assert not result.failures
-    metrics = result.metrics.to_numpy().reshape(len(row), 4, len(METRICS))
-    slopes = np.tensordot(np.array(list(offsets.values())), metrics, ((0,), (1,)))
-    return slopes.T / steps
-
-
-def assert_slopes(jacobian, differences, steps):
-    """To 1e-6 of the largest change of a metric over the steps, beside their noise."""
-    got, expected = jacobian * steps, differences * steps
-    scale = np.abs(expected).max(axis=1, keepdims=True)
-    assert (np.abs(got - expected) <= 1e-6 * scale + 1e-11).all()
-
-
 def test_jacobian_of_vega(vega, fine_batch):
     batch = fine_batch
     rows = random_rows(vega, 4, seed=3)
@@ -348,17 +302,6 @@ def test_jacobian_against_drake(vega, fine_batch):
         got = jacobian[smooth, names.index(name)]
         # Of the largest of the three rates; Drake's noise over the step is 1e-8.
         assert got == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
-
-
-def test_jacobian_of_found_events_and_times():
-    """Strokes and angles that are found, and times of release, carry derivatives."""
-    separation = hinged()
-    names = ("spring_1.force_max", "spring_1.stroke", "attachment_2.release_angle")
-    batch = Batch(separation, names, tolerance=1e-9)
-    row = np.array([parameters(separation)[name] for name in names])
-    steps = 1e-3 * row
-    jacobian = batch.jacobian(row[None]).jacobian[0]
-    assert_slopes(jacobian, central_differences(batch, row, steps), steps)
 
 
 def test_jacobian_of_staged_release():

@@ -5,7 +5,9 @@ import pytest
 from separations import generic_pair
 
 from drakesep.analysis.engines.drake_pool import DrakePool
+from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.run import RunStatus
+from drakesep.systems.simulation.simulation import Simulation
 
 
 VARIATIONS = [{"upper.mass": 1200.0 + 10.0 * i} for i in range(5)]
@@ -63,3 +65,18 @@ def test_bad_values_reach_the_caller():
 def test_at_least_one_worker():
     with pytest.raises(ValueError, match="workers must be >= 1, got 0"):
         DrakePool(generic_pair(), workers=0)
+
+
+def test_workers_integrate_as_they_are_told():
+    integration = Integration(scheme="bogacki_shampine3", accuracy=1e-4, max_step=0.02)
+    with DrakePool(generic_pair(), integration, workers=2) as pool:
+        runs = pool.fly(VARIATIONS[:2])
+    here, by_default = (
+        Simulation(generic_pair(), how) for how in (integration, Integration())
+    )
+    for run, values in zip(runs, VARIATIONS, strict=False):
+        told = run.steps, run.evaluations
+        alone = here.run(values)
+        assert told == (alone.steps, alone.evaluations)
+        usual = by_default.run(values)
+        assert told != (usual.steps, usual.evaluations)

@@ -4,23 +4,18 @@ Small cases in which each one can be felt: joints that hold for a while, tilted 
 with a damper, loads, an orbit, a hinge that lets go at its angle.
 """
 
-import dataclasses
 import functools
 import math
 
 import numpy as np
 import pytest
-from separations import GENERIC, generic_pair
+from separations import hinged_pair, staged_pair
 
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.analysis.metrics.registry import METRICS
 from drakesep.systems.model.integration import Integration
-from drakesep.systems.model.joints import Joint
-from drakesep.systems.model.loads import Load
 from drakesep.systems.model.parameters import declarations, parameters
-from drakesep.systems.model.separation import EARTH_RADIUS, Orbit, Separation
-from drakesep.systems.model.springs import DisplacementSpring
 from drakesep.systems.simulation.simulation import Simulation
 
 
@@ -41,85 +36,7 @@ WITHOUT_EFFECT: dict[str, str] = {}
 """Parameters that move no metric of their case, and why."""
 
 
-def staged() -> Separation:
-    """Tilted springs of both laws, stage by stage, under loads and in orbit."""
-    pair = generic_pair(
-        release_times=(0.0, 0.03, 0.05),
-        joint=Joint(type="revolute", K_F=2e5, D_F=2e3, K_T=2e4, D_T=2e2),
-        initial=dataclasses.replace(GENERIC, w_WA_A=(0.2, -0.3, 0.25)),
-        orbit=Orbit(radius=EARTH_RADIUS + 7e5),
-        duration=0.35,
-    )
-    first, second, third = (
-        dataclasses.replace(spring, tilt_y=0.1 * i, tilt_z=0.15 - 0.1 * i)
-        for i, spring in enumerate(pair.springs, 1)
-    )
-    second = DisplacementSpring(
-        name=second.name,
-        force_max=2500.0,
-        stroke=0.05,
-        damping=300.0,
-        profile=((0.0, 0.8), (0.3, 1.0), (1.0, 0.4)),
-        tilt_y=second.tilt_y,
-        tilt_z=second.tilt_z,
-    )
-    attachments = tuple(
-        dataclasses.replace(a, spring=spring)
-        for a, spring in zip(pair.attachments, (first, second, third), strict=True)
-    )
-    rows = ((900.0, 150.0, -80.0), (-100.0, 700.0, 300.0))
-    jet = Load(
-        name="jet",
-        body="upper",
-        p_BoQ_B=(0.1, 0.2, 0.0),
-        times=(0.0, 0.1),
-        forces=rows,
-        start=0.02,
-    )
-    retro = Load(
-        name="retro",
-        body="lower",
-        p_BoQ_B=(0.2, -0.1, 0.3),
-        axes="world",
-        times=(0.01, 0.1),
-        forces=rows,
-        torques=rows[::-1],
-        start=0.01,
-        after=attachments[2].name,
-    )
-    return dataclasses.replace(pair, attachments=attachments, loads=(jet, retro))
-
-
-def hinged() -> Separation:
-    """Two bodies on one hinge, which lets go at an angle; a spring turns them."""
-    pair = generic_pair(release_times=(0.0, math.inf), duration=0.35)
-    pushed, hung = pair.attachments
-    pushed = dataclasses.replace(
-        pushed,
-        p_AoPad_A=(0.0, 0.1, 0.6),
-        spring=DisplacementSpring(
-            name="spring_1", force_max=2e4, stroke=0.1, damping=30.0, tilt_y=0.1
-        ),
-    )
-    hung = dataclasses.replace(
-        hung,
-        joint=Joint(
-            type="revolute",
-            K_F=2e5,
-            D_F=2e3,
-            K_T=2e4,
-            D_T=2e2,
-            x_axis_A=(0.0, 1.0, 0.0),
-            y_axis_A=(0.0, 0.0, 1.0),
-        ),
-        p_AoPad_A=(0.05, 0.0, -0.6),
-        release_angle=0.15,
-        spring=None,
-    )
-    return dataclasses.replace(pair, attachments=(pushed, hung))
-
-
-CASES = {"staged": staged(), "hinged": hinged()}
+CASES = {"staged": staged_pair(), "hinged": hinged_pair()}
 
 
 @functools.cache

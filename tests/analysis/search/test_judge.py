@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from runs import evaluator_of
+from scipy.stats import beta
 from separations import generic_pair
 
 from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
@@ -67,9 +68,19 @@ def test_failed_runs_are_counted_and_the_others_searched():
     evaluator = RunEvaluator(fly, BOX.names, inner.objectives)
     problem = Problem(tolerances=SET, evaluator=evaluator)
     told = []
-    [worst] = find_worst_cases(problem, ["vertices"], QUICK, on_search=told.append)
+    searches = ["samples", "vertices"]
+    [worst] = find_worst_cases(problem, searches, QUICK, on_search=told.append)
     assert worst.value == pytest.approx(2.0)
-    assert told[0].failures == {"boom": 4}
+    drawn, vertices = told
+    assert vertices.failures == {"boom": 4}
+    failed = drawn.failures["boom"]
+    # A twentieth of 200 samples are beyond; four standard deviations.
+    assert 1 <= failed <= 22
+    evidence = worst.evidence
+    assert (evidence.samples, evidence.failed_samples) == (200, failed)
+    # They could be worse: Clopper and Pearson's bound, by scipy's beta distribution.
+    bound = beta.ppf(0.95, failed + 1, 200 - failed)
+    assert evidence.fraction == pytest.approx(bound, rel=1e-12)
     evaluator = RunEvaluator(
         lambda rows: [
             Run(separation=PAIR, status=RunStatus.FAILED, message="boom") for _ in rows

@@ -38,7 +38,8 @@ def test_simulate(drakesep, tmp_path):
     assert code == 0
     assert "longitudinal_speed_max" in out
     names = {path.name for path in tmp_path.iterdir()}
-    assert names == {"motion.csv", "summary.csv", "translation.png", "rotation.png"}
+    tables = {"motion.csv", "summary.csv", "translation.png", "rotation.png"}
+    assert names == {*tables, "study.json", "case.json", "runs"}
     summary = pd.read_csv(tmp_path / "summary.csv")
     assert summary["payload.mass_kg"].tolist() == [1880.0]
 

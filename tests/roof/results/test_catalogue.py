@@ -1,7 +1,6 @@
-"""Every column that a command writes is in the catalogue; the page is the catalogue."""
+"""Every column that a command writes is in the catalogue."""
 
 import json
-from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -11,9 +10,6 @@ import drakesep
 from drakesep.case_file.reader import builtin_cases
 from drakesep.results.catalogue import FILES, STUDIES, described
 from drakesep.units import split_unit
-
-
-PAGE = Path(__file__).parents[3] / "docs" / "results.md"
 
 
 def studies(case, folder):
@@ -102,23 +98,3 @@ def test_what_is_no_column_is_not_described(column):
 def test_unit_is_the_longest_suffix(name, stem, suffix):
     found, unit = split_unit(name)
     assert (found, unit.suffix) == (stem, suffix)
-
-
-def tables():
-    """The catalogue as the page has it."""
-    for kind in FILES:
-        yield f"### `{kind.name}`"
-        row = f" A row for each {kind.row}." if kind.row else ""
-        yield f"{kind.what}{row} Of {', '.join(f'`{s}`' for s in kind.studies)}."
-        if kind.columns:
-            yield "| column | unit | what it is |"
-            yield "|---|---|---|"
-            for column in kind.columns:
-                yield f"| `{column.name}` | {column.unit} | {column.what} |"
-
-
-def test_the_page_is_the_catalogue():
-    """If not, what it should have stands in the message."""
-    _, _, part = PAGE.read_text(encoding="utf-8").partition("## Files\n")
-    lines = [line for line in part.splitlines() if line]
-    assert lines == list(tables()), "\n" + "\n".join(tables())

@@ -178,8 +178,17 @@ def test_what_is_refused_leaves_an_earlier_study_alone(wrong, tmp_path):
 
 
 def test_verdict_of_an_earlier_study_does_not_outlive_it(tmp_path):
+    """Of one that was killed, too, which has left no list of its files."""
+
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    case = drakesep.load_case("vega").replaced(
+        dispersions={"payload.mass_kg": 20}, published=[]
+    )
     (tmp_path / "requirements.csv").write_text("met")
-    drakesep.worst_case("vega", "PM", output=tmp_path, **IN_DRAKE)
+    with pytest.raises(KeyboardInterrupt):
+        drakesep.verify(case, output=tmp_path, on_progress=interrupt, **IN_DRAKE)
     assert not (tmp_path / "requirements.csv").exists()
 
 

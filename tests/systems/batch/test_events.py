@@ -12,11 +12,11 @@ from separations import generic_pair
 from drakesep.systems.batch import lobatto
 from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.event_kinds import (
-    LiftOff,
+    LiftOffs,
     LoadRows,
-    ProfileCorner,
-    ReleaseAtAngle,
-    StrokeEnd,
+    ProfileCorners,
+    ReleasesAtAngle,
+    StrokeEnds,
     TimedReleases,
     TimedStrokeEnds,
 )
@@ -98,13 +98,25 @@ class Lanes:
 
     def latch(self, t, x=None, crossed=None):
         """Latch what happens; return which lanes are fresh."""
-        crossed = self.latched.beyond & False if crossed is None else crossed
+        crossed = self.none if crossed is None else crossed
         bodies = body_state(self.x if x is None else x, 0, 7)
         t = jnp.broadcast_to(jnp.asarray(t, dtype=float), (self.n,))
         self.latched, fresh = self.events.latch(
-            self.latched, jnp.asarray(crossed), t, bodies, self.params
+            self.latched, crossed, t, bodies, self.params
         )
         return np.asarray(fresh)
+
+    @property
+    def none(self):
+        """No crossing of any kind."""
+        return tuple(jnp.zeros_like(watched) for watched in self.latched.watched)
+
+    def all_of(self, chosen):
+        """Every crossing of a kind."""
+        return tuple(
+            jnp.full_like(no, type(kind) is chosen)
+            for kind, no in zip(self.events.crossings, self.none, strict=True)
+        )
 
     @property
     def mode(self):
@@ -135,13 +147,11 @@ def test_every_kind_in_the_order_of_the_table():
     assert which(events.known) == [
         kind.__name__ for kind in (TimedReleases, TimedStrokeEnds, LoadRows)
     ]
-    of_a_spring = [kind.__name__ for kind in (ProfileCorner, StrokeEnd, LiftOff)]
-    assert which(events.crossings) == 3 * of_a_spring + 2 * [ReleaseAtAngle.__name__]
-    assert [event.latches for event in events.crossings] == 3 * [
-        False,
-        True,
-        False,
-    ] + [True, True]
+    kinds = (ProfileCorners, StrokeEnds, LiftOffs, ReleasesAtAngle)
+    assert which(events.crossings) == [kind.__name__ for kind in kinds]
+    assert [kind.latches for kind in events.crossings] == [False, True, False, True]
+    # three springs, with a corner each, and one joint, which may turn either way
+    assert [kind.count for kind in events.crossings] == [3, 3, 3, 2]
 
 
 def test_a_release_starts_its_load_at_the_same_time():
@@ -213,32 +223,27 @@ def test_lanes_do_not_wait_for_each_other():
 # Crossings.
 
 
-def columns(events, kind) -> np.ndarray:
-    return np.array([type(event) is kind for event in events])
-
-
 def test_a_stroke_end_latches_where_its_step_was_cut():
     lanes = Lanes(pair(release_times=(0.0,), springs=by_displacement))
     lanes.latch(0.0)
-    assert not lanes.latched.beyond.any()
-    crossed = columns(lanes.events.crossings, StrokeEnd)[:, None]
-    fresh = lanes.latch(0.1, lanes.moved([STROKE]), crossed)
+    assert not lanes.mode.spent.any()
+    fresh = lanes.latch(0.1, lanes.moved([STROKE]), lanes.all_of(StrokeEnds))
     assert fresh.all()
     assert lanes.mode.spent.all()
     assert lanes.latched.stroke_ends.tolist() == [[0.1]]
-    assert np.array_equal(lanes.latched.beyond, crossed)
-    assert not lanes.latched.watched.any()  # it pushes no longer
+    assert not any(watched.any() for watched in lanes.latched.watched)  # no more
 
 
-@pytest.mark.parametrize("kind", [ProfileCorner, LiftOff])
-def test_a_corner_changes_sides_and_latches_nothing(kind):
+@pytest.mark.parametrize(
+    ("kind", "flag"), [(ProfileCorners, "corners"), (LiftOffs, "lifted")]
+)
+def test_a_corner_changes_sides_and_nothing_is_guessed_anew(kind, flag):
     lanes = Lanes(pair(release_times=(0.0,), springs=by_displacement))
     lanes.latch(0.0)
     before = lanes.mode
-    crossed = columns(lanes.events.crossings, kind)[:, None]
-    for beyond in (crossed, ~crossed & False):  # there, and back
-        assert not lanes.latch(0.1, lanes.moved([0.02]), crossed).any()
-        assert np.array_equal(lanes.latched.beyond, beyond)
+    for beyond in (True, False):  # there, and back
+        assert not lanes.latch(0.1, lanes.moved([0.02]), lanes.all_of(kind)).any()
+        assert getattr(lanes.mode, flag).tolist() == [[beyond]]
     assert all(map(np.array_equal, lanes.mode, before))
 
 
@@ -251,9 +256,26 @@ def test_what_begins_to_be_watched_may_have_happened_already():
     assert lanes.latch(RELEASE, far).all()
     assert lanes.mode.spent.all()
     assert lanes.latched.stroke_ends.tolist() == [[RELEASE]]
-    beyond = np.array(lanes.latched.beyond[:, 0])
-    corner_and_end = ~columns(lanes.events.crossings, LiftOff)
-    assert beyond.tolist() == corner_and_end.tolist()
+    assert lanes.mode.corners.all()
+
+
+@pytest.mark.parametrize(("speed", "lifted"), [(9.0, False), (9.5, True)])
+def test_a_pad_is_released_beyond_a_corner(speed, lifted):
+    """Which piece of its force acts is known before whether it has lifted off.
+
+    At half the stroke the profile's second piece gives 1500 (0.9 - 0.7 / 3) = 1000 N,
+    which its damper of 100 N s/m takes at 10 m/s; its first, gone on, 1200 N.
+    """
+    lanes = Lanes(pair(release_times=(RELEASE,), springs=by_displacement))
+    lanes.latch(0.0)
+    for factor in (1.0, 1.2):
+        assert not lanes.mode.lifted.any()
+        x = lanes.moved([0.5 * STROKE], speed * factor / 0.9)
+        before = lanes.latched
+        lanes.latch(RELEASE, x)
+        assert lanes.mode.corners.all()
+        assert lanes.mode.lifted.tolist() == [[lifted or factor > 1.0]]
+        lanes.latched = before
 
 
 def test_the_first_crossing_of_a_step_is_found():
@@ -261,24 +283,57 @@ def test_the_first_crossing_of_a_step_is_found():
     lanes = Lanes(pair(release_times=(0.0,), springs=by_displacement), n=2)
     lanes.latch(0.0)
     reach = 2.0 * STROKE * np.array([1.0, 0.1])  # the second lane meets nothing
-    nodes = body_state(lanes.moved(lobatto.THETA[:, None] * reach), 0, 7)
-    moved = jnp.ones(2)
-    found = lanes.events.find(lanes.latched, nodes, moved, lanes.params)
+
+    def first(nodes):
+        nodes = body_state(lanes.moved(nodes), 0, 7)
+        found = lanes.events.find(lanes.latched, nodes, jnp.ones(2), lanes.params)
+        fraction, crossed = lanes.events.first(found)
+        return found, fraction, lanes.events.by_kind(crossed)
+
+    found, fraction, crossed = first(lobatto.THETA[:, None] * reach)
     assert np.asarray(found.beyond.any(axis=(0, 1))).tolist() == [True, False]
-    fraction, crossed = lanes.events.first(found)
     assert fraction.tolist() == pytest.approx([0.5 * CORNER, 1.0], rel=1e-13)
-    corner = columns(lanes.events.crossings, ProfileCorner)
-    assert np.array_equal(crossed, np.column_stack([corner, corner & False]))
+    of_first = [now[:, 0].any().item() for now in crossed]
+    assert of_first == [True, False, False]  # the corner
+    assert not any(now[:, 1].any() for now in crossed)
     # Beyond the corner the end comes first.
     lanes.latch(0.1, crossed=crossed)
     begin = CORNER * STROKE * np.array([1.0, 0.1])
-    rest = begin + lobatto.THETA[:, None] * (reach - begin)
-    nodes = body_state(lanes.moved(rest), 0, 7)
-    found = lanes.events.find(lanes.latched, nodes, moved, lanes.params)
-    fraction, crossed = lanes.events.first(found)
+    found, fraction, crossed = first(begin + lobatto.THETA[:, None] * (reach - begin))
     end = (1.0 - CORNER) / (2.0 - CORNER)
     assert fraction.tolist() == pytest.approx([end, 1.0], rel=1e-13)
-    assert np.array_equal(crossed[:, 0], columns(lanes.events.crossings, StrokeEnd))
+    assert [now[:, 0].any().item() for now in crossed] == [False, True, False]
+
+
+def test_the_next_crossing_is_foreseen():
+    """B speeds up evenly: what a parabola foresees is when it is there."""
+    lanes = Lanes(pair(release_times=(0.0,), springs=by_displacement), n=4)
+    lanes.latch(0.0)
+    # Over the step: away from the corner at 0.02 m; to 0.003 m before it; towards it,
+    # but slowed down so much that it does not get there; and back to it from beyond.
+    at, speed, acceleration = np.array(
+        [
+            [0.01, -0.02, 0.0],
+            [0.005, 0.01, 0.004],
+            [0.005, 0.006, -0.002],
+            [0.028, -0.005, 0.0],
+        ]
+    ).T
+    assert CORNER * STROKE == 0.02
+    mode = lanes.mode._replace(corners=jnp.array([[False, False, False, True]]))
+    latched = lanes.latched._replace(mode=mode)
+    theta = lobatto.THETA[:, None]
+    way = at + speed * theta + 0.5 * acceleration * theta**2
+    nodes = body_state(lanes.moved(way), 0, 7)
+    found = lanes.events.find(latched, nodes, jnp.ones(4), lanes.params)
+    towards = (math.sqrt(0.014**2 + 2.0 * 0.004 * 0.003) - 0.014) / 0.004
+    for fraction, rest in (
+        (1.0, 0.0),
+        (0.5, 0.5),
+    ):  # cut after half of it: as much more
+        ahead = lanes.events.foresee(found, jnp.full(4, fraction), mode)
+        expected = [math.inf, rest + towards, math.inf, rest + 0.6]
+        assert ahead.tolist() == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_step_that_was_not_taken_crosses_nothing():

@@ -129,11 +129,91 @@ def test_the_length_of_a_step_keeps_the_derivative_of_its_event():
 
 
 @pytest.mark.parametrize(
+    ("foreseen", "left", "step"),
+    [
+        (0.3, 9.0, 0.3),  # to the event
+        (2.5, 9.0, 2.5 / 3),  # in equal steps
+        (1e-9, 9.0, 0.01),  # beyond it: a step is cut there
+        (math.inf, 9.0, 1.0),  # what is known comes first
+        (9.5, 0.7, 0.7),
+    ],
+)
+def test_steps_towards_a_foreseen_event(foreseen, left, step):
+    got = step_control.towards(
+        jnp.array([foreseen]), jnp.array([left]), jnp.array([1.0])
+    )
+    assert got.item() == pytest.approx(step, rel=1e-12)
+
+
+def test_until_when_the_next_step_may_go_on():
+    """A little beyond what follows a step, or what was found in it; or as it was.
+
+    A step of 0.2 s: taken, with an event after half of its length; not taken, as the
+    event at a quarter of it was not known well enough; and rejected for its error.
+    """
+    got = step_control.beyond_foreseen(
+        h=jnp.full(4, 0.2),
+        ahead=jnp.array([0.5, 9.0, 9.0, math.inf]),
+        fraction=jnp.array([1.0, 0.25, 1.0, 1.0]),
+        accepted=jnp.array([True, False, False, True]),
+        admitted=jnp.array([True, True, False, True]),
+        before=jnp.full(4, 0.7),
+    )
+    assert 0.1 < got[0] < 0.12
+    assert 0.05 < got[1] < 0.0501
+    assert got[2] == 0.7
+    assert got[3] == math.inf
+
+
+def test_error_within_a_step():
+    """The continuous extension of order seven of a polynomial of that degree.
+
+    It is exact for y' = 7 t^6, whose last term, t^7 - what a term less makes of it, is
+    what the error is told by: theta^4 (1 - theta)^3 of h^7, zero at both ends.
+    """
+    equations = BatchEquations(generic_pair())
+    control = StepControl(equations, TOLERANCE)
+    h = jnp.array([0.5])
+    K = np.zeros((16, 13, 2, 1))
+    K[:] = 7.0 * (DOP853.C[:, None, None, None] * h.item()) ** 6
+    for theta in (0.0, 0.4, 1.0):
+        got = control.cut_error(jnp.asarray(K), DOP853, h, jnp.array([theta]))
+        expected = theta**4 * (1.0 - theta) ** 3 * h.item() ** 7 / (0.1 * TOLERANCE)
+        assert got.item() == pytest.approx(expected, rel=1e-6, abs=1e-12)
+        assert control.cut_error(jnp.asarray(K), DOPRI5, h, jnp.array([theta])) == 0.0
+
+
+@pytest.mark.parametrize("lifted", [False, True])
+def test_a_push_by_displacement_bounds_steps(lifted):
+    """0.45 rad of its motion at a tolerance of 1e-8, but where the pad is off."""
+    separation = still(generic_pair(release_times=(0.0,)))
+    spring = DisplacementSpring(name="spring_1", force_max=1500.0, stroke=0.08)
+    [attachment] = separation.attachments
+    attachment = dataclasses.replace(attachment, spring=spring)
+    separation = dataclasses.replace(separation, attachments=(attachment,))
+    equations = BatchEquations(separation)
+    params = equations.params(parameters(separation), 1)
+    x, mode = equations.start(params)
+    mode = mode._replace(
+        released=jnp.zeros_like(mode.released),
+        lifted=jnp.full_like(mode.lifted, lifted),
+    )
+    control = StepControl(equations, TOLERANCE)
+    w = math.sqrt(1500.0 / 0.08 * (1.0 / 700.0 + 1.0 / 1200.0))
+    for fresh in (True, False):
+        wanted = control.wanted(jnp.full(1, 9.0), jnp.array([fresh]), x, params, mode)
+        if not lifted:
+            assert wanted.item() == pytest.approx(0.45 / w, rel=1e-12)
+        else:
+            assert wanted.item() >= 9.0
+
+
+@pytest.mark.parametrize(
     ("h", "flying", "short"),
     [
-        ([0.019, 0.019], [True, True], True),
-        ([0.019, 0.5], [True, True], False),
-        ([0.019, 0.5], [True, False], True),
+        ([0.049, 0.049], [True, True], True),
+        ([0.049, 0.5], [True, True], False),
+        ([0.049, 0.5], [True, False], True),
     ],
 )
 def test_brief_steps_are_taken_only_by_all_that_fly(h, flying, short):

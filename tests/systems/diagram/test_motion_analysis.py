@@ -1,4 +1,7 @@
-"""The ports of the diagram give what the table of a run holds."""
+"""The ports of the diagram give what the table of a run holds.
+
+What that should hold, poses and Eq. 5 say in `tests/roof/tables/test_run_recomputed`.
+"""
 
 import dataclasses
 

@@ -46,7 +46,7 @@ def test_spring_impulse_and_end():
     assert end == pytest.approx(0.5 * math.pi / frequency, rel=1e-14)
 
     def force(t):
-        return law.force(spring, t, 0.0, math)
+        return law.force(spring, t, 0.0, (), math)
 
     assert force(0.0) == force_max
     assert abs(force(end)) < 1e-12 * force_max

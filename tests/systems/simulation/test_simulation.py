@@ -8,7 +8,7 @@ import oracle
 import pytest
 from separations import GENERIC, generic_pair, vega
 
-from drakesep.systems.model.integration import Integration
+from drakesep.systems.model.integration import SCHEMES, Integration
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.run import Motion, RunStatus
 from drakesep.systems.model.separation import Orbit
@@ -70,6 +70,23 @@ def test_error_falls_with_the_accuracy():
         difference = motion.relative_position - reference.relative_position
         errors.append(np.abs(difference).max())
     assert errors[0] > 5.0 * errors[1] > 25.0 * errors[2]
+
+
+def test_every_setting_of_an_integration_has_an_effect():
+    """No step is longer than the longest; a finer accuracy and another scheme show."""
+
+    def effort(**settings):
+        run = Simulation(vega(), Integration(**settings)).run()
+        return run.steps, run.evaluations
+
+    steps, evaluations = effort()
+    assert effort(max_step=0.01)[0] >= 3.0 / 0.01 > 2 * steps
+    assert effort(accuracy=1e-9)[0] > 2 * steps
+    told = {scheme: effort(scheme=scheme) for scheme in SCHEMES}
+    assert told["runge_kutta3"] == (steps, evaluations)
+    assert len(set(told.values())) == len(SCHEMES)
+    settings = {field.name for field in dataclasses.fields(Integration)}
+    assert settings == {"scheme", "accuracy", "max_step"}
 
 
 def test_same_run_bit_for_bit_whatever_ran_before():

@@ -1,0 +1,41 @@
+"""The parameters of records, from their declarations, as the page lists them."""
+
+import itertools
+from collections.abc import Iterator
+
+from drakesep.systems.equations.springs import PUSHERS
+from drakesep.units import records, unit_of_kind
+
+
+OWNERS = {
+    "Body": "a body",
+    "Attachment": "an attachment",
+    "Load": "a load",
+    "InitialMotion": "`before_separation`",
+}
+"""What those that are no pushers are called."""
+
+
+def table_of_parameters() -> str:
+    """Return the parameters of all kinds of records, as Markdown."""
+    head = "| of | name | AXIS | what it is | value |\n|---|---|---|---|---|"
+    return "\n".join([head, *_rows()])
+
+
+def _rows() -> Iterator[str]:
+    for record in records():
+        for stem, group in itertools.groupby(record.PARAMETERS, lambda p: p.stem):
+            first, *others = parameters = list(group)
+            assert all(p.range == first.range for p in others)
+            axes = ", ".join(p.axis for p in parameters if p.axis)
+            suffix = unit_of_kind(first.kind).suffix
+            name = "_".join(filter(None, [stem, "AXIS" if axes else "", suffix]))
+            kind, wanted = first.kind.replace("_", " "), first.range.text(first.kind)
+            yield f"| {_owner(record)} | `{name}` | {axes} | {kind} | {wanted} |"
+
+
+def _owner(record: type) -> str:
+    laws = [f"`{law}`" for law, kind in PUSHERS.items() if kind.record is record]
+    if not laws:
+        return OWNERS[record.__name__]
+    return f"a spring, `law: {' or '.join(laws).removeprefix('`')}"

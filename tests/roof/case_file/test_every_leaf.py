@@ -1,0 +1,792 @@
+"""Every leaf of a case file arrives in its field, in SI, and is flown.
+
+Three cases hold among them every key that there is, each number unlike all others and
+unlike its default. What is wanted is written by hand, as the same model in Python:
+nothing that reads case files or knows units is asked.
+"""
+
+import dataclasses
+import itertools
+import math
+
+import numpy as np
+import pytest
+import trimesh
+from ruamel.yaml import YAML
+
+from drakesep.analysis.analysis_case import (
+    AnalysisCase,
+    ClearancePairs,
+    PrintedResult,
+    PublishedCase,
+)
+from drakesep.analysis.metrics.registry import registered_metrics
+from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
+from drakesep.case_file.attachments import SpringSection
+from drakesep.case_file.case import Case
+from drakesep.case_file.reader import load_case
+from drakesep.case_file.section import Section
+from drakesep.systems.equations.springs import PUSHERS
+from drakesep.systems.model.integration import Integration
+from drakesep.systems.model.joints import Joint
+from drakesep.systems.model.loads import Load
+from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.parts import Box, Capsule, Cone, Mesh, Part, Sphere
+from drakesep.systems.model.recontact import Recontact
+from drakesep.systems.model.separation import (
+    Attachment,
+    Body,
+    InitialMotion,
+    Orbit,
+    Separation,
+)
+from drakesep.systems.model.springs import DisplacementSpring, Spring
+from drakesep.systems.simulation.simulation import Simulation
+
+
+DEG = math.pi / 180.0
+ROUND_OFF = 4 * np.finfo(float).eps
+"""Of a conversion, and of the decimals beside it; an angle takes two."""
+
+
+MAIN = """
+name: every_leaf
+description: each of its numbers is unlike all others
+pair: {A: carrier, B: craft}
+bodies:
+  carrier:
+    mass_kg: 711.5
+    cg_mm: [-801.5, 51.5, -31.5]
+    inertia_kg_m2: {xx: 301.5, yy: 421.5, zz: 381.5, xy: 12.5, xz: -15.5, yz: 8.5}
+    geometry:
+      plate:
+        box: {size_mm: [211, 1213, 1411]}
+        position_mm: [-1901, 61, -71]
+        attitude_deg: [1.25, -2.25, 3.25]
+        role: a plate
+      ball: {sphere: {radius_mm: 151}, position_mm: [-1301, 901, 81]}
+      rod:
+        capsule: {radius_mm: 53, length_mm: 257}
+        position_mm: [-1303, -903, 83]
+        attitude_deg: [4.25, 5.25, -6.25]
+        role: antenna
+  craft:
+    mass_kg: 1213.5
+    cg_mm: [1101.5, -20.75, 41.5]
+    inertia_kg_m2: {xx: 501.5, yy: 821.5, zz: 781.5, xy: -22.5, xz: 25.5, yz: 18.5}
+    mated: {position_mm: [11, -7, 5], attitude_deg: [7.25, -8.25, 9.25]}
+    geometry:
+      skirt:
+        cylinder: {radius_mm: 307, length_mm: 311, thickness_mm: 13}
+        position_mm: [409, 17, -19]
+        attitude_deg: [-1.75, 2.75, -3.75]
+      nose:
+        cone: {radius_aft_mm: 317, radius_fore_mm: 109, length_mm: 503, thickness_mm: 3}
+        position_mm: [1709, 27, -29]
+        role: nose
+      block:
+        mesh: {file: block.stl, scale: 0.0023}
+        position_mm: [2309, 37, -39]
+        attitude_deg: [-4.75, 5.75, 6.875]
+  tail:
+    mass_kg: 93.5
+    cg_mm: [-13.5, 3.5, 2.5]
+    inertia_kg_m2: {xx: 9.625, yy: 10.5, zz: 11.5}
+    mated: {position_mm: [-2011, 207, -105]}
+attachments:
+  hinge:
+    A: carrier
+    B: craft
+    position_mm: [23, 431, 211.5]
+    joint:
+      type: revolute
+      stiffness_N_m: [200001, 210001, 220001]
+      damping_N_s_m: [2001, 2101, 2201]
+      angular_stiffness_N_m_rad: [30001, 31001, 32001]
+      angular_damping_N_m_s_rad: [401, 411, 421]
+      axes: {x: [0, 0.28, 0.96], y: [0.8, 0.576, -0.168]}
+    release_time_s: 0.0625
+    release_angle_deg: 37.5
+  bolt:
+    A: carrier
+    B: craft
+    position_mm: [30, -433, 213]
+    joint:
+      type: spherical
+      stiffness_N_m: 230001
+      damping_N_s_m: 2301
+      angular_stiffness_N_m_rad: 33001
+      angular_damping_N_m_s_rad: 441
+    spring:
+      name: timed
+      law: time
+      force_max_N: 1201.5
+      stroke_mm: 97
+      design_mass_kg: 107.5
+      tilt_y_deg: 1.625
+      tilt_z_deg: -2.625
+    release_time_s: 0.03125
+  latch:
+    A: carrier
+    B: craft
+    position_mm: [31, 7.5, -439]
+    joint: &slack
+      stiffness_N_m: 0
+      damping_N_s_m: 0
+      angular_stiffness_N_m_rad: 0
+      angular_damping_N_m_s_rad: 0
+    spring:
+      name: wound
+      law: displacement
+      force_max_N: 1303.5
+      stroke_mm: 89
+      damping_N_s_m: 43
+      tilt_y_deg: -3.625
+      tilt_z_deg: 4.625
+  strap:
+    A: tail
+    B: carrier
+    position_mm: [47, -9.5, 103]
+    joint: *slack
+    spring:
+      name: measured
+      law: table
+      displacements_mm: [0, 20.5, 59]
+      forces_N: [307.5, 411.5, 101.75]
+      damping_N_s_m: 19.5
+      tilt_y_deg: 5.625
+      tilt_z_deg: -6.625
+loads:
+  jet:
+    body: craft
+    position_mm: [103.5, 207.5, -309.5]
+    direction: [0.48, -0.6, 0.64]
+    times_s: [0.015, 0.215]
+    thrusts_N: [503.5, 907.5]
+    start_s: 0.045
+    after: latch
+  gust:
+    body: carrier
+    position_mm: [-111.5, 222.5, 333.5]
+    axes: world
+    times_s: [0.025, 0.325, 0.425]
+    forces_N: [[11.2, -12.2, 13.2], [14.2, 15.2, -16.2], [-17.2, 18.2, 19.2]]
+    torques_N_m: [[1.2, 2.2, -3.2], [-4.2, 5.2, 6.2], [7.2, -8.2, 9.2]]
+    start_s: 0.055
+orbit: {altitude_km: 613}
+before_separation:
+  attitude_deg: [21.5, -30.5, 40.5]
+  rate_deg_s: [3.125, -4.125, 5.125]
+dispersions:
+  craft.mass_kg: 33.25
+  craft.cg_x_mm: 6.75
+  craft.inertia_xy_kg_m2: 1.125
+  timed.tilt_z_deg: 0.375
+  hinge.release_angle_deg: 0.875
+  before_separation.rate_y_deg_s: 0.625
+  bolt.release_time_s: 0.0085
+  jet.factor: 0.095
+ellipsoids:
+  - parameters: [craft.mass_kg, craft.cg_x_mm, jet.factor]
+    correlation: [[1, 0.31, -0.21], [0.31, 1, 0.11], [-0.21, 0.11, 1]]
+requirements:
+  - {quantity: clearance_mm, at_least: 2.125, until_separation_mm: 87.5}
+  - {quantity: rate_after_separation_deg_s, at_most: [64, 65, 66]}
+  - {quantity: deviation_at_separation_deg, at_least: [0.165, 0.175, 0.185]}
+clearance:
+  pairs: [[plate, skirt], [ball, nose]]
+  touching: [[rod, block], [plate, nose]]
+recontact: {stiffness_N_m: 70001, dissipation_s_m: 0.7125, friction: 0.2125}
+run:
+  duration_s: 0.59
+  integrator: bogacki_shampine3
+  accuracy: 3.0e-4
+  max_step_s: 0.0175
+published:
+  - label: theirs
+    objectives: [L2, PM]
+    values: {craft.mass_kg: M, craft.cg_x_mm: m, carrier.mass_kg: 733.5}
+    printed:
+      rate_deg_s: [0.515, 0.525, 0.535]
+      deviation_within_limits_until_s: 0.305
+      longitudinal_speed_m_s: 0.405
+      iterations: 18
+"""
+
+
+def separation_of_main(folder) -> Separation:
+    mm = 1e-3
+    slack = Joint(K_F=0.0, D_F=0.0, K_T=0.0, D_T=0.0)
+    plate = Part(
+        name="plate",
+        shape=Box(size=(0.211, 1.213, 1.411)),
+        p_BoGo_B=(-1.901, 0.061, -0.071),
+        rpy_BG=(1.25 * DEG, -2.25 * DEG, 3.25 * DEG),
+        role="a plate",
+    )
+    ball = Part(
+        name="ball", shape=Sphere(radius=0.151), p_BoGo_B=(-1.301, 0.901, 0.081)
+    )
+    rod = Part(
+        name="rod",
+        shape=Capsule(radius=0.053, length=0.257),
+        p_BoGo_B=(-1.303, -0.903, 0.083),
+        rpy_BG=(4.25 * DEG, 5.25 * DEG, -6.25 * DEG),
+        role="antenna",
+    )
+    skirt = Part(
+        name="skirt",
+        shape=Cone(radius_aft=0.307, radius_fore=0.307, length=0.311, thickness=0.013),
+        p_BoGo_B=(0.409, 0.017, -0.019),
+        rpy_BG=(-1.75 * DEG, 2.75 * DEG, -3.75 * DEG),
+    )
+    nose = Part(
+        name="nose",
+        shape=Cone(radius_aft=0.317, radius_fore=0.109, length=0.503, thickness=0.003),
+        p_BoGo_B=(1.709, 0.027, -0.029),
+        role="nose",
+    )
+    block = Part(
+        name="block",
+        shape=Mesh(file=folder / "block.stl", scale=0.0023),
+        p_BoGo_B=(2.309, 0.037, -0.039),
+        rpy_BG=(-4.75 * DEG, 5.75 * DEG, 6.875 * DEG),
+    )
+    carrier = Body(
+        name="carrier",
+        mass=711.5,
+        p_BoBcm_B=(-0.8015, 0.0515, -0.0315),
+        I_BBcm_B=(301.5, 421.5, 381.5, 12.5, -15.5, 8.5),
+        parts=(plate, ball, rod),
+    )
+    craft = Body(
+        name="craft",
+        mass=1213.5,
+        p_BoBcm_B=(1.1015, -0.02075, 0.0415),
+        I_BBcm_B=(501.5, 821.5, 781.5, -22.5, 25.5, 18.5),
+        p_ABo=(11 * mm, -7 * mm, 5 * mm),
+        rpy_AB=(7.25 * DEG, -8.25 * DEG, 9.25 * DEG),
+        parts=(skirt, nose, block),
+    )
+    tail = Body(
+        name="tail",
+        mass=93.5,
+        p_BoBcm_B=(-0.0135, 0.0035, 0.0025),
+        I_BBcm_B=(9.625, 10.5, 11.5, 0.0, 0.0, 0.0),
+        p_ABo=(-2.011, 0.207, -0.105),
+    )
+    hinge = Attachment(
+        name="hinge",
+        A="carrier",
+        B="craft",
+        p_AoPad_A=(0.023, 0.431, 0.2115),
+        joint=Joint(
+            type="revolute",
+            K_F=(200001.0, 210001.0, 220001.0),
+            D_F=(2001.0, 2101.0, 2201.0),
+            K_T=(30001.0, 31001.0, 32001.0),
+            D_T=(401.0, 411.0, 421.0),
+            x_axis_A=(0.0, 0.28, 0.96),
+            y_axis_A=(0.8, 0.576, -0.168),
+        ),
+        release_time=0.0625,
+        release_angle=37.5 * DEG,
+    )
+    bolt = Attachment(
+        name="bolt",
+        A="carrier",
+        B="craft",
+        p_AoPad_A=(0.03, -0.433, 0.213),
+        joint=Joint(type="spherical", K_F=230001.0, D_F=2301.0, K_T=33001.0, D_T=441.0),
+        spring=Spring(
+            name="timed",
+            force_max=1201.5,
+            stroke=0.097,
+            design_mass=107.5,
+            tilt_y=1.625 * DEG,
+            tilt_z=-2.625 * DEG,
+        ),
+        release_time=0.03125,
+    )
+    latch = Attachment(
+        name="latch",
+        A="carrier",
+        B="craft",
+        p_AoPad_A=(0.031, 0.0075, -0.439),
+        joint=slack,
+        spring=DisplacementSpring(
+            name="wound",
+            force_max=1303.5,
+            stroke=0.089,
+            damping=43.0,
+            tilt_y=-3.625 * DEG,
+            tilt_z=4.625 * DEG,
+        ),
+    )
+    strap = Attachment(
+        name="strap",
+        A="tail",
+        B="carrier",
+        p_AoPad_A=(0.047, -0.0095, 0.103),
+        joint=slack,
+        spring=DisplacementSpring(
+            name="measured",
+            force_max=411.5,
+            stroke=0.059,
+            damping=19.5,
+            tilt_y=5.625 * DEG,
+            tilt_z=-6.625 * DEG,
+            profile=(
+                (0.0, 307.5 / 411.5),
+                (20.5 / 59.0, 1.0),
+                (1.0, 101.75 / 411.5),
+            ),
+        ),
+    )
+    jet = Load(
+        name="jet",
+        body="craft",
+        p_BoQ_B=(0.1035, 0.2075, -0.3095),
+        times=(0.015, 0.215),
+        forces=(
+            (0.48 * 503.5, -0.6 * 503.5, 0.64 * 503.5),
+            (0.48 * 907.5, -0.6 * 907.5, 0.64 * 907.5),
+        ),
+        start=0.045,
+        after="latch",
+    )
+    gust = Load(
+        name="gust",
+        body="carrier",
+        p_BoQ_B=(-0.1115, 0.2225, 0.3335),
+        axes="world",
+        times=(0.025, 0.325, 0.425),
+        forces=((11.2, -12.2, 13.2), (14.2, 15.2, -16.2), (-17.2, 18.2, 19.2)),
+        torques=((1.2, 2.2, -3.2), (-4.2, 5.2, 6.2), (7.2, -8.2, 9.2)),
+        start=0.055,
+    )
+    return Separation(
+        bodies=(carrier, craft, tail),
+        attachments=(hinge, bolt, latch, strap),
+        A="carrier",
+        B="craft",
+        loads=(jet, gust),
+        initial=InitialMotion(
+            rpy_WA=(21.5 * DEG, -30.5 * DEG, 40.5 * DEG),
+            w_WA_A=(3.125 * DEG, -4.125 * DEG, 5.125 * DEG),
+        ),
+        orbit=Orbit(radius=6378137.0 + 613000.0),
+        recontact=Recontact(
+            stiffness=70001.0,
+            dissipation=0.7125,
+            friction=0.2125,
+            without=(("rod", "block"), ("plate", "nose")),
+        ),
+        duration=0.59,
+    )
+
+
+def record_of_main(folder) -> AnalysisCase:
+    return AnalysisCase(
+        name="every_leaf",
+        separation=separation_of_main(folder),
+        integration=Integration(
+            scheme="bogacki_shampine3", accuracy=3e-4, max_step=0.0175
+        ),
+        tolerances={
+            "craft.mass": 33.25,
+            "craft.cg_x": 0.00675,
+            "craft.inertia_xy": 1.125,
+            "timed.tilt_z": 0.375 * DEG,
+            "hinge.release_angle": 0.875 * DEG,
+            "before_separation.rate_y": 0.625 * DEG,
+            "bolt.release_time": 0.0085,
+            "jet.factor": 0.095,
+        },
+        ellipsoids=(
+            Ellipsoid(
+                names=("craft.mass", "craft.cg_x", "jet.factor"),
+                correlation=((1.0, 0.31, -0.21), (0.31, 1.0, 0.11), (-0.21, 0.11, 1.0)),
+            ),
+        ),
+        requirements=(
+            Requirement(
+                metric="clearance",
+                sense=">=",
+                limit=0.002125,
+                condition="until 87.5 mm of separation",
+            ),
+            *(
+                Requirement(
+                    metric=f"rate_after_separation_{axis}",
+                    sense="<=",
+                    limit=limit * DEG,
+                )
+                for axis, limit in zip("xyz", (64, 65, 66), strict=True)
+            ),
+            *(
+                Requirement(
+                    metric=f"deviation_at_separation_{axis}",
+                    sense=">=",
+                    limit=limit * DEG,
+                )
+                for axis, limit in (("roll", 0.165), ("pitch", 0.175), ("yaw", 0.185))
+            ),
+        ),
+        clearance=ClearancePairs(
+            pairs=(("plate", "skirt"), ("ball", "nose")),
+            touching=(("rod", "block"), ("plate", "nose")),
+            until_separation=0.0875,
+        ),
+        published=(
+            PublishedCase(
+                label="theirs",
+                objectives=("L2", "PM"),
+                values={
+                    "craft.mass": 1213.5 + 33.25,
+                    "craft.cg_x": 1.1015 - 0.00675,
+                    "carrier.mass": 733.5,
+                },
+                printed=PrintedResult(
+                    rate=(0.515 * DEG, 0.525 * DEG, 0.535 * DEG),
+                    deviation_within_limits_until=0.305,
+                    longitudinal_speed=0.405,
+                    iterations=18,
+                ),
+            ),
+        ),
+    )
+
+
+SOLIDS = """
+name: solids
+pair: {A: base, B: brick}
+bodies:
+  base: {model: {file: two.urdf, frame: arm}}
+  brick:
+    solid:
+      box: {size_mm: [1100, 1300, 1700]}
+      mass_kg: 210
+      position_mm: [901, 31, -41]
+      attitude_deg: [0, 0, 90]
+  drum:
+    solid:
+      cylinder: {radius_mm: 450, length_mm: 2100}
+      density_kg_m3: 55
+      position_mm: [3, 5, 7]
+  orb: {solid: {sphere: {radius_mm: 350}, mass_kg: 65, position_mm: [13, 17, 19]}}
+  egg:
+    solid:
+      ellipsoid: {semi_axes_mm: [610, 420, 530]}
+      mass_kg: 75
+      position_mm: [23, 29, 37]
+      attitude_deg: [90, 0, 0]
+  pill:
+    solid:
+      capsule: {radius_mm: 240, length_mm: 920}
+      mass_kg: 85
+      position_mm: [43, 47, 53]
+  slab:
+    solid:
+      mesh: {file: block.stl, scale: 0.0023}
+      density_kg_m3: 131
+      position_mm: [59, 61, 67]
+      attitude_deg: [0, 90, 0]
+attachments:
+  one:
+    A: base
+    B: brick
+    position_mm: [1, 2, 3]
+    joint: &slack
+      stiffness_N_m: 0
+      damping_N_s_m: 0
+      angular_stiffness_N_m_rad: 0
+      angular_damping_N_m_s_rad: 0
+  two: {A: base, B: drum, position_mm: [1, 2, 3], joint: *slack}
+  three: {A: base, B: orb, position_mm: [1, 2, 3], joint: *slack}
+  four: {A: base, B: egg, position_mm: [1, 2, 3], joint: *slack}
+  five: {A: base, B: pill, position_mm: [1, 2, 3], joint: *slack}
+  six: {A: base, B: slab, position_mm: [1, 2, 3], joint: *slack}
+run: {duration_s: 0.1}
+"""
+"""Bodies whose mass properties are computed; mesh of 200 x 300 x 500 units."""
+
+# Two links, joined by a fixed joint: "arm" stands at (0.5, 0, 0) of "hull", turned by
+# 90 deg about z. Both have their CG at their own origins.
+URDF = """<robot name="two">
+<link name="hull"><inertial><mass value="30"/>
+<inertia ixx="3" iyy="4" izz="5" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="arm"><inertial><mass value="10"/>
+<inertia ixx="1" iyy="1.5" izz="2" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="weld" type="fixed"><parent link="hull"/><child link="arm"/>
+<origin xyz="0.5 0 0" rpy="0 0 1.5707963267948966"/></joint></robot>"""
+
+
+def solids():
+    """Mass, CG in m and moments of the bodies above, by the textbook."""
+
+    def box(m, x, y, z):
+        return [
+            m * (y * y + z * z) / 12,
+            m * (x * x + z * z) / 12,
+            m * (x * x + y * y) / 12,
+        ]
+
+    # In the axes of arm, hull's origin is at (0, 0.5, 0) and hull is turned back by
+    # 90 deg: its x moment is about y there. The CG divides the distance 3 to 1.
+    both = 30.0 * 10.0 / 40.0 * 0.5**2
+    yield (
+        "base",
+        40.0,
+        (0.0, 0.375, 0.0),
+        [1.0 + 4.0 + both, 1.5 + 3.0, 2.0 + 5.0 + both],
+    )
+    yield "brick", 210.0, (0.901, 0.031, -0.041), box(210.0, 1.3, 1.1, 1.7)
+    m = 55.0 * math.pi * 0.45**2 * 2.1
+    across = m * (3 * 0.45**2 + 2.1**2) / 12
+    yield "drum", m, (0.003, 0.005, 0.007), [0.5 * m * 0.45**2, across, across]
+    yield "orb", 65.0, (0.013, 0.017, 0.019), [0.4 * 65.0 * 0.35**2] * 3
+    # turned by 90 deg about x: its z axis along -y
+    a, b, c = 0.61**2, 0.42**2, 0.53**2
+    egg = [15.0 * (b + c), 15.0 * (a + b), 15.0 * (a + c)]  # m / 5 = 15 kg
+    yield "egg", 75.0, (0.023, 0.029, 0.037), egg
+    r, length = 0.24, 0.92
+    tube, ball = math.pi * r**2 * length, 4.0 / 3.0 * math.pi * r**3
+    tube, ball = 85.0 * tube / (tube + ball), 85.0 * ball / (tube + ball)
+    along = 0.5 * tube * r**2 + 0.4 * ball * r**2
+    # Of a half ball the CG is 3 r / 8 from its flat side.
+    across = tube * (3 * r**2 + length**2) / 12 + ball * (
+        0.4 * r**2 + 0.25 * length**2 + 3.0 / 8.0 * r * length
+    )
+    yield "pill", 85.0, (0.043, 0.047, 0.053), [along, across, across]
+    x, y, z = 0.0023 * 200, 0.0023 * 300, 0.0023 * 500
+    m = 131.0 * x * y * z
+    yield "slab", m, (0.059, 0.061, 0.067), box(m, z, y, x)  # z along x
+
+
+@pytest.fixture
+def folder(tmp_path):
+    trimesh.creation.box((200, 300, 500)).export(tmp_path / "block.stl")
+    (tmp_path / "two.urdf").write_text(URDF)
+    return tmp_path
+
+
+def read(folder, text) -> Case:
+    (folder / "case.yaml").write_text(text)
+    return load_case(folder / "case.yaml")
+
+
+def leaves(value, path=""):
+    """Paths and leaves of records, mappings and sequences."""
+    if dataclasses.is_dataclass(value):
+        fields = [
+            f.name for f in dataclasses.fields(value) if f.name != "tolerance_set"
+        ]
+        value = {name: getattr(value, name) for name in fields}
+    if isinstance(value, dict):
+        for key, entry in value.items():
+            yield from leaves(entry, f"{path}.{key}")
+    elif isinstance(value, (list, tuple)):
+        yield f"{path}:length", len(value)
+        for i, entry in enumerate(value):
+            yield from leaves(entry, f"{path}[{i}]")
+    else:
+        yield path, value
+
+
+def assert_same(got, expected):
+    got, expected = dict(leaves(got)), dict(leaves(expected))
+    assert got.keys() == expected.keys()
+    for path, value in expected.items():
+        if isinstance(value, float):
+            value = pytest.approx(value, rel=ROUND_OFF, abs=0.0)
+        assert got[path] == value, path
+
+
+def test_numbers_differ():
+    """Else one that arrives in the place of another would not be seen."""
+    data = YAML(typ="safe").load(MAIN)
+    numbers = [
+        abs(leaf)
+        for path, leaf in leaves(data)
+        if isinstance(leaf, int | float)
+        and not path.endswith(":length")
+        and ".ellipsoids" not in path  # a symmetric matrix
+        and ".strap.joint" not in path  # an alias
+        and leaf != 0
+    ]
+    assert len(numbers) > 200
+    assert len(numbers) == len(set(numbers))
+
+
+def test_every_number_arrives_in_si(folder):
+    assert_same(read(folder, MAIN).in_si(), record_of_main(folder))
+
+
+def test_the_model_built_in_python_flies_alike(folder):
+    """Through everything that reads the records: what is not compared above is here."""
+    got, expected = (
+        # Contacts of all parts at every step take most of the time.
+        Simulation(dataclasses.replace(c.separation, recontact=None), c.integration)
+        for c in (read(folder, MAIN).in_si(), record_of_main(folder))
+    )
+    got, expected = got.run(), expected.run()
+    assert expected.steps == got.steps > 50
+    for field in dataclasses.fields(expected.motion):
+        reference = getattr(expected.motion, field.name)
+        # Round-off of the numbers above, which grows over the steps.
+        assert getattr(got.motion, field.name) == pytest.approx(
+            reference, rel=0.0, abs=1e-10 * max(1.0, np.abs(reference).max())
+        )
+
+
+def test_computed_bodies(folder):
+    separation = read(folder, SOLIDS).separation
+    wanted = list(solids())
+    assert [name for name, *_ in wanted] == [body.name for body in separation.bodies]
+    for name, mass, cg, moments in wanted:
+        body = separation.body(name)
+        # Angles of 90 deg, and the URDF's, are right to 1e-16 rad; STL has floats.
+        assert body.mass == pytest.approx(mass, rel=1e-6), name
+        assert body.p_BoBcm_B == pytest.approx(cg, rel=1e-6, abs=1e-9), name
+        assert body.I_BBcm_B[:3] == pytest.approx(moments, rel=1e-6), name
+        assert body.I_BBcm_B[3:] == pytest.approx([0.0] * 3, abs=1e-9), name
+
+
+def sections(base=Section):
+    for section in base.__subclasses__():
+        yield section
+        yield from sections(section)
+
+
+def keys_there_are():
+    for section in sections():
+        if not section.__module__.startswith("drakesep"):
+            continue
+        law = (
+            section.model_fields["law"].default
+            if issubclass(section, SpringSection)
+            else ""
+        )
+        if issubclass(section, SpringSection) and (
+            section is SpringSection or law not in PUSHERS
+        ):
+            continue  # the base of all, or a toy of another test
+        for key in section.model_fields:
+            yield section.__name__, law, key
+
+
+def keys_used(section):
+    """Keys of a section and those in it that stand there with a value of their own."""
+    law = section.law if isinstance(section, SpringSection) else ""
+    for key, field in type(section).model_fields.items():
+        value = getattr(section, key)
+        if value is None or (value == field.default and key != "law"):
+            continue
+        yield type(section).__name__, law, key
+        entries = [value]
+        if isinstance(value, dict):
+            entries = list(value.values())
+        elif isinstance(value, (list, tuple)):
+            entries = list(value)
+        for entry in entries:
+            if isinstance(entry, Section):
+                yield from keys_used(entry)
+
+
+def test_no_key_is_left_out(folder):
+    """A new key has to be given a value here, and what comes of it."""
+    used = set()
+    for text in (MAIN, SOLIDS):
+        used |= set(keys_used(read(folder, text)))
+    assert set(keys_there_are()) - used == set()
+
+
+UNITS = {"mass": ("kg", 1.0), "cg": ("mm", 1e-3), "inertia": ("kg_m2", 1.0)}
+UNITS |= {"position": ("mm", 1e-3), "release_time": ("s", 1.0)}
+UNITS |= {"release_angle": ("deg", DEG), "force_max": ("N", 1.0)}
+UNITS |= {"stroke": ("mm", 1e-3), "tilt": ("deg", DEG), "design_mass": ("kg", 1.0)}
+UNITS |= {"damping": ("N_s_m", 1.0), "start": ("s", 1.0), "factor": ("", 1.0)}
+UNITS |= {"attitude": ("deg", DEG), "rate": ("deg_s", DEG)}
+BODY = [
+    ("mass", [""]),
+    ("cg", "xyz"),
+    ("inertia", ["xx", "yy", "zz", "xy", "xz", "yz"]),
+]
+TILTS = ("tilt", "yz")
+TIMED = [("position", "xyz"), ("release_time", [""])]
+LOAD = [("position", "xyz"), ("start", [""]), ("factor", [""])]
+WOUND = [("force_max", [""]), ("stroke", [""]), ("damping", [""]), TILTS]
+PARAMETERS = {
+    **dict.fromkeys(("carrier", "craft", "tail"), BODY),
+    "hinge": [("position", "xyz"), ("release_time", [""]), ("release_angle", [""])],
+    **dict.fromkeys(("bolt", "latch", "strap"), TIMED),
+    "timed": [("force_max", [""]), ("stroke", [""]), TILTS, ("design_mass", [""])],
+    **dict.fromkeys(("wound", "measured"), WOUND),
+    **dict.fromkeys(("jet", "gust"), LOAD),
+    "before_separation": [("attitude", ["roll", "pitch", "yaw"]), ("rate", "xyz")],
+}
+"""Of each owner in MAIN, what may be set and dispersed."""
+
+
+def test_every_parameter_by_its_name_with_unit(folder):
+    """As --set, dispersions and tables have them."""
+    case = read(folder, MAIN)
+    given, expected = {}, {}
+    number = itertools.count(1)
+    for owner, quantities in PARAMETERS.items():
+        for stem, axes in quantities:
+            unit, si = UNITS[stem]
+            for axis in axes:
+                name = "_".join(filter(None, [f"{owner}.{stem}", axis]))
+                value = 1.0 + next(number)
+                given["_".join(filter(None, [name, unit]))] = value
+                expected[name] = si * value
+    assert set(expected) == set(parameters(case.separation))
+    assert case.values_in_si(given) == pytest.approx(expected, rel=ROUND_OFF)
+
+
+LIMITED = {
+    "rate_after_separation_deg_s": ("xyz", DEG),
+    "deviation_at_separation_deg": (("roll", "pitch", "yaw"), DEG),
+    "longitudinal_speed_after_separation_m_s": ("", 1.0),
+    "clearance_mm": ("", 1e-3),
+    "G_L1_deg": ("", DEG),
+    "G_L2_deg_per_sqrt_s": ("", DEG),
+    "G_Linf_deg_s": ("", DEG),
+    "G_PM_m_s": ("", 1.0),
+    "final_rate_deg_s": ("xyz", DEG),
+    "rate_min_after_separation_deg_s": ("xyz", DEG),
+    "rate_max_after_separation_deg_s": ("xyz", DEG),
+    "rate_magnitude_min_after_separation_deg_s": ("xyz", DEG),
+    "angle_at_separation_deg": (("roll", "pitch", "yaw"), DEG),
+    "deviation_within_limits_until_s": ("", 1.0),
+    "longitudinal_speed_max_m_s": ("", 1.0),
+    "longitudinal_speed_max_after_separation_m_s": ("", 1.0),
+    "separation_end_s": ("", 1.0),
+}
+"""What a requirement may be on: its axes, and its unit in SI."""
+
+
+@pytest.mark.parametrize(("key", "sense"), [("at_most", "<="), ("at_least", ">=")])
+def test_every_quantity_of_a_requirement(folder, key, sense):
+    number = itertools.count(2)
+    sections, expected = [], []
+    for quantity, (axes, si) in LIMITED.items():
+        if quantity == "clearance_mm" and key == "at_most":
+            continue  # no clearance is too large
+        values = [float(next(number)) for _ in axes or [""]]
+        sections.append({"quantity": quantity, key: values if axes else values[0]})
+        stem = quantity
+        for suffix in ("_deg_per_sqrt_s", "_deg_s", "_deg", "_m_s", "_mm", "_s"):
+            if quantity.endswith(suffix):
+                stem = quantity.removesuffix(suffix)
+                break
+        names = [f"{stem}_{axis}" for axis in axes] or [stem]
+        expected += [(n, sense, si * v) for n, v in zip(names, values, strict=True)]
+    limits = read(folder, MAIN).replaced(requirements=sections).limits
+    got = [(r.metric, r.sense, pytest.approx(r.limit, rel=ROUND_OFF)) for r in limits]
+    assert got == expected
+    stems = {m.stem for m in registered_metrics()}
+    assert len(LIMITED) == len(stems)

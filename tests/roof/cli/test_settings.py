@@ -1,0 +1,314 @@
+"""Every option of every command: it does what its argument in Python does, and that
+is something else than without it.
+
+Tables are compared to the last digit, file by file.
+"""
+
+import pandas as pd
+import pytest
+import typer
+from command_line import run
+from small_case import small_case, write_case
+
+import drakesep
+from drakesep.analysis.engines.drake_pool import DrakePool
+from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.analysis.search.effort import Effort
+from drakesep.cli.app import app
+from drakesep.studies import tolerance_growth
+from drakesep.studies.background_process import BackgroundProcess
+from drakesep.studies.worst_case.session import Session
+
+
+HARD = {"samples": 48, "starts": 3, "vertices": 64, "seed": 1}
+"""How hard to search, if nothing else is said."""
+OF_SEARCH = {
+    "--search": (["vertices"], {"searches": ["vertices"]}),
+    "--starts": (5, {"starts": 5}),
+    "--samples": (32, {"samples": 32}),
+    # Too few for all: evolution takes their place.
+    "--vertices": (3, {"vertices": 3}),
+    "--seed": (2, {"seed": 2}),
+}
+OPTIONS = {
+    "cases": {},
+    "show": {},
+    "simulate": {
+        "--set": (
+            ["upper.mass_kg=1180", "two.position_y_mm=-390"],
+            {"values": {"upper.mass_kg": 1180.0, "two.position_y_mm": -390.0}},
+        )
+    },
+    "clearance": {
+        "--set": (
+            ["upper.mass_kg=1180", "two.position_y_mm=-390"],
+            {"values": {"upper.mass_kg": 1180.0, "two.position_y_mm": -390.0}},
+        )
+    },
+    "animate": {},  # below
+    "worst-case": {
+        **OF_SEARCH,
+        "--objective": (
+            ["L2", "highest_final_rate_x"],
+            {"objectives": ["L2", "highest_final_rate_x"]},
+        ),
+    },
+    "verify": {
+        **OF_SEARCH,
+        "--growth": (None, {"growth": True}),
+        "--no-growth": (None, {"growth": False}),
+    },
+}
+"""Of each command: an option, its value, and the same argument in Python."""
+ELSEWHERE = {
+    "animate": {"--output", "-o", "--runs", "--run"},
+    "simulate": {"--output", "-o"},
+    "clearance": {"--output", "-o"},
+    "worst-case": {"--output", "-o", "--workers"},
+    "verify": {"--output", "-o", "--workers"},
+}
+"""Tested below."""
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory):
+    data = small_case(dispersions={"upper.mass_kg": 50.0, "upper.cg_y_mm": 8.0})
+    data["requirements"] = data["requirements"][:1]
+    [published] = data["published"]
+    published["values"] = {"upper.mass_kg": "M", "s1.force_max_N": 1180.0}
+    return write_case(tmp_path_factory.mktemp("case"), data)
+
+
+@pytest.fixture(scope="module")
+def batches():
+    return {}
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch, batches):
+    """A batch is compiled once for all studies, nothing is drawn, and all is here."""
+
+    def batch(separation, names, **how):
+        key = separation, names, *how.values()
+        if key not in batches:
+            batches[key] = Batch(separation, names, **how)
+        return batches[key]
+
+    monkeypatch.setattr("drakesep.studies.worst_case.session.Batch", batch)
+    monkeypatch.setattr(Session, "draw", lambda *_: None)
+    for module in ("motion.save_motion", "clearance_plots.save_clearance"):
+        monkeypatch.setattr(f"drakesep.plots.{module}", lambda *_, **__: None)
+    monkeypatch.setattr("drakesep.plots.swept_volume.save_swept", lambda *_: None)
+    monkeypatch.setattr(
+        "drakesep.studies.background_process.BackgroundProcess.__init__",
+        lambda self, workers=None: here(self),
+    )
+
+
+def here(process: BackgroundProcess):
+    process._wanted, process._process = False, None
+
+
+@pytest.fixture
+def drakesep_(capsys, monkeypatch):
+    def call(*arguments):
+        code, _, err = run(capsys, monkeypatch, *arguments)
+        assert code == 0, err
+
+    return call
+
+
+def tables(folder):
+    return {path.name: path.read_text() for path in folder.glob("*.csv")}
+
+
+def options_of(command):
+    parameters = typer.main.get_command(app).commands[command].params
+    named = [p for p in parameters if p.param_type_name == "option"]
+    return {name for p in named for name in (*p.opts, *p.secondary_opts)}
+
+
+@pytest.mark.parametrize("command", OPTIONS)
+def test_every_option_is_here(command):
+    assert set(OPTIONS[command]) | ELSEWHERE.get(command, set()) == options_of(command)
+
+
+def in_words(option, value):
+    if value is None:
+        return [option]
+    values = value if isinstance(value, list) else [value]
+    return [word for one in values for word in (option, one)]
+
+
+def hard_in_words(without=()):
+    return [
+        word
+        for name, value in HARD.items()
+        if f"--{name}" not in without
+        for word in (f"--{name}", value)
+    ]
+
+
+def called(command, case, folder, arguments):
+    """The study in Python, and its tables in a folder."""
+    if command in ("simulate", "clearance"):
+        study = getattr(drakesep, command)(case, **arguments)
+        study.save(folder)
+        return
+    options = {**HARD, "growth": False, **arguments}
+    if command == "worst-case":
+        del options["growth"]
+        options.setdefault("objectives", ["L1"])
+        drakesep.worst_case(case, output=folder, workers=1, **options)
+    else:
+        drakesep.verify(case, output=folder, workers=1, **options)
+
+
+def typed(command, case, folder, option, value):
+    """The words of a command line that ask for the same."""
+    words = [command, case, "-o", folder, *in_words(option, value)]
+    if command in ("worst-case", "verify"):
+        words += [*hard_in_words(without=[option]), "--workers", 1]
+    if command == "worst-case" and option != "--objective":
+        words += ["--objective", "L1"]
+    if command == "verify" and option not in ("--growth", "--no-growth"):
+        words += ["--no-growth"]
+    return words
+
+
+@pytest.fixture(scope="module")
+def plain(case, tmp_path_factory):
+    """Tables of a command without the option; of --no-growth, with growth."""
+    known = {}
+
+    def tables_of(command, option):
+        key = command, option == "--no-growth"
+        if key not in known:
+            folder = tmp_path_factory.mktemp("plain")
+            more = {"growth": True} if option == "--no-growth" else {}
+            called(command, case, folder, more)
+            known[key] = tables(folder)
+        return known[key]
+
+    return tables_of
+
+
+@pytest.mark.parametrize(
+    ("command", "option"),
+    [(command, option) for command, options in OPTIONS.items() for option in options],
+)
+def test_option(command, option, case, tmp_path, drakesep_, plain):
+    value, arguments = OPTIONS[command][option]
+    drakesep_(*typed(command, case, tmp_path / "typed", option, value))
+    called(command, case, tmp_path / "called", arguments)
+    by_command, in_python = tables(tmp_path / "typed"), tables(tmp_path / "called")
+    assert by_command.keys() == in_python.keys()
+    for name, text in in_python.items():
+        assert by_command[name] == text, name
+    assert by_command != plain(command, option)
+
+
+def test_another_seed_draws_other_points(case, tmp_path, drakesep_):
+    """And the same one the same."""
+    points = []
+    for seed in (1, 2, 1):
+        words = [*hard_in_words(without=["--seed"]), "--seed", seed]
+        drakesep_(
+            *("worst-case", case, "-o", tmp_path, "--objective", "L1"),
+            *("--search", "samples", "--workers", 1, *words),
+        )
+        frame = pd.read_csv(tmp_path / "candidates.csv")
+        points.append(frame[["upper.mass_kg", "upper.cg_y_mm"]].to_numpy().tolist())
+    assert points[0] == points[2] != points[1]
+
+
+def test_what_only_python_sets(case, monkeypatch):
+    """Generations reach evolution; corners, and the seed with them, the growth."""
+    told, grow = [], tolerance_growth.grow
+
+    def noted(problem, limits, **how):
+        told.append((how["corners"], how["seed"]))
+        return grow(problem, limits, **how)
+
+    monkeypatch.setattr(tolerance_growth, "grow", noted)
+    effort = {**HARD, "seed": 7, "corners": 20, "generations": 2}
+    study = drakesep.verify(
+        case, searches=["evolution"], growth=True, workers=1, **effort
+    )
+    assert told == [(20, 7)]
+    [note] = study.searches["what"]
+    assert "at most 2 generations" in note
+    assert set(effort) == set(Effort.__annotations__)
+
+
+@pytest.mark.parametrize("command", ["simulate", "clearance", "worst-case", "verify"])
+def test_output(command, case, tmp_path, monkeypatch, drakesep_):
+    """Where it says, or in results beside the caller, by the names of both."""
+    monkeypatch.chdir(tmp_path)
+    words = ["--search", "samples", *hard_in_words(), "--workers", 1]
+    words = words if command in ("worst-case", "verify") else []
+    words += ["--objective", "L1"] if command == "worst-case" else []
+    words += ["--no-growth"] if command == "verify" else []
+    for option in ("--output", "-o"):
+        drakesep_(command, case, *words, option, tmp_path / option)
+    drakesep_(command, case, *words)
+    by_default = tables(tmp_path / "results" / "small" / command)
+    assert by_default
+    assert by_default == tables(tmp_path / "--output") == tables(tmp_path / "-o")
+
+
+@pytest.mark.parametrize("command", ["worst-case", "verify"])
+@pytest.mark.parametrize("workers", [None, 1, 2])
+def test_workers(command, workers, case, tmp_path, monkeypatch, drakesep_):
+    asked = []
+
+    class Noted(DrakePool):
+        def __init__(self, separation, integration=None, *, workers=None):
+            asked.append(workers)
+            super().__init__(separation, integration, workers=1)
+
+    monkeypatch.setattr("drakesep.studies.worst_case.session.DrakePool", Noted)
+    words = [] if workers is None else ["--workers", workers]
+    words += ["--objective", "PM"] if command == "worst-case" else []
+    drakesep_(command, case, "-o", tmp_path, "--search", "drake", *words)
+    assert asked == [workers]
+
+
+def test_runs_of_an_animation(case, tmp_path, monkeypatch, drakesep_):
+    """All published, or those of a table, or of these the ones that are named."""
+    shown = []
+
+    def drawn(flown, *_, **__):
+        shown.append({label: run.separation for label, run in flown.items()})
+        return "page"
+
+    monkeypatch.setattr("drakesep.plots.animation.animation", drawn)
+    pd.DataFrame(
+        {
+            "label": ["worst_L1", "worst_PM", "mine"],
+            "role": ["worst", "worst", "changed"],
+            "upper.mass_kg": [1230.0, 1240.0, 1250.0],
+        }
+    ).to_csv(tmp_path / "runs.csv", index=False)
+    table = ("--runs", tmp_path / "runs.csv")
+    page = tmp_path / "there" / "page.html"
+    drakesep_("animate", case, "-o", page)
+    drakesep_("animate", case, "--output", page, *table)
+    drakesep_("animate", case, "-o", page, *table, "--run", "mine", "--run", "worst_PM")
+    assert page.read_text() == "page"
+    monkeypatch.chdir(tmp_path)
+    drakesep_("animate", case)
+    assert (tmp_path / "results" / "small" / "animate.html").exists()
+    masses = [
+        {label: s.body("upper").mass for label, s in runs.items()} for runs in shown
+    ]
+    published = {"nominal": 1200.0, "theirs": 1250.0}
+    assert masses == [
+        published,
+        {"nominal": 1200.0, "worst_L1": 1230.0, "worst_PM": 1240.0},
+        {"nominal": 1200.0, "mine": 1250.0, "worst_PM": 1240.0},
+        published,
+    ]
+    python = tmp_path / "python.html"
+    runs = {"mine": {"upper.mass_kg": 1250.0}}
+    assert drakesep.animate(case, runs, output=python) == ["nominal", "mine"]

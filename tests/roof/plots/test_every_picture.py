@@ -1,0 +1,276 @@
+"""Every curve, bar, outline and frame shows what its title says.
+
+Of motions that are written down, so that what is drawn is known without the code.
+"""
+
+import dataclasses
+import json
+import math
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+from flights import run_of
+from runs import made_up_run
+from scipy.spatial.transform import Rotation
+from tumbling import Tumbling
+
+from drakesep.analysis.clearance.of_pair import Clearance
+from drakesep.plots import animation as animations
+from drakesep.plots.approach import Approach
+from drakesep.plots.clearance_plots import approaches_figure, clearance_figure
+from drakesep.plots.motion import rotation_figure, translation_figure
+from drakesep.plots.swept_volume import swept_figure
+from drakesep.plots.tornado import tornado_figure
+from drakesep.systems.geometry.illustration import illustration_of
+from drakesep.systems.model.parts import Box, Capsule, Cone, Part, Sphere
+from drakesep.tables.labelled_run import LabelledRun
+from drakesep.tables.roles import Nominal, Worst
+
+
+DEG, MM = 180.0 / math.pi, 1000.0
+XYZ, ANGLES = ("x", "y", "z"), ("roll", "pitch", "yaw")
+PANELS = {
+    translation_figure: [
+        ("relative velocity", "relative_velocity", XYZ, "m/s", 1.0),
+        ("acceleration of the CG", "acceleration", XYZ, "m/s²", 1.0),
+        ("linear momentum change", "linear_momentum_change", XYZ, "N s", 1.0),
+    ],
+    rotation_figure: [
+        ("angle", "angle", ANGLES, "deg", DEG),
+        ("rate", "rate", XYZ, "deg/s", DEG),
+        ("angular momentum change", "angular_momentum_change", XYZ, "N m s", 1.0),
+    ],
+}
+
+
+def ramps(start):
+    """Three signals, unlike each other and unlike those of another start."""
+    return lambda t: tuple(start + 0.1 * i + (i + 1) * t for i in range(3))
+
+
+@pytest.mark.parametrize("make", PANELS)
+def test_motion(make):
+    quantities = [panel[1] for panels in PANELS.values() for panel in panels]
+    runs = [
+        LabelledRun(
+            role=role,
+            run=made_up_run(
+                **{name: ramps(k + 10 * n) for k, name in enumerate(quantities)}
+            ),
+            metrics={},
+        )
+        for n, role in enumerate((Nominal(), Worst("L1")))
+    ]
+    figure = make(runs, [])
+    panels = {axes.get_title(): axes for axes in figure.axes}
+    assert len(panels) == 9
+    time = runs[0].run.motion.time
+    for title, quantity, names, unit, scale in PANELS[make]:
+        for i, name in enumerate(names):
+            axes = panels[f"{title}, {name}"]
+            assert axes.get_ylabel() == unit
+            for n, line in enumerate(axes.get_lines()[:2]):
+                start = quantities.index(quantity) + 10 * n
+                expected = scale * (start + 0.1 * i + (i + 1) * time)
+                assert line.get_label() == ("nominal", "worst_L1")[n]
+                assert line.get_xdata() == pytest.approx(time)
+                assert line.get_ydata() == pytest.approx(expected)
+            end = axes.get_lines()[2].get_xdata()
+            assert list(end) == [runs[0].run.separation_end] * 2
+
+
+def test_tornado():
+    rows = [("L1", "deg", name, w, n) for name, w, n in (("a", 3, 1), ("b", -2, 4))]
+    rows += [("PM", "m/s", name, w, n) for name, w, n in (("b", 7, 5), ("a", 6, 8))]
+    names = ["objective", "unit", "parameter"]
+    names += ["per_tolerance_at_worst", "per_tolerance_at_nominal"]
+    frame = pd.DataFrame(rows, columns=names).assign(at_worst=["M", "m", "", "M"])
+    figure = tornado_figure(frame)
+    for axes, objective in zip(figure.axes, ("L1", "PM"), strict=True):
+        mine = frame[frame["objective"] == objective]
+        assert axes.get_title() == objective
+        assert axes.get_xlabel() == mine["unit"].iloc[0]
+        wide, narrow = axes.containers
+        for bars, column in (
+            (wide, "per_tolerance_at_worst"),
+            (narrow, "per_tolerance_at_nominal"),
+        ):
+            assert bars.get_label().endswith(
+                column.split("_")[-1].replace("worst", "case")
+            )
+            assert [bar.get_width() for bar in bars] == mine[column].tolist()
+        assert wide[0].get_height() > narrow[0].get_height()
+        labels = [text.get_text().split() for text in axes.get_yticklabels()]
+        assert labels == [
+            [name, mark] if mark else [name]
+            for name, mark in zip(mine["parameter"], mine["at_worst"], strict=True)
+        ]
+        assert axes.yaxis_inverted()  # the largest on top
+
+
+def smallest(**values):
+    points = {"p_AoCa_A": (0.0,) * 3, "p_BoCb_B": (0.0,) * 3}
+    return Clearance(first="one", second="two", **values, **points)
+
+
+def test_clearances():
+    time = np.linspace(0.0, 2.0, 21)
+    moved, distances = 0.3 * time, 0.05 + 0.02 * (time - 1.0) ** 2
+    found = smallest(minimum=0.05, time=1.0)
+    figure = clearance_figure(time, moved, {"one to two": (distances, found)})
+    for axes, x, label, at in zip(
+        figure.axes,
+        (time, MM * moved),
+        ("time (s)", "separation (mm)"),
+        (1.0, 300.0),
+        strict=True,
+    ):
+        curve, dot = axes.get_lines()
+        assert axes.get_xlabel() == label
+        assert curve.get_xdata() == pytest.approx(x)
+        assert curve.get_ydata() == pytest.approx(MM * distances)
+        assert [*dot.get_xdata(), *dot.get_ydata()] == pytest.approx([at, 50.0])
+    assert figure.axes[0].get_ylabel() == "distance (mm)"
+
+
+def test_approaches():
+    x = np.linspace(0.0, 0.4, 9)
+    distances = 0.08 + (x - 0.2) ** 2
+    figure = approaches_figure([Approach("worst", "one to two", x, distances)], 0.03)
+    [axes] = figure.axes
+    curve, dot, limit = axes.get_lines()
+    assert curve.get_xdata() == pytest.approx(MM * x)
+    assert curve.get_ydata() == pytest.approx(MM * distances)
+    assert [*dot.get_xdata(), *dot.get_ydata()] == pytest.approx([200.0, 80.0])
+    assert list(limit.get_ydata()) == [30.0, 30.0]
+    assert curve.get_label() == "worst: one to two, 80.00 mm"
+
+
+BALL = Part(name="ball", shape=Sphere(radius=0.07), p_BoGo_B=(0.1, -0.05, 0.2))
+POST = Part(
+    name="post",
+    shape=Box(size=(0.1, 0.2, 0.3)),
+    p_BoGo_B=(0.3, -0.2, 0.1),
+    rpy_BG=(0.0, 0.0, 0.5),
+)
+
+
+@pytest.fixture(scope="module")
+def tumbling():
+    motion = Tumbling(1, distance=2.0)
+    return motion, run_of(motion.trajectory(np.linspace(0.0, 1.0, 401)), [POST], [BALL])
+
+
+def test_swept(tumbling):
+    """The ball as it is at first, and that it is filled where it is at its times."""
+    motion, run = tumbling
+    figure = swept_figure(run, [("post", "ball")])
+    start = MM * motion.points(np.zeros(1), np.array(BALL.p_BoGo_B))[0]
+    views = (("x", 0, "z", 2), ("x", 0, "y", 1), ("y", 1, "z", 2))
+    for axes, (across, i, up, j) in zip(figure.axes, views, strict=True):
+        assert (axes.get_xlabel(), axes.get_ylabel()) == (
+            f"{across} (mm)",
+            f"{up} (mm)",
+        )
+        [outline] = axes.get_lines()
+        points = np.stack(outline.get_data(), axis=1)
+        from_centre = np.linalg.norm(points - start[[i, j]], axis=1)
+        assert from_centre == pytest.approx(np.full(len(points), 70.0), abs=1e-6)
+        swept, stays = axes.patches
+        assert swept.get_path().contains_point(start[[i, j]])
+        # Its post, turned about z, stands where it is in A.
+        corners = [
+            (x, y, z) for x in (-50, 50) for y in (-100, 100) for z in (-150, 150)
+        ]
+        corners = Rotation.from_euler("z", 0.5).apply(corners)
+        corners += np.array([300.0, -200.0, 100.0])
+        drawn = stays.get_path().vertices
+        for k, axis in enumerate((i, j)):
+            assert drawn[:, k].min() == pytest.approx(corners[:, axis].min(), abs=1e-6)
+            assert drawn[:, k].max() == pytest.approx(corners[:, axis].max(), abs=1e-6)
+
+
+class Noted:
+    """In place of a recording: what is drawn, and where it is put at which frame."""
+
+    def __init__(self, frames_per_second):
+        self.frames, self.drawn, self.places, self.bars = frames_per_second, [], [], []
+        made.append(self)
+
+    def draw(self, root, separation):
+        self.drawn.append((root, separation))
+
+    def place(self, path, pose, at):
+        self.places.append((path, pose, at))
+
+    def place_bar(self, root, ends, at):
+        self.bars.append((root, ends, at))
+
+    def page(self):
+        return "<html><title>Drake MeshCat</title><body></body></html>"
+
+
+made: list[Noted] = []
+
+
+def test_frames_of_an_animation(tumbling, monkeypatch):
+    """B is where it is in A at the time that is told, and the bar spans the gap."""
+    motion, run = tumbling
+    monkeypatch.setattr(animations, "Recording", Noted)
+    names = {a.name: a.spring.name for a in run.separation.attachments}
+    run = dataclasses.replace(  # slow while springs push
+        run,
+        releases=dict.fromkeys(names, 0.0),
+        stroke_ends=dict.fromkeys(names.values(), 0.1),
+    )
+    page = animations.animation({"first": run, "second": run}, title="Of both")
+    recording = made.pop()
+    assert [root for root, _ in recording.drawn] == ["/runs/0", "/runs/1"]
+    assert "<title>Of both</title>" in page
+    shown = json.loads(re.search(r"const runs = (\[.*?\]), frames = (\d+)", page)[1])
+    assert [one["label"] for one in shown] == ["first", "second"]
+    frames = len(shown[0]["time"])
+    for i, one in enumerate(shown):
+        times = np.array(one["time"])
+        mine = [p for p in recording.places if p[0].startswith(f"/runs/{i}")]
+        assert {path for path, _, _ in mine} == {f"/runs/{i}/upper"}
+        assert [at for _, _, at in mine] == pytest.approx(
+            np.arange(frames) / recording.frames
+        )
+        # Times are told to a microsecond, in which it moves by as many micrometres.
+        assert np.array([pose.p_AoBo_A for _, pose, _ in mine]) == pytest.approx(
+            motion.place(times), abs=2e-5
+        )
+        turned = motion.turn(times).as_matrix()
+        assert np.array([pose.R_AB for _, pose, _ in mine]) == pytest.approx(
+            turned, abs=2e-5
+        )
+        bars = [ends for root, ends, _ in recording.bars if root == f"/runs/{i}"]
+        lengths = [MM * np.linalg.norm(b - a) for a, b in bars]
+        # To four decimals of a millimetre, by Drake to micrometres.
+        assert lengths == pytest.approx(one["distance"], abs=0.01)
+        balls = motion.points(times, np.array(BALL.p_BoGo_B))
+        surface = [np.linalg.norm(b - c) for (_, b), c in zip(bars, balls, strict=True)]
+        assert surface == pytest.approx(np.full(frames, 0.07), abs=1e-4)
+        assert set(one["pair"]) == {"post to ball"}
+
+
+@pytest.mark.parametrize(
+    ("shape", "axis"),
+    [
+        (Box(size=(0.1, 0.2, 0.3)), (0.0, 0.0, 1.0)),
+        (Sphere(radius=0.1), (0.0, 0.0, 1.0)),
+        (Capsule(radius=0.1, length=0.4), (1.0, 0.0, 0.0)),  # along x, Drake's along z
+        (Cone(radius_aft=0.3, radius_fore=0.1, length=0.4), (1.0, 0.0, 0.0)),
+    ],
+)
+def test_where_a_part_is_drawn(shape, axis):
+    rpy, place = (0.4, -0.7, 1.1), (0.3, -0.2, 0.1)
+    part = Part(name="part", shape=shape, p_BoGo_B=place, rpy_BG=rpy)
+    _, X_BG = illustration_of(part)
+    R = Rotation.from_euler("xyz", rpy)
+    assert X_BG.translation() == pytest.approx(place)
+    drawn = X_BG.rotation().matrix() @ [0.0, 0.0, 1.0]
+    assert drawn == pytest.approx(R.apply(axis), abs=1e-12)
