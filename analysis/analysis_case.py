@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from drakesep.analysis.metrics.metric import Functional, Owner
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective, lowest, towards
@@ -154,6 +154,8 @@ class AnalysisCase:
     """Dispersed parameters that do not all reach their tolerances together."""
     requirements: tuple[Requirement, ...] = ()
     """Limits on metrics; of two on the same, to the same side, each has an id."""
+    objectives: Literal["paper"] | None = None
+    """What is looked at beside the requirements: the paper's objectives, or nothing."""
     clearance: ClearancePairs = field(default_factory=ClearancePairs)
     published: tuple[PublishedCase, ...] = ()
     """Worst cases that others have found."""
@@ -170,6 +172,7 @@ class AnalysisCase:
             admitted = ToleranceSet(self.separation, box, self.ellipsoids)
         object.__setattr__(self, "tolerance_set", admitted)
         self._check_requirements()
+        self._check_objectives()
         self._check_published()
 
     def _check_requirements(self) -> None:
@@ -206,6 +209,17 @@ class AnalysisCase:
         if name not in known:
             why = unknown(requirement.owner.value, name, known)
             raise InputError(f"{requirement.metric}: {why}")
+
+    def _check_objectives(self) -> None:
+        if self.objectives not in ("paper", None):
+            raise InputError(
+                f"objectives: must be 'paper' or left out, got {self.objectives!r}"
+            )
+        if self.published and not self.objectives:
+            raise InputError(
+                "published: worst cases of the paper's objectives need "
+                "'objectives: paper' beside them, got none"
+            )
 
     def _check_published(self) -> None:
         labels = [published.label for published in self.published]
@@ -249,19 +263,33 @@ class AnalysisCase:
 
     @property
     def objective_names(self) -> tuple[str, ...]:
-        """Names of the case's objectives: the paper's, and each requirement's."""
+        """Names of the case's objectives: of each requirement, and the paper's."""
         of_requirements = [
             name for r in self.requirements for name in self.names_towards(r)
         ]
-        of_requirements += [objective.name for objective in self._until_violations]
-        return tuple(dict.fromkeys([*OBJECTIVES, *of_requirements]))
+        of_paper = [objective.name for objective in self.paper_objectives]
+        return tuple(dict.fromkeys([*of_paper, *of_requirements]))
 
     @property
     def requirement_objectives(self) -> tuple[Objective, ...]:
-        """What leads out of each requirement, and the time to a deviation's limit."""
+        """What leads out of each requirement."""
         objectives = [o for limit in self.requirements for o in self.towards(limit)]
-        objectives += self._until_violations
         return tuple({objective.name: objective for objective in objectives}.values())
+
+    @property
+    def paper_objectives(self) -> tuple[Objective, ...]:
+        """The paper's, if the case asks for them: Eq. 11-14, and Table 4's time.
+
+        That is the time to a deviation's limit, of each pair that has one.
+        """
+        if not self.objectives:
+            return ()
+        times = [
+            lowest(f"{pair}.{_WITHIN}" if pair else _WITHIN)
+            for pair, limits in self.limits_of_pairs.items()
+            if any(map(math.isfinite, limits))
+        ]
+        return (*OBJECTIVES.values(), *times)
 
     @property
     def metrics(self) -> tuple[str, ...]:
@@ -273,15 +301,6 @@ class AnalysisCase:
         """Return whether runs are as long as a requirement looks at them."""
         found = find_metric(requirement.judged_by)
         return found is not None and found[0].reached(self.separation.duration)
-
-    @property
-    def _until_violations(self) -> list[Objective]:
-        """What makes the time to a deviation's limit short, of each pair with one."""
-        return [
-            lowest(f"{pair}.{_WITHIN}" if pair else _WITHIN)
-            for pair, limits in self.limits_of_pairs.items()
-            if any(map(math.isfinite, limits))
-        ]
 
     def towards(self, requirement: Requirement) -> tuple[Objective, ...]:
         """Return the objectives that lead out of a requirement.

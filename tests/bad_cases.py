@@ -266,6 +266,14 @@ BAD = {
         ),
         "published: paper_L1_Linf: payload: inertia must have principal moments",
     ),
+    "published without what it is the worst of": (
+        changed("objectives"),
+        "published: worst cases of the paper's objectives need 'objectives: paper'",
+    ),
+    "objectives of others": (
+        changed("objectives", "L1"),
+        "objectives: must be 'paper', got 'L1'",
+    ),
     "Drake's own name": (
         changed("bodies", {**VEGA["bodies"], "world": VEGA["bodies"]["payload"]}),
         "names must differ, got 'world' 2 times (it is reserved)",

@@ -15,6 +15,7 @@ class Effort(TypedDict, total=False):
     samples: int
     vertices: int
     generations: int
+    flips: int
     corners: int
     seed: int
 
@@ -35,6 +36,9 @@ class SearchSettings:
     """That are affordable."""
     generations: int = 100
     """Of differential evolution."""
+    flips: int = 2**15
+    """Corners that are flown for each objective, where all are too many: when as many
+    have been, no further start is made."""
     corners: int = 4096
     """Drawn at random, where tolerances grow."""
     seed: int = 0
@@ -51,26 +55,22 @@ class SearchSettings:
                 )
 
     @classmethod
-    def affordable(cls, steps: int, **effort: Unpack[Effort]) -> "SearchSettings":
-        """Return settings for runs of so many integration steps.
-
-        What staged releases of stiff joints cost a run, they take from its number.
+    def of_grade(cls, grade: int, **effort: Unpack[Effort]) -> "SearchSettings":
+        """Return settings of a grade of effort, each a quarter of the one before.
 
         Args:
-            steps: of the nominal run in Drake.
-            effort: what is not to be chosen by them.
+            grade: 0 for all of it.
+            effort: what is not to be chosen by it.
         """
+        most = cls()
         settings = cls(
-            starts=_between(2, 3000 // steps, 8),
-            samples=_between(1, 200_000_000 // steps**2, 50_000),
-            vertices=_between(1, 1_300_000_000 // steps**2, 2**18),
-            corners=_between(0, 20_000_000 // steps**2, 4096),
+            starts=max(2, most.starts >> grade),
+            samples=max(32, most.samples >> 2 * grade),
+            vertices=max(32, most.vertices >> 2 * grade),
+            flips=max(64, most.flips >> 2 * grade),
+            corners=most.corners >> 2 * grade,
         )
         return dataclasses.replace(settings, **effort)
-
-
-def _between(least: int, value: int, most: int) -> int:
-    return min(max(value, least), most)
 
 
 _LEAST = {
@@ -78,6 +78,7 @@ _LEAST = {
     "samples": 1,
     "vertices": 1,
     "generations": 1,
+    "flips": 1,
     "corners": 0,
     "seed": 0,
 }

@@ -6,6 +6,7 @@ See `drakesep.analysis.search.problem` for what they have in common.
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
+from drakesep.analysis.search.corners import flip_bounds
 from drakesep.analysis.search.evolution import evolve
 from drakesep.analysis.search.problem import FROM_NOMINAL, Search
 from drakesep.analysis.search.sqp_searches import sqp_from_many, sqp_from_nominal
@@ -18,6 +19,7 @@ SEARCHES: Mapping[str, Search] = MappingProxyType(
         FROM_NOMINAL: sqp_from_nominal,
         "multistart": sqp_from_many,
         "vertices": sweep_vertices,
+        "corners": flip_bounds,
         "samples": sample,
         "evolution": evolve,
     }

@@ -154,7 +154,7 @@ def sweep_vertices(
         raise InputError(
             f"vertices: a box of {n} parameters has 2^{n}, and {total:.3g} where "
             f"slopes do not tell the worse bound; {settings.vertices} are affordable. "
-            "Search by 'multistart' or 'evolution', disperse fewer parameters, or "
+            "Search by 'corners' or 'multistart', disperse fewer parameters, or "
             "afford more"
         )
     for k in problem.asked:

@@ -6,7 +6,7 @@ Keys carry their units; a `Case` hands everything on in SI and radians.
 import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import (
     Field,
@@ -79,6 +79,9 @@ class Case(Section):
     """Dispersed parameters that go together."""
     requirements: list[RequirementSection] = Field(default_factory=list)
     """What runs are held against."""
+    objectives: Literal["paper"] | None = None
+    """What is looked at beside the requirements: the paper's objectives, or nothing.
+    `published` needs them."""
     clearance: ClearanceSection = ClearanceSection()
     """Which of the bodies' geometry is measured."""
     recontact: RecontactSection | None = None
@@ -130,6 +133,7 @@ class Case(Section):
                 tolerances=tolerances,
                 ellipsoids=tuple(ellipsoids),
                 requirements=limits,
+                objectives=self.objectives,
                 clearance=self._clearance_pairs(),
                 published=tuple(published),
             )

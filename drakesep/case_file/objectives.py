@@ -1,6 +1,7 @@
 """The objectives of a case, and those of them that are wanted."""
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.objective import LOWEST, LowestClearance
@@ -15,40 +16,57 @@ from drakesep.systems.checks import InputError
 
 
 def case_objectives(case: Case | AnalysisCase) -> dict[str, Objective]:
-    """Return the objectives of a case by name: the paper's, and each requirement's."""
+    """Return the objectives of a case by name.
+
+    What leads out of each requirement; and the paper's, if it says `objectives: paper`.
+    """
     record = case.in_si() if isinstance(case, Case) else case
-    objectives = [*OBJECTIVES.values(), *record.requirement_objectives]
+    objectives = [*record.paper_objectives, *record.requirement_objectives]
     return {objective.name: objective for objective in objectives}
 
 
+Wanted: TypeAlias = Sequence[AnyObjective] | AnyObjective
+"""One or several."""
+
+
 def choose_objectives(
-    case: AnalysisCase, wanted: Sequence[AnyObjective] | AnyObjective | None
+    case: AnalysisCase, wanted: Wanted | None, also: Wanted = ()
 ) -> tuple[Objective, ...]:
     """Return the objectives that are wanted; all of the case if None.
 
+    Args:
+        case: with objectives of its own.
+        wanted: instead of these.
+        also: beside them.
+
     Raises:
-        ValueError: one is unknown, or two have the same name.
+        ValueError: there is none, one is unknown, or two have the same name.
     """
-    known = case_objectives(case)
-    if wanted is None:
-        return tuple(known.values())
-    if case.has_clearance:
-        clearance = case.lowest_clearance()
-        known.setdefault(clearance.name, clearance)
-    listed = [wanted] if isinstance(wanted, str) or callable(wanted) else wanted
+    own = case_objectives(case)
+    known = {**OBJECTIVES, **own}
+    if case.has_clearance and LOWEST not in known:
+        known[LOWEST] = case.lowest_clearance()
+    listed = [*(own if wanted is None else _listed(wanted)), *_listed(also)]
     if LOWEST in listed and not case.has_clearance:
         raise InputError(
             "lowest_clearance: needs geometry on two bodies that does not touch while "
             "mated, got none"
         )
+    if not listed and wanted is None:
+        raise InputError(
+            f"objectives: {case.name} has no requirement and no 'objectives: paper': "
+            f"must be given, such as {', '.join(OBJECTIVES)}, or highest_ or lowest_ "
+            "and a metric; got none"
+        )
     if not listed:
         raise InputError("objectives: must be one or more, got none")
-    chosen = [
+    each = (
         known[objective]
         if isinstance(objective, str) and objective in known
         else as_objective(objective, known)
         for objective in dict.fromkeys(listed)
-    ]
+    )
+    chosen = list(dict.fromkeys(each))
     names = [objective.name for objective in chosen]
     for objective in chosen:
         if objective.name in known and objective is not known[objective.name]:
@@ -63,6 +81,10 @@ def choose_objectives(
                 "give one another with objective.named(...)"
             )
     return tuple(chosen)
+
+
+def _listed(wanted: Wanted) -> Sequence[AnyObjective]:
+    return [wanted] if isinstance(wanted, str) or callable(wanted) else wanted
 
 
 def the_clearance(objectives: Sequence[Objective]) -> LowestClearance | None:

@@ -1,6 +1,7 @@
 """The command line. Imports that take time wait until a command needs them."""
 
 import contextlib
+import os
 import signal
 import sys
 import warnings
@@ -177,9 +178,9 @@ def animate(
         list[str] | None,
         typer.Option(
             "--run",
-            help="Label of a run of that table; can be repeated; all worst cases of "
-            "the paper's objectives and of the clearance if not given, or all if there "
-            "are none of these.",
+            help="Label of a run of that table; can be repeated; if not given, all "
+            "worst cases of the paper's objectives and of the clearance, or all worst "
+            "cases if there are none of these objectives.",
         ),
     ] = None,
 ) -> None:
@@ -233,9 +234,9 @@ SearchOption = Annotated[
     list[str] | None,
     typer.Option(
         "--search",
-        help="sqp, multistart, vertices, samples or evolution, in their order; or "
-        "drake alone; can be repeated. If not given: samples, vertices, sqp, "
-        "multistart; evolution where there are too many vertices.",
+        help="sqp, multistart, vertices, corners, samples, evolution, in their order; "
+        "or drake alone; can be repeated. If not given: samples, vertices, sqp, "
+        "multistart; corners where there are too many vertices.",
     ),
 ]
 StartsOption = Annotated[
@@ -244,9 +245,20 @@ StartsOption = Annotated[
 ]
 SamplesOption = Annotated[int | None, typer.Option(help="Drawn at random.")]
 VerticesOption = Annotated[int | None, typer.Option(help="That may be flown at most.")]
+FlipsOption = Annotated[
+    int | None,
+    typer.Option(
+        help="Corners that may be flown for each objective, where all are too many."
+    ),
+]
 SeedOption = Annotated[
     int | None, typer.Option(min=0, help="Of what is drawn at random.")
 ]
+
+
+_OBJECTIVE = (
+    "L1, L2, Linf, PM, one of a requirement, or highest_ or lowest_ and a metric"
+)
 
 
 @app.command("worst-case")
@@ -256,14 +268,15 @@ def worst_case(
         list[str] | None,
         typer.Option(
             "--objective",
-            help="L1, L2, Linf, PM, one of a requirement, or highest_ or lowest_ and a "
-            "metric; can be repeated; all of the case if not given.",
+            help=f"{_OBJECTIVE}; can be repeated. If not given: those of the case's "
+            "requirements, and L1 to PM if it says `objectives: paper`.",
         ),
     ] = None,
     search: SearchOption = None,
     starts: StartsOption = None,
     samples: SamplesOption = None,
     vertices: VerticesOption = None,
+    flips: FlipsOption = None,
     seed: SeedOption = None,
     output: OutputOption = None,
     workers: WorkersOption = None,
@@ -285,7 +298,13 @@ def worst_case(
             output=folder,
             workers=workers,
             on_progress=on_progress,
-            **_given(starts=starts, samples=samples, vertices=vertices, seed=seed),
+            **_given(
+                starts=starts,
+                samples=samples,
+                vertices=vertices,
+                flips=flips,
+                seed=seed,
+            ),
         )
     print_worst_cases(console, study)
     _say_where(console, folder)
@@ -303,17 +322,30 @@ _WHAT_FAILED = "a run or a search failed; see status in worst_cases.csv"
 @app.command()
 def verify(
     case: CaseArgument,
+    objectives: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--objective",
+            help=f"Searched beside those of the case: {_OBJECTIVE}; can be repeated.",
+        ),
+    ] = None,
     search: SearchOption = None,
     starts: StartsOption = None,
     samples: SamplesOption = None,
     vertices: VerticesOption = None,
+    flips: FlipsOption = None,
     seed: SeedOption = None,
     growth: Annotated[
         bool | None,
         typer.Option(
             "--growth/--no-growth",
-            help="Find how far tolerances may grow; else unless runs are long.",
+            help="Find how far tolerances may grow; if not given, where a study with "
+            "it takes less than ten minutes.",
         ),
+    ] = None,
+    corners: Annotated[
+        int | None,
+        typer.Option(help="Drawn at random, to look how far tolerances may grow."),
     ] = None,
     output: OutputOption = None,
     workers: WorkersOption = None,
@@ -338,13 +370,21 @@ def verify(
         with _interruptible(folder), folder, progress_bar(console) as on_progress:
             study = verification.verify(
                 loaded,
+                objectives=objectives or (),
                 searches=search,
                 growth=growth,
                 output=folder,
                 workers=workers,
                 on_progress=on_progress,
                 background=background,
-                **_given(starts=starts, samples=samples, vertices=vertices, seed=seed),
+                **_given(
+                    starts=starts,
+                    samples=samples,
+                    vertices=vertices,
+                    flips=flips,
+                    corners=corners,
+                    seed=seed,
+                ),
             )
     from drakesep.cli.results import print_requirements, print_verdict
 
@@ -386,8 +426,6 @@ def _parse_changes(texts: list[str]) -> dict[str, float]:
 
 
 def _console() -> "Console":
-    import os
-
     from rich.console import Console
 
     console = Console()
@@ -422,6 +460,10 @@ def _show_warning(
 
 def main() -> None:
     """Run the command line; bad input ends in one line for each error."""
+    # XLA says on standard error what concerns its developers, and calls it errors:
+    # that it compiles slowly, say. What is fatal it still says. JAX reads this when it
+    # is imported.
+    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     # So that leaving ends the workers, as it does for an interrupt.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))
     warnings.showwarning = _show_warning

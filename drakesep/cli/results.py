@@ -49,12 +49,13 @@ def print_worst_cases(console: Console, study: WorstCases) -> None:
     """Print the worst cases, with the evidence, and what failed."""
     if not study.comparison.empty:
         print_frame(console, "The paper's objectives", study.comparison)
-    print_frame(
-        console,
-        "Runs in the form of the paper's Table 4: M maximum, m minimum, Nom nominal"
-        + ("; published values in parentheses" if study.case.published else ""),
-        study.table_4,
-    )
+    if study.looks_at_paper:
+        print_frame(
+            console,
+            "Runs in the form of the paper's Table 4: M maximum, m minimum, Nom nominal"
+            + ("; published values in parentheses" if study.case.published else ""),
+            study.table_4,
+        )
     if study.worst:
         print_frame(console, "Searches", study.searches)
         evidence = study.evidence

@@ -293,7 +293,7 @@ _WORST_CASES = (
     FileKind(
         name="comparison.csv",
         studies=_SEARCHED,
-        what="The paper's objectives.",
+        what="The paper's objectives, where they are looked at.",
         row="objective of the paper",
         columns=(
             Column("objective", "", "Its metric."),
@@ -463,8 +463,9 @@ _WORST_CASES = (
     FileKind(
         name="table_4.csv",
         studies=(VERIFY,),
-        what="The paper's Table 4: conditions after separation, then M (maximum), m "
-        "(minimum), Nom (nominal) or the value of each property.",
+        what="The paper's Table 4, where its objectives are looked at: conditions "
+        "after separation, then M (maximum), m (minimum), Nom (nominal) or the value "
+        "of each property.",
         row="condition or property",
         columns=(
             Column("condition or property", "", "With its unit."),

@@ -3,11 +3,11 @@
 import contextlib
 import fcntl
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import Self, TypeAlias
+from typing import Any, Self, TypeAlias
 
 from drakesep.files import PREFIX
 from drakesep.results import catalogue, recorded_runs
@@ -110,6 +110,12 @@ class ResultsFolder:
         self._asked = asked
         self._record = record_of(asked, self.path, self._command)
         save_case(asked.case, self.path)
+        self._record.write(self.path)
+
+    def plan(self, options: Mapping[str, Any]) -> None:
+        """Write down what the study has planned, before it does."""
+        assert self._record is not None
+        self._record = replace(self._record, plan=dict(options))
         self._record.write(self.path)
 
     def end(

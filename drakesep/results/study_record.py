@@ -46,6 +46,9 @@ class StudyRecord:
     """What does the study again, in a shell."""
     arguments: Mapping[str, Any] = field(default_factory=dict)
     """That were given, beside the case and the folder."""
+    plan: Mapping[str, Any] = field(default_factory=dict)
+    """What was searched and how hard: options that plan the same again where runs are
+    faster or slower; none if nothing was searched."""
     seed: int | None = None
     """Of what is drawn at random; none if nothing is."""
     begun: str

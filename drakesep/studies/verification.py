@@ -12,7 +12,7 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.requirements import Finding, assess
 from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.case_file.case import Case
-from drakesep.case_file.objectives import choose_objectives, the_clearance
+from drakesep.case_file.objectives import Wanted, choose_objectives, the_clearance
 from drakesep.plots.pictures import Pictures
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import VERIFY
@@ -25,15 +25,10 @@ from drakesep.studies.worst_case.result import WorstCases
 from drakesep.studies.worst_case.searches import WantedSearches
 from drakesep.studies.worst_case.session import session
 from drakesep.systems.checks import InputError
-from drakesep.systems.model.run import Run
 from drakesep.tables.columns import write_csv
 from drakesep.tables.evidence_tables import tolerances_table
 from drakesep.tables.labelled_run import nominal_of
 from drakesep.tables.requirement_tables import requirements_table
-
-
-_GROWABLE = 2000
-"""Steps of the nominal run in Drake up to which growth is looked for unasked."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +69,8 @@ class Verification(WorstCases):
         # No verdict before the worst cases are known.
         if self.worst or (self.runs and not self.case.tolerances):
             write_csv(self.requirements, folder / "requirements.csv")
-            write_csv(self.table_4, folder / "table_4.csv")
+            if self.looks_at_paper:
+                write_csv(self.table_4, folder / "table_4.csv")
         if self.single_growths:
             write_csv(self.tolerances, folder / "tolerances.csv")
 
@@ -105,6 +101,7 @@ class Verification(WorstCases):
 def verify(
     case: Case | AnalysisCase | str | Path,
     *,
+    objectives: Wanted = (),
     searches: Sequence[str] | None = None,
     growth: bool | None = None,
     output: Output | None = None,
@@ -113,22 +110,27 @@ def verify(
     background: BackgroundProcess | None = None,
     **effort: Unpack[Effort],
 ) -> Verification:
-    """Find every worst case of a case and hold them against its requirements.
+    """Find the worst cases of a case and hold them against its requirements.
+
+    What leads out of each requirement is searched, and the paper's objectives if the
+    case says so.
 
     Args:
         case: a case, in SI or as a file holds it, a case file, or the name of a
             built-in case.
+        objectives: that are searched beside these, as `worst_case` takes them.
         searches: as `worst_case` takes them.
         growth: whether to find how far tolerances may grow; None: unless Drake flies
-            alone or its nominal run takes more than 2000 steps.
+            alone, or a study with it takes more than ten minutes.
         output: folder that receives tables and plots, tables as the study goes on.
         workers: number of processes that fly Drake; one per core if None; with 1, the
             caller's does all.
         on_progress: called as the study goes on.
         background: a process that is under way, to measure and draw in; one of its own
             if None.
-        effort: `starts`, `samples`, `vertices`, `generations`, `corners` and `seed` of
-            `SearchSettings`; the length of a run decides what is left out.
+        effort: `starts`, `samples`, `vertices`, `flips`, `generations`, `corners` and
+            `seed` of `SearchSettings`; the speed of runs, as it is measured, decides
+            what is left out: see `Verification.effort`.
 
     Raises:
         ValueError: the case is wrong or has no requirement, a search is wrong, or the
@@ -139,39 +141,39 @@ def verify(
         VERIFY,
         case,
         seed=SearchSettings(**effort).seed,
-        **{"searches": searches, "growth": growth, **effort},
+        **{
+            "objectives": objectives,
+            "searches": searches,
+            "growth": growth,
+            **effort,
+        },
     )
     case = asked.case
     if not case.requirements:
         raise InputError("requirements: a case to verify must have some, got none")
-    objectives = choose_objectives(case, None)
+    chosen = choose_objectives(case, None, objectives)
     with contextlib.ExitStack() as stack:
         folder = stack.enter_context(results_folder(output, VERIFY))
         plan = StudyPlan(
             asked=asked,
             # Without dispersions, the nominal and the published runs are all there is.
-            objectives=objectives if case.tolerances else (),
+            objectives=chosen if case.tolerances else (),
             searches=WantedSearches.named(searches),
             effort=effort,
+            growth=growth,
             workers=workers,
             folder=folder,
         )
         study = Verification(
-            asked=asked, objectives=plan.objectives, clearance=the_clearance(objectives)
+            asked=asked, objectives=plan.objectives, clearance=the_clearance(chosen)
         )
         if background is None:
             own = BackgroundProcess(workers if plan.on_batch_engine else 1)
             background = stack.enter_context(own)
         with session(plan, background, on_progress) as under_way:
             study = carried_out(study, under_way)
-            if study.objectives and _is_growth_wanted(growth, plan, under_way.nominal):
+            if study.effort is not None and study.effort.growth:
                 growths, single_growths = find_growths(study.worst, under_way)
                 study = replace(study, growths=growths, single_growths=single_growths)
             study = under_way.write_down(study)
         return ended(study, folder)
-
-
-def _is_growth_wanted(growth: bool | None, plan: StudyPlan, nominal: Run) -> bool:
-    if growth is None:
-        return plan.on_batch_engine and nominal.steps <= _GROWABLE
-    return growth

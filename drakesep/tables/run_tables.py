@@ -92,7 +92,7 @@ def read_runs(
     Args:
         file: the table.
         labels: of the runs; if None the worst cases of the paper's objectives and of
-            the clearance, or all worst cases if there are none of these.
+            the clearance, or all worst cases if there are none of these objectives.
 
     Raises:
         ValueError: it is no such table, has no such run, or does not say which runs are
@@ -146,8 +146,11 @@ def _worst_cases(file: str | Path, frame: pd.DataFrame) -> list[str]:
 
 def shown_first(worst: Sequence[str]) -> list[str]:
     """Return those of the labels of worst cases that are shown if none is asked for."""
-    of_these = [label_of(Worst(name)) for name in (*OBJECTIVES, LOWEST)]
-    return [label for label in worst if label in of_these] or list(worst)
+    of_paper = {label_of(Worst(name)) for name in OBJECTIVES}
+    if of_paper.isdisjoint(worst):
+        return list(worst)
+    shown = {*of_paper, label_of(Worst(LOWEST))}
+    return [label for label in worst if label in shown]
 
 
 def metrics_table(metrics: Mapping[str, float]) -> pd.DataFrame:

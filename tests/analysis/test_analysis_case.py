@@ -29,6 +29,7 @@ def case(**changes) -> AnalysisCase:
         "separation": generic_pair(),
         "tolerances": {"upper.mass": 20.0, "upper.cg_y": 0.01},
         "requirements": (SPEED, ROLL),
+        "objectives": "paper",
         "published": (PublishedCase(label="paper", values={"upper.mass": 1210.0}),),
     }
     return AnalysisCase(**{**given, **changes})
@@ -53,14 +54,18 @@ def test_set_of_the_tolerances_is_around_the_separation():
 def test_limits_of_deviations_and_objectives():
     made = case()
     assert made.deviation_limits == (0.02, math.inf, math.inf)
-    assert made.objective_names == (
-        *("L1", "L2", "Linf", "PM"),
+    of_requirements = (
         "lowest_longitudinal_speed_after_separation",
         *("deviation_at_separation_roll_up", "deviation_at_separation_roll_down"),
-        "lowest_deviation_within_limits_until",
     )
+    of_paper = ("L1", "L2", "Linf", "PM", "lowest_deviation_within_limits_until")
+    assert made.objective_names == of_paper + of_requirements
     objectives = [objective.name for objective in made.requirement_objectives]
-    assert tuple(objectives) == made.objective_names[4:]
+    assert tuple(objectives) == of_requirements
+    assert tuple(o.name for o in made.paper_objectives) == of_paper
+    plain = dataclasses.replace(made, objectives=None, published=())
+    assert plain.objective_names == of_requirements
+    assert plain.paper_objectives == ()
 
 
 WRONG = [
@@ -85,6 +90,8 @@ WRONG = [
         "clearance: pair: unknown part 'ring'",
     ),
     ({"published": 2 * case().published}, "published: label 'paper' must stand once"),
+    ({"objectives": "L1"}, "objectives: must be 'paper' or left out, got 'L1'"),
+    ({"objectives": None}, "published: .* need 'objectives: paper' beside them"),
     (
         {"published": (PublishedCase(label="paper", values={"upper.mass": -1.0}),)},
         "published: paper: upper: mass must be > 0, got -1",

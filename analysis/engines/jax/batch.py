@@ -114,6 +114,8 @@ class Batch:
         names: (n_p,) of the parameters that vary.
         nominal: (n_p,) their values in the separation.
         metrics: (n_m,) names of what it tells.
+        chunk: rows that are flown together.
+        workers: threads that fly chunks.
     """
 
     def __init__(
@@ -172,7 +174,7 @@ class Batch:
                 raise InputError(f"{what} must be a whole number >= 1, got {number}")
         self.separation = separation
         self.names = tuple(names)
-        self._workers = workers
+        self.chunk, self.workers = chunk, workers
         self._max_steps = max_steps
         self._nominal = nominal
         self.nominal = np.array([nominal[name] for name in names])
@@ -325,7 +327,7 @@ class Batch:
     ) -> Iterator[tuple[slice, _Flown]]:
         """Yield parts of the rows in order, of some chunks, with what came of them."""
         chunks = -(-len(rows) // program.chunk)
-        most = min(chunks // self._workers, program.affordable)
+        most = min(chunks // self.workers, program.affordable)
         size = program.chunk * max(most, 1)
         parts = [
             slice(start, min(start + size, len(rows)))
@@ -337,7 +339,7 @@ class Batch:
             flown: _Flown = program(lanes, len(rows[part]))
             return flown
 
-        with ThreadPoolExecutor(self._workers) as pool:
+        with ThreadPoolExecutor(self.workers) as pool:
             try:
                 yield from zip(parts, pool.map(fly, parts), strict=True)
             except BaseException:

@@ -46,7 +46,7 @@ class BatchEvaluator:
             ValueError: the batch does not tell a metric.
         """
         self._derivatives = derivatives
-        self._preparing: futures.Future[BatchResult] | None = None
+        self._preparing: list[futures.Future[BatchResult]] = []
         self._batch = batch
         self.names = batch.names
         self.objectives = tuple(objectives)
@@ -138,17 +138,20 @@ class BatchEvaluator:
         # process that ends within the compiler does so with a crash.
         pool = futures.ThreadPoolExecutor(_COMPILERS)
         if self._by_metrics:
-            pool.submit(self._batch.run, nominal)
+            self._preparing.append(pool.submit(self._batch.run, nominal))
         if any(map(self.exact, range(len(self.objectives)))):
-            self._preparing = pool.submit(self._batch.jacobian, nominal)
+            self._preparing.append(pool.submit(self._batch.jacobian, nominal))
         if len(self._by_metrics) < len(self.objectives):
             pool.submit(self._batch.runs, nominal)
         pool.shutdown(wait=False)
 
+    def wait(self) -> None:
+        """Wait until what metrics tell can be told at once."""
+        futures.wait(self._preparing)
+
     def slopes(self, rows: Array, which: Sequence[int]) -> tuple[Evaluated, Array]:
         """Return one objective at each row, and its derivatives (n, n_p)."""
-        if self._preparing is not None:
-            futures.wait([self._preparing])
+        self.wait()
         result = self._batch.jacobian(rows)
         assert result.jacobian is not None
         slopes = np.zeros((len(rows), len(self.names)))
@@ -160,12 +163,14 @@ class BatchEvaluator:
         return Evaluated(self._tell(result, which), dict(result.failures)), slopes
 
     def _tell(self, result: BatchResult, which: Sequence[int]) -> Array:
-        return np.array(
-            [
-                float(self._by_metrics[k].of_metrics(row))
-                for k, row in zip(which, _row_by_row(result), strict=True)
-            ]
-        )
+        """Return (n,) one objective at each row, those of an objective at once."""
+        asked, metrics = np.asarray(which), _by_name(result)
+        values = np.empty(len(asked))
+        for k in np.unique(asked).tolist():
+            mine = asked == k
+            some = {name: column[mine] for name, column in metrics.items()}
+            values[mine] = self._by_metrics[k].of_metrics(some)
+        return values
 
 
 def _by_name(result: BatchResult) -> dict[str, Array]:

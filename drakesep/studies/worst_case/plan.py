@@ -11,6 +11,8 @@ from drakesep.analysis.search.expensive_objectives import check_expensive
 from drakesep.analysis.search.problem import SearchProgress
 from drakesep.results.asked import Asked
 from drakesep.results.folder import ResultsFolder
+from drakesep.studies.worst_case.effort import StudyEffort
+from drakesep.studies.worst_case.pace import Remaining
 from drakesep.studies.worst_case.searches import WantedSearches
 from drakesep.tables.roles import check_labels
 
@@ -30,7 +32,9 @@ class StudyPlan:
     """To be maximised; without any, the nominal and the published runs are all."""
     searches: WantedSearches = field(default_factory=WantedSearches)
     effort: Effort = field(default_factory=Effort)
-    """How hard to search; what is left out, the length of a run decides."""
+    """How hard to search; what is left out, the speed of runs decides."""
+    growth: bool | None = False
+    """Whether to find how far tolerances may grow; None: if there is time."""
     workers: int | None = None
     """Processes that fly Drake; one per core if None; with 1, the caller's does all."""
     folder: ResultsFolder | None = None
@@ -61,7 +65,14 @@ class Progress:
     objectives: tuple[Objective, ...]
     """That are searched."""
     search: SearchProgress
-    """The search under way; after them the confirmation in Drake, and growth."""
+    """The search under way; after them the confirmation in Drake, and growth. Before
+    them `PLAN`, with nothing done."""
+    effort: StudyEffort
+    """What the study does, and how long it takes."""
+    remaining: Remaining
+    """What is left of it."""
 
 
+PLAN = "plan"
+"""What is told before the searches begin."""
 OnProgress: TypeAlias = Callable[[Progress], None]

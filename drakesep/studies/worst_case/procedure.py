@@ -15,13 +15,12 @@ import numpy as np
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.objective import LowestClearance
-from drakesep.analysis.metrics.objectives import AnyObjective
 from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.analysis.search.judge import find_worst_cases
 from drakesep.analysis.search.problem import Problem, Searched
 from drakesep.analysis.search.sqp import Start, slopes_at
 from drakesep.case_file.case import Case
-from drakesep.case_file.objectives import choose_objectives, the_clearance
+from drakesep.case_file.objectives import Wanted, choose_objectives, the_clearance
 from drakesep.plots.pictures import Tornado
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import WORST_CASE
@@ -31,11 +30,7 @@ from drakesep.studies.background_process import BackgroundProcess
 from drakesep.studies.worst_case.confirmation import confirmed
 from drakesep.studies.worst_case.plan import OnProgress, StudyPlan
 from drakesep.studies.worst_case.result import WorstCases
-from drakesep.studies.worst_case.searches import (
-    WantedSearches,
-    default_searches,
-    is_light,
-)
+from drakesep.studies.worst_case.searches import WantedSearches
 from drakesep.studies.worst_case.session import Session, session
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
@@ -49,7 +44,7 @@ _Study = TypeVar("_Study", bound=WorstCases)
 
 def worst_case(
     case: Case | AnalysisCase | str | Path,
-    objectives: Sequence[AnyObjective] | AnyObjective | None = None,
+    objectives: Wanted | None = None,
     *,
     searches: Sequence[str] | None = None,
     output: Output | None = None,
@@ -63,15 +58,17 @@ def worst_case(
         case: a case, in SI or as a file holds it, a case file, or the name of a
             built-in case.
         objectives: names (see `case_objectives`), objectives, or functions of a run;
-            the paper's and those of the requirements if None.
+            what leads out of each requirement if None, and the paper's if the case
+            says so.
         searches: names out of `SEARCHES`, in the order in which they go; or
-            ``["drake"]``, which flies Drake alone; `default_searches` if None.
+            ``["drake"]``, which flies Drake alone; what suits the case if None.
         output: folder that receives tables and plots, tables as the study goes on.
         workers: number of processes that fly Drake; one per core if None; with 1, the
             caller's does all.
         on_progress: called as the study goes on.
-        effort: `starts`, `samples`, `vertices`, `generations` and `seed` of
-            `SearchSettings`; the length of a run decides what is left out.
+        effort: `starts`, `samples`, `vertices`, `flips`, `generations` and `seed` of
+            `SearchSettings`; the speed of runs, as it is measured, decides what is
+            left out: see `WorstCases.effort`.
 
     Raises:
         ValueError: the case, an objective or a search is wrong, or the folder cannot
@@ -166,7 +163,10 @@ def _measured(
 
 def searched(study: _Study, under_way: Session) -> _Study:
     """Return a study with its worst cases; each search is written down as it ends."""
-    problem, settings = under_way.problem, under_way.settings
+    problem, effort = under_way.problem, under_way.effort
+    if under_way.plan.folder is not None:
+        under_way.plan.folder.plan(effort.options)
+    under_way.tell_plan()
     done: list[Searched] = []
 
     def keep(found: Searched) -> None:
@@ -175,26 +175,17 @@ def searched(study: _Study, under_way: Session) -> _Study:
 
     worst = find_worst_cases(
         problem,
-        _names_of_searches(under_way),
-        settings,
+        effort.searches,
+        effort.settings,
         on_progress=under_way.tell,
         on_search=keep,
     )
     return replace(
         study,
+        effort=effort,
         searched=tuple(done),
         worst=tuple(worst),
         nominal_slopes=_slopes_at_nominal(problem),
-    )
-
-
-def _names_of_searches(under_way: Session) -> Sequence[str]:
-    plan = under_way.plan
-    several = is_light(under_way.nominal.steps) and not all(
-        objective.expensive for objective in plan.objectives
-    )
-    return plan.searches.names or default_searches(
-        len(plan.case.box), under_way.settings, light=several
     )
 
 

@@ -17,6 +17,7 @@ from drakesep.plots.pictures import Pictures, Tornado
 from drakesep.results.asked import Asked
 from drakesep.results.folder import ResultsFolder
 from drakesep.results.recorded_runs import save_runs
+from drakesep.studies.worst_case.effort import StudyEffort
 from drakesep.systems.arrays import Array
 from drakesep.tables.columns import write_csv
 from drakesep.tables.comparison import comparison_table
@@ -41,6 +42,8 @@ class WorstCases:
     """With the case."""
     objectives: tuple[Objective, ...] = ()
     runs: tuple[LabelledRun, ...] = ()
+    effort: StudyEffort | None = field(default=None, repr=False)
+    """What was planned by the speed of runs, and the options that plan it again."""
     searched: tuple[Searched, ...] = ()
     """What each search found, in their order."""
     worst: tuple[WorstCase, ...] = ()
@@ -87,6 +90,12 @@ class WorstCases:
         ]
 
     @property
+    def looks_at_paper(self) -> bool:
+        """Whether objectives of the paper are looked at: by the case, or on request."""
+        asked = any(objective.name in OBJECTIVES for objective in self.objectives)
+        return asked or self.case.objectives == "paper"
+
+    @property
     def comparison(self) -> pd.DataFrame:
         """For each of the paper's objectives: nominal, published, SQP and worst."""
         return comparison_table(self.runs)
@@ -126,15 +135,20 @@ class WorstCases:
 
     @property
     def nearest_sensitivities(self) -> pd.DataFrame:
-        """Sensitivities of the paper's objectives, and in each worse direction."""
-        left_out = set()
+        """Sensitivities of all but the better direction of each requirement."""
+        frame = self.sensitivities
+        return frame[~frame["objective"].isin(self._better_directions)]
+
+    @property
+    def _better_directions(self) -> set[str]:
+        """Objectives of requirements that have another, whose worst is worse."""
+        better = set()
         values = {case.name: case.value for case in self.worst}
         for requirement in self.case.requirements:
             names = self.case.names_towards(requirement)
             known = [name for name in names if name in values]
-            left_out |= set(known) - {max(known, key=values.__getitem__, default="")}
-        frame = self.sensitivities
-        return frame[~frame["objective"].isin(left_out)]
+            better |= set(known) - {max(known, key=values.__getitem__, default="")}
+        return better
 
     @property
     def motions(self) -> dict[str, pd.DataFrame]:
@@ -199,11 +213,27 @@ class WorstCases:
         """What shows the runs."""
         clearances = [r.limit for r in self.case.requirements if r.measured_apart]
         return Pictures(
-            runs=[o for o in self.runs if o.run.motion is not None and _shown(o)],
+            runs=[o for o in self._shown if o.run.motion is not None],
             limits=self.case.requirements,
             approaches=self._approaches,
             clearance_limit=clearances[0] if clearances else None,
         )
+
+    @property
+    def _shown(self) -> list[LabelledRun]:
+        """The runs in the plots of the motion.
+
+        The references, and the worst by the paper's objectives; where these are not
+        looked at, all worst cases but those of better directions.
+        """
+        worst = {case.name for case in self.worst}
+        shown = worst & set(OBJECTIVES) or worst - self._better_directions
+        return [
+            one
+            for one in self.runs
+            if one.objective is None
+            or (isinstance(one.role, Worst) and one.objective in shown)
+        ]
 
     @functools.cached_property
     def _approaches(self) -> list[Approach]:
@@ -223,8 +253,3 @@ class WorstCases:
 
 def _of_paper(one: LabelledRun) -> bool:
     return one.objective in OBJECTIVES
-
-
-def _shown(one: LabelledRun) -> bool:
-    """Return whether a run is in the plots of the motion."""
-    return one.objective is None or (_of_paper(one) and isinstance(one.role, Worst))

@@ -1,11 +1,11 @@
-"""Which searches a study runs, and how hard, as the length of its runs allows."""
+"""Which searches a study runs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
-from drakesep.analysis.metrics.objectives import Needs, Objective
-from drakesep.analysis.search.effort import Effort, SearchSettings
+from drakesep.analysis.metrics.objectives import Objective
+from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import FROM_NOMINAL
 from drakesep.analysis.search.registry import check_search
 from drakesep.systems.checks import InputError
@@ -16,15 +16,6 @@ DEFAULT_SEARCHES = ("samples", "vertices", FROM_NOMINAL, "multistart")
 DRAKE = "drake"
 """The name by which a user asks that Drake alone flies: SQP from the nominal, with
 differences."""
-
-_WHOLE_RUN = 800
-"""Steps of a run in Drake that costs what an objective of a whole run does on the
-batch engine, which samples its motion."""
-_EXPENSIVE: Effort = {"samples": 32, "vertices": 32}
-"""Where there are none but expensive objectives, a fraction of a second each."""
-_LIGHT = 300
-"""Steps of a Drake run up to which it is a light one: derivatives cost less than they
-save, and workers take longer to start than to fly."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,46 +54,24 @@ class WantedSearches:
         return cls(names=tuple(searches))
 
 
-def is_light(steps: int) -> bool:
-    """Return whether a run of so many steps in Drake is a light one."""
-    return steps <= _LIGHT
-
-
 def default_searches(
-    parameters: int, settings: SearchSettings, *, light: bool
+    parameters: int, settings: SearchSettings, objectives: Sequence[Objective]
 ) -> tuple[str, ...]:
     """Return the searches of a study that is not told which.
 
-    Vertices, while all are affordable; else differential evolution, if runs are light.
+    Vertices, while all are affordable; else flips of bounds, unless all objectives are
+    expensive.
 
     Args:
         parameters: how many are dispersed.
         settings: what is affordable.
-        light: whether very many runs are.
+        objectives: that are searched.
     """
-    instead = ("evolution",) if light else ()
+    cheap = not all(objective.expensive for objective in objectives)
+    instead = ("corners",) if cheap else ()
     wide = ("vertices",) if 2**parameters <= settings.vertices else instead
     return tuple(
         name
         for wanted in DEFAULT_SEARCHES
         for name in (wide if wanted == "vertices" else (wanted,))
-    )
-
-
-def affordable(
-    objectives: Sequence[Objective], steps: int, effort: Effort
-) -> SearchSettings:
-    """Return how hard to search, by what takes longest of what searches fly.
-
-    Args:
-        objectives: that are searched.
-        steps: of the nominal run in Drake.
-        effort: what is not to be chosen by them.
-    """
-    if all(objective.expensive for objective in objectives):
-        chosen: Effort = _EXPENSIVE | effort
-        return SearchSettings.affordable(steps, **chosen)
-    whole_runs = any(o.needs is Needs.RUN for o in objectives)
-    return SearchSettings.affordable(
-        max(steps, _WHOLE_RUN if whole_runs else 0), **effort
     )

@@ -1,6 +1,8 @@
 """A study under way: what its steps fly with, and where they write."""
 
 import contextlib
+import functools
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, wait
 from dataclasses import dataclass, field
@@ -17,8 +19,10 @@ from drakesep.analysis.metrics.objectives import MetricObjective, Objective
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import Problem, SearchProgress
 from drakesep.studies.background_process import BackgroundProcess
-from drakesep.studies.worst_case.plan import OnProgress, Progress, StudyPlan
-from drakesep.studies.worst_case.searches import affordable, is_light
+from drakesep.studies.worst_case.effort import StudyEffort, planned_effort
+from drakesep.studies.worst_case.pace import Pace
+from drakesep.studies.worst_case.plan import PLAN, OnProgress, Progress, StudyPlan
+from drakesep.studies.worst_case.speed import measured_speed
 from drakesep.systems.arrays import Array
 from drakesep.systems.model.run import Run
 from drakesep.systems.simulation.simulation import Simulation
@@ -30,6 +34,9 @@ class _HasTables(Protocol):
 
 _Study = TypeVar("_Study", bound=_HasTables)
 
+_WORKERS_START = 4.0
+"""What workers must save to be worth their start, s."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Session:
@@ -38,11 +45,15 @@ class Session:
     plan: StudyPlan
     nominal: Run
     """That nothing changes; it has completed."""
+    drake: float
+    """Seconds that it took."""
     published: tuple[Run, ...]
     """Of the published cases, in their order."""
     pool: DrakePool
     evaluator: Evaluator
     """Flies what is searched."""
+    batch: Batch | None
+    """That does, if it is not Drake."""
     background: BackgroundProcess
     """Measures and draws."""
     on_progress: OnProgress | None = None
@@ -54,16 +65,45 @@ class Session:
         tolerances = self.plan.case.tolerance_set
         return Problem(tolerances=tolerances, evaluator=self.evaluator)
 
+    @functools.cached_property
+    def effort(self) -> StudyEffort:
+        """What is searched and how hard, by how fast the case flies; measured once."""
+        plan = self.plan
+        if isinstance(self.evaluator, BatchEvaluator):
+            self.evaluator.wait()
+        speed = measured_speed(
+            plan.case, plan.objectives, self.batch, self.nominal, self.drake
+        )
+        return planned_effort(
+            plan.case, plan.objectives, plan.searches, plan.effort, plan.growth, speed
+        )
+
     @property
     def settings(self) -> SearchSettings:
         """How hard it is searched."""
-        return affordable(self.plan.objectives, self.nominal.steps, self.plan.effort)
+        return self.effort.settings
+
+    @functools.cached_property
+    def _pace(self) -> Pace:
+        return Pace(self.effort.seconds)
+
+    def tell_plan(self) -> None:
+        """Tell the user what the study will do, before it does."""
+        self.tell(SearchProgress(search=PLAN, done=0, total=None))
 
     def tell(self, progress: SearchProgress) -> None:
         """Tell the user how far a step has come."""
         if self.on_progress is not None:
-            objectives = self.plan.objectives
-            self.on_progress(Progress(objectives=objectives, search=progress))
+            self.on_progress(
+                Progress(
+                    objectives=self.plan.objectives,
+                    search=progress,
+                    effort=self.effort,
+                    remaining=self._pace.at(
+                        progress.search, progress.done, progress.total
+                    ),
+                )
+            )
 
     def write_down(self, study: _Study) -> _Study:
         """Return what a step leaves, with its tables in the folder, if there is one."""
@@ -109,20 +149,22 @@ def session(
     batch = _batch_of(case, plan.objectives) if plan.on_batch_engine else None
     if plan.folder is not None:
         plan.folder.begin(plan.asked)
-    nominal = _fly_nominal(case)
-    light = is_light(nominal.steps)
-    few = batch is not None and light and plan.workers is None
+    nominal, drake = _fly_nominal(case)
+    several = drake * (len(case.published) + len(plan.objectives))
+    few = batch is not None and several < _WORKERS_START and plan.workers is None
     workers = 1 if few else plan.workers
     with DrakePool(case.separation, case.integration, workers=workers) as pool:
         published = pool.fly([published.values for published in case.published])
         evaluator: Evaluator = (
             _in_drake(case, plan.objectives, pool)
             if batch is None
-            else _on_batch(case, plan.objectives, batch, derivatives=light)
+            else _on_batch(case, plan.objectives, batch)
         )
         under_way = Session(
             plan=plan,
             nominal=nominal,
+            drake=drake,
+            batch=batch,
             published=tuple(published),
             pool=pool,
             evaluator=evaluator,
@@ -136,11 +178,14 @@ def session(
         under_way.check_drawings()
 
 
-def _fly_nominal(case: AnalysisCase) -> Run:
-    nominal = Simulation(case.separation, case.integration).run({})
+def _fly_nominal(case: AnalysisCase) -> tuple[Run, float]:
+    """Return the nominal run, and the seconds that it took."""
+    simulation = Simulation(case.separation, case.integration)
+    began = time.perf_counter()
+    nominal = simulation.run({})
     if nominal.motion is None:
         raise RuntimeError(f"the nominal run failed: {nominal.message}")
-    return nominal
+    return nominal, time.perf_counter() - began
 
 
 def _batch_of(case: AnalysisCase, objectives: Sequence[Objective]) -> Batch:
@@ -159,14 +204,12 @@ def _batch_of(case: AnalysisCase, objectives: Sequence[Objective]) -> Batch:
 
 
 def _on_batch(
-    case: AnalysisCase,
-    objectives: Sequence[Objective],
-    batch: Batch,
-    *,
-    derivatives: bool,
+    case: AnalysisCase, objectives: Sequence[Objective], batch: Batch
 ) -> BatchEvaluator:
+    # Derivatives cost 2.5 runs for each parameter, differences one, and compiling them
+    # as long as a whole study; where both end is the same.
     evaluator = BatchEvaluator(
-        batch, objectives, case.limits_of_pairs, derivatives=derivatives
+        batch, objectives, case.limits_of_pairs, derivatives=False
     )
     evaluator.prepare()  # its programs are compiled beside what comes next
     return evaluator

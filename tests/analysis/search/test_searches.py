@@ -26,7 +26,7 @@ NAMES = ("upper.cg_x", "upper.cg_y", "upper.cg_z", "upper.mass")
 BOX = ToleranceBox.around(PAIR, dict(zip(NAMES, (0.02, 0.01, 0.005, 1.0), strict=True)))
 SET = ToleranceSet(PAIR, BOX)
 QUICK = SearchSettings(starts=6, samples=300, generations=30)
-ALL = ("samples", "vertices", "sqp", "multistart", "evolution")
+ALL = ("samples", "vertices", "corners", "sqp", "multistart", "evolution")
 
 
 def problem(*functions, tolerances=SET):
@@ -59,7 +59,11 @@ def test_maximum_inside_the_box(name, close):
 
 
 @pytest.mark.parametrize(
-    ("name", "close"), [("vertices", 1e-9), ("multistart", 1e-9), ("evolution", 0.05)]
+    ("name", "close"),
+    [
+        *(("vertices", 1e-9), ("corners", 1e-9)),
+        *(("multistart", 1e-9), ("evolution", 0.05)),
+    ],
 )
 def test_maximum_in_a_corner_that_the_nominal_does_not_see(name, close):
     found = run(name, saddle).best(0)

@@ -65,7 +65,7 @@ def test_verify_fails_where_a_requirement_is_not_met(drakesep, tmp_path):
     text = text.replace("at_least: 0.5", "at_least: 5")
     start, end = text.index("dispersions:"), text.index("requirements:")
     text = text[:start] + "dispersions: {payload.mass_kg: 20}\n" + text[end:]
-    text = text[: text.index("published:")]
+    text = text[: text.index("objectives: paper")]
     (tmp_path / "case.yaml").write_text(text)
     code, out, _ = drakesep(
         *("verify", tmp_path / "case.yaml", "-o", tmp_path / "out"),
@@ -195,10 +195,33 @@ def test_interrupt_ends_in_one_line(tmp_path):
     os.killpg(verify.pid, signal.SIGINT)  # the terminal sends it to workers too
     _, err = verify.communicate(timeout=60)
     assert verify.returncode == 130
-    lines = [line for line in err.splitlines() if not line.endswith(" begins")]
+    lines = [line for line in err.splitlines() if line.startswith("drakesep")]
     assert lines == [f"drakesep: interrupted; what was done is in {tmp_path}"]
     labels = pd.read_csv(tmp_path / "worst_cases.csv")["label"]
     assert labels.tolist()[:2] == ["nominal", "paper_L1_Linf"]
+
+
+@pytest.mark.parametrize(("level", "quiet"), [(None, True), ("1", False)])
+def test_what_xla_says_stays_off_the_screen(level, quiet):
+    """Unless its user asks for it: here, that it cannot dump what it compiles."""
+    script = (
+        "import sys; sys.argv = ['drakesep', 'cases']\n"
+        "from drakesep.cli import app as cli\n"
+        "try: cli.main()\n"
+        "except SystemExit: pass\n"
+        "import jax; jax.jit(lambda x: x + 1.0)(1.0)\n"
+        "print('ours', file=sys.stderr)\n"
+    )
+    environment = {**os.environ, "XLA_FLAGS": "--xla_dump_to=/proc/nowhere"}
+    environment.pop("TF_CPP_MIN_LOG_LEVEL", None)
+    if level is not None:
+        environment["TF_CPP_MIN_LOG_LEVEL"] = level
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, env=environment
+    )
+    assert done.returncode == 0, done.stderr
+    assert (done.stderr.splitlines() == ["ours"]) is quiet
+    assert done.stderr.splitlines()[-1] == "ours"
 
 
 def test_help_imports_neither_drake_nor_scipy():

@@ -11,7 +11,7 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
-from flights import run_of
+from flights import run_of, trajectory
 from runs import made_up_run
 from scipy.spatial.transform import Rotation
 from tumbling import Tumbling
@@ -163,11 +163,22 @@ def tumbling():
     return motion, run_of(motion.trajectory(np.linspace(0.0, 1.0, 401)), [POST], [BALL])
 
 
-def test_swept(tumbling):
-    """The ball as it is at first, and that it is filled where it is at its times."""
-    motion, run = tumbling
-    figure = swept_figure(run, [("post", "ball")])
-    start = MM * motion.points(np.zeros(1), np.array(BALL.p_BoGo_B))[0]
+def test_swept():
+    """The ball as it is at first, and that is filled where it comes by; the post."""
+    time = np.linspace(0.0, 1.0, 201)
+    place = np.stack([1.5 * time - 0.8, 0.1 + 0.0 * time, 0.05 + 0.0 * time], axis=1)
+    moving = trajectory(
+        time,
+        place,
+        np.tile([1.5, 0.0, 0.0], (len(time), 1)),
+        angle=0.6 + 0.8 * time,
+        rate=np.full(len(time), 0.8),
+        axis=(0.0, 0.0, 1.0),
+    )
+    figure = swept_figure(run_of(moving, [POST], [BALL]), [("post", "ball")])
+    turns = np.outer(0.6 + 0.8 * time, [0.0, 0.0, 1.0])
+    turned = Rotation.from_rotvec(turns).apply(BALL.p_BoGo_B)
+    start, *_, later = MM * (turned + place)[:100]  # well before it is clear
     views = (("x", 0, "z", 2), ("x", 0, "y", 1), ("y", 1, "z", 2))
     for axes, (across, i, up, j) in zip(figure.axes, views, strict=True):
         assert (axes.get_xlabel(), axes.get_ylabel()) == (
@@ -179,7 +190,8 @@ def test_swept(tumbling):
         from_centre = np.linalg.norm(points - start[[i, j]], axis=1)
         assert from_centre == pytest.approx(np.full(len(points), 70.0), abs=1e-6)
         swept, stays = axes.patches
-        assert swept.get_path().contains_point(start[[i, j]])
+        for centre in (start, later):
+            assert swept.get_path().contains_point(centre[[i, j]])
         # Its post, turned about z, stands where it is in A.
         corners = [
             (x, y, z) for x in (-50, 50) for y in (-100, 100) for z in (-150, 150)

@@ -7,8 +7,6 @@ import pytest
 
 import drakesep
 from drakesep.analysis.metrics.objectives import OBJECTIVES, highest
-from drakesep.analysis.search.effort import SearchSettings
-from drakesep.studies.worst_case.searches import default_searches
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.run import RunStatus
 from drakesep.systems.simulation.simulation import Simulation
@@ -23,7 +21,15 @@ def test_progress_tells_every_iterate(tmp_path):
         "vega", ["PM"], output=tmp_path, on_progress=seen.append, **IN_DRAKE
     )
     [history] = study.iterations.values()
-    *searched, confirmed = [p.search for p in seen]
+    planned, *searched, confirmed = [p.search for p in seen]
+    assert planned.search == "plan"
+    assert str(seen[0].effort).startswith(
+        "worst cases of 1 objectives over 18 parameters: SQP from the nominal; about"
+    )
+    shares = [p.remaining.share for p in seen]
+    assert shares == sorted(shares)
+    assert shares[0] == 0.0
+    assert shares[-1] == pytest.approx(1.0)
     assert [search.iteration for search in searched] == [(0, i) for i in history]
     assert {search.search for search in searched} == {"sqp"}
     assert [o.name for o in seen[0].objectives] == ["PM"]
@@ -158,6 +164,73 @@ def test_case_without_requirements_or_dispersions():
         drakesep.worst_case(case.replaced(dispersions={}, published=[]))
 
 
+def test_what_is_looked_at_is_what_the_case_asks(tmp_path):
+    """Requirements alone, or what is named beside them: the paper's on request."""
+    case = drakesep.load_case("vega").replaced(
+        dispersions={"payload.cg_y_mm": 13.0},
+        objectives=None,
+        published=[],
+        requirements=[
+            {"quantity": "rate_after_separation_deg_s", "at_most": [1.5, 1.5, 1.5]}
+        ],
+    )
+    study = drakesep.verify(case, output=tmp_path, **IN_DRAKE)
+    directions = [
+        f"rate_after_separation_{axis}_{way}"
+        for axis in "xyz"
+        for way in ("up", "down")
+    ]
+    assert [o.name for o in study.objectives] == directions
+    assert study.comparison.empty
+    written = {path.name for path in tmp_path.iterdir()}
+    assert "requirements.csv" in written
+    assert written.isdisjoint({"comparison.csv", "table_4.csv"})
+    # Drawn are the nominal run, and the worse direction of each requirement.
+    drawn = [one.label for one in study.pictures.runs]
+    assert drawn[0] == "nominal"
+    assert [label.rpartition("_")[0] for label in drawn[1:]] == [
+        f"worst_rate_after_separation_{axis}" for axis in "xyz"
+    ]
+    values = {worst.name: worst.value for worst in study.worst}
+    for label in drawn[1:]:
+        stem = label.removeprefix("worst_").rpartition("_")[0]
+        name = label.removeprefix("worst_")
+        assert values[name] == max(values[f"{stem}_up"], values[f"{stem}_down"])
+
+    asked = drakesep.verify(
+        case, objectives=["L2", "highest_final_rate_z"], output=tmp_path, **IN_DRAKE
+    )
+    assert [o.name for o in asked.objectives] == [
+        *directions,
+        "L2",
+        "highest_final_rate_z",
+    ]
+    assert asked.comparison["objective"].tolist() == ["G_L2"]
+    assert (tmp_path / "table_4.csv").exists()
+    assert asked.requirements["verdict"].tolist() == ["met"] * 3
+
+
+def test_what_a_case_has_already_is_searched_once():
+    case = drakesep.load_case("vega").replaced(
+        dispersions={"payload.cg_y_mm": 13.0}, published=[]
+    )
+    study = drakesep.verify(case, objectives=["L1", OBJECTIVES["PM"]], **IN_DRAKE)
+    assert [o.name for o in study.objectives] == [*drakesep.case_objectives(case)]
+
+
+def test_a_case_that_asks_for_nothing_says_what_to_give():
+    case = drakesep.load_case("vega").replaced(
+        objectives=None, published=[], requirements=[]
+    )
+    with pytest.raises(ValueError, match="objectives: vega has no requirement and no"):
+        drakesep.worst_case(case)
+    assert drakesep.case_objectives(case) == {}
+    study = drakesep.worst_case(
+        case.replaced(dispersions={"payload.mass_kg": 20.0}), "PM", **IN_DRAKE
+    )
+    assert study.comparison["objective"].tolist() == ["G_PM"]
+
+
 def test_verify_without_dispersions_judges_the_nominal(tmp_path):
     case = drakesep.load_case("vega")
     case = case.replaced(dispersions={}, published=[])
@@ -233,16 +306,3 @@ def test_failed_run_is_a_row_with_its_reason(tmp_path):
     assert row["status"].startswith("failed: ")
     assert row["payload.mass_kg"] == 1860.0
     assert not (tmp_path / "motion.csv").exists()
-
-
-def test_default_searches_are_affordable():
-    """Of 34 parameters, all vertices are not; nor of a run of 10 000 steps."""
-    light = SearchSettings.affordable(63)
-    assert default_searches(18, light, light=True) == (
-        *("samples", "vertices", "sqp", "multistart"),
-    )
-    assert "evolution" in default_searches(34, light, light=True)
-    heavy = SearchSettings.affordable(10_000)
-    assert default_searches(10, heavy, light=False) == ("samples", "sqp", "multistart")
-    assert heavy.samples >= 1
-    assert SearchSettings.affordable(10_000, samples=7).samples == 7

@@ -119,13 +119,17 @@ def test_outcomes():
 
 
 def test_labels_that_our_own_runs_bear_are_refused():
-    case = AnalysisCase(separation=generic_pair(), published=(PAPER,))
+    case = AnalysisCase(
+        separation=generic_pair(), objectives="paper", published=(PAPER,)
+    )
     check_labels(case, ["L1", "mine"])
     with pytest.raises(InputError, match="label 'worst_of_all' is taken by our own"):
         check_labels(case, ["L1", "of_all"])
     for label in ("nominal", "sqp_PM"):
         published = PublishedCase(label=label, values={})
-        case = AnalysisCase(separation=generic_pair(), published=(published,))
+        case = AnalysisCase(
+            separation=generic_pair(), objectives="paper", published=(published,)
+        )
         with pytest.raises(InputError, match=f"label '{label}' is taken"):
             check_labels(case, [])
     assert LabelledRun(role=Changed(), run=made_up_run(), metrics={}).label == "run"

@@ -59,6 +59,7 @@ def test_worst_cases(vega_verification):
         *("nominal", "paper_L1_Linf", "paper_L2", "paper_PM"),
         *("sqp_L1", "sqp_L2", "sqp_Linf", "sqp_PM"),
         *("worst_L1", "worst_L2", "worst_Linf", "worst_PM"),
+        "worst_lowest_deviation_within_limits_until",
         *(
             f"worst_rate_after_separation_{axis}_{way}"
             for axis in AXES
@@ -71,7 +72,6 @@ def test_worst_cases(vega_verification):
         ),
         "worst_lowest_longitudinal_speed_after_separation",
         "worst_lowest_clearance",
-        "worst_lowest_deviation_within_limits_until",
     ]
 
 
@@ -116,6 +116,7 @@ def test_summary_holds_what_was_changed():
 
 OBJECTIVE_NAMES = [
     *("L1", "L2", "Linf", "PM"),
+    "lowest_deviation_within_limits_until",
     *(f"rate_after_separation_{a}_{way}" for a in AXES for way in ("up", "down")),
     *(
         f"deviation_at_separation_{angle}_{way}"
@@ -124,7 +125,6 @@ OBJECTIVE_NAMES = [
     ),
     "lowest_longitudinal_speed_after_separation",
     "lowest_clearance",
-    "lowest_deviation_within_limits_until",
 ]
 
 

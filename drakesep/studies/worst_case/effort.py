@@ -1,0 +1,264 @@
+"""What a study will do, and how long that takes: planned by measured speed.
+
+Effort comes in a few grades, each a quarter of the one before, so that a plan does not
+follow every whim of a machine: what takes less than four minutes is searched with all
+of it, VEGA on a machine ten times as slow too. Of what takes longer, the first grade is
+taken that does not, by the speed of one core: the number of workers changes nothing.
+Where two machines plan otherwise, the options that a plan tells make them agree.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.metrics.objectives import OBJECTIVES, Needs, Objective
+from drakesep.analysis.search.effort import Effort, SearchSettings
+from drakesep.analysis.search.problem import FROM_NOMINAL
+from drakesep.studies.worst_case.searches import WantedSearches, default_searches
+from drakesep.studies.worst_case.speed import Speed
+
+
+GROWTH, CONFIRMATION = "growth", "confirmation"
+"""What follows the searches."""
+_GRADES = 8
+_AIM = 240.0
+"""Beyond this, s, the next grade is taken."""
+MOST = 600.0
+"""Beyond this, unasked, s, something is left out."""
+_LEFT_OUT_FIRST = (GROWTH, "multistart", "corners", "vertices", "samples")
+_CORES = 2
+"""With which grades are reckoned, whatever the machine has."""
+
+# What searches ask for, as it was counted for VEGA and a smallsat.
+_ITERATIONS = 8
+"""Of an ascent."""
+_ROUNDS = 1.5
+"""Of flips of bounds."""
+_STAGES = 4
+"""In which all tolerances grow, of those in which a limit is passed."""
+_ASCENT, _LIMIT = 2e-3, 2e-2
+"""What the optimiser takes itself for an iteration, and for a limit, s."""
+_MEASUREMENTS, _LOOKS = 8, 0.3
+"""Of an ascent by measurements, and of a run that may come nearer than all others."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudyEffort:
+    """What a study will do."""
+
+    objectives: int
+    parameters: int
+    searches: tuple[str, ...]
+    """In the order in which they go."""
+    settings: SearchSettings
+    growth: bool
+    """Whether it is looked how far tolerances may grow."""
+    seconds: Mapping[str, float]
+    """That each search takes, and what follows them, in their order."""
+    left_out: tuple[str, ...] = ()
+    """What takes too long."""
+
+    @property
+    def total(self) -> float:
+        """Seconds."""
+        return sum(self.seconds.values())
+
+    def __str__(self) -> str:
+        """Return it in a line."""
+        settings = self.settings
+        what = {
+            "samples": f"{_spaced(settings.samples)} samples",
+            "vertices": f"{_spaced(2**self.parameters)} vertices",
+            "corners": "corners by flips of bounds",
+            FROM_NOMINAL: "SQP from the nominal",
+            "multistart": f"SQP from {settings.starts} starts",
+            "evolution": "differential evolution",
+        }
+        if "multistart" in self.searches and FROM_NOMINAL in self.searches:
+            del what[FROM_NOMINAL]  # one of the starts
+        steps = [what[name] for name in self.searches if name in what]
+        if self.growth:
+            steps.append("growth of tolerances")
+        text = (
+            f"worst cases of {self.objectives} objectives over {self.parameters} "
+            f"parameters: {', '.join(steps)}; about {in_time(self.total)}"
+        )
+        if self.left_out:
+            text += f"; left out, as it takes too long: {', '.join(self.left_out)}"
+        return text
+
+    @property
+    def options(self) -> dict[str, int | bool | tuple[str, ...]]:
+        """What plans the same on any machine, by the arguments' names."""
+        settings = self.settings
+        return {
+            "searches": self.searches,
+            "samples": settings.samples,
+            "vertices": settings.vertices,
+            "flips": settings.flips,
+            "starts": settings.starts,
+            "corners": settings.corners,
+            "growth": self.growth,
+        }
+
+
+def planned_effort(
+    case: AnalysisCase,
+    objectives: Sequence[Objective],
+    wanted: WantedSearches,
+    effort: Effort,
+    growth: bool | None,
+    speed: Speed,
+) -> StudyEffort:
+    """Return what a study will do.
+
+    Args:
+        case: that is searched.
+        objectives: that are searched.
+        wanted: the searches that are asked for.
+        effort: settings that are asked for, which are kept.
+        growth: whether to look how far tolerances may grow; None: if there is time.
+        speed: how fast the case flies.
+    """
+    costs = _Costs(case, objectives, speed, drake_alone=wanted.drake_alone)
+    grows = (not wanted.drake_alone) if growth is None else growth
+    for grade in range(_GRADES):
+        settings = _settings(objectives, grade, effort)
+        names = wanted.names or default_searches(len(case.box), settings, objectives)
+        if sum(costs.of(names, settings, grows, _CORES).values()) <= _AIM:
+            break
+    droppable = [
+        name
+        for name in _LEFT_OUT_FIRST
+        if (growth is None and grows if name == GROWTH else wanted.names is None)
+    ]
+    left_out = []
+    for name in droppable:
+        if sum(costs.of(names, settings, grows, _CORES).values()) <= MOST:
+            break
+        if name == GROWTH:
+            grows = False
+        elif name not in names:
+            continue
+        names = tuple(other for other in names if other != name)
+        left_out.append(name)
+    return StudyEffort(
+        objectives=len(objectives),
+        parameters=len(case.box),
+        searches=names,
+        settings=settings,
+        growth=grows,
+        seconds=costs.of(names, settings, grows, speed.cores),
+        left_out=tuple(left_out),
+    )
+
+
+def _settings(
+    objectives: Sequence[Objective], grade: int, effort: Effort
+) -> SearchSettings:
+    """Return the settings of a grade of effort; 0 is all of it."""
+    chosen = SearchSettings.of_grade(grade)
+    given: Effort = effort
+    if all(objective.expensive for objective in objectives):
+        given = {"samples": min(32, chosen.samples), "vertices": 32, **effort}
+    return SearchSettings.of_grade(grade, **given)
+
+
+class _Costs:
+    """What searches take, s."""
+
+    def __init__(
+        self,
+        case: AnalysisCase,
+        objectives: Sequence[Objective],
+        speed: Speed,
+        *,
+        drake_alone: bool,
+    ):
+        self._n = len(case.box)
+        self._speed = speed
+        self._drake_alone = drake_alone
+        self._cheap = [o for o in objectives if not o.expensive]
+        self._dear = len(objectives) - len(self._cheap)
+        self._runs = sum(o.needs is Needs.RUN for o in self._cheap)
+        names = {o.name for o in objectives}
+        self._ends = len(names & set(OBJECTIVES)) + len(objectives)
+        self._directions = sum(
+            name in names
+            for requirement in case.requirements
+            if not requirement.measured_apart
+            for name in case.names_towards(requirement)
+        )
+
+    def of(
+        self, names: Sequence[str], settings: SearchSettings, growth: bool, cores: int
+    ) -> dict[str, float]:
+        """Return the seconds of searches, and of what follows them."""
+        seconds = {name: self._search(name, settings, cores) for name in names}
+        ascents = {FROM_NOMINAL: 1, "multistart": 1 + (settings.starts - 1) // 4}
+        if self._dear and self._cheap:  # beside the others, in a thread
+            took = sum(ascents.get(name, 0) for name in names) * self._of_measurements
+            last = max((n for n in names if n in ascents), key=names.index)
+            seconds[last] += max(0.0, took - sum(seconds.values()))
+        look = _LOOKS * self._speed.measurement
+        seconds[CONFIRMATION] = self._ends * (self._speed.drake + look)
+        if growth:
+            seconds[GROWTH] = self._growth(settings, cores)
+        return seconds
+
+    @property
+    def _of_measurements(self) -> float:
+        """An ascent by measurements."""
+        return self._dear * _MEASUREMENTS * self._speed.measurement
+
+    def _flown(self, runs: float, cores: int, calls: float = 1.0) -> float:
+        """Runs on the batch engine, in so many calls that wait for each other."""
+        speed = self._speed
+        if self._drake_alone:
+            return runs * speed.drake
+        return max(runs * speed.run / cores, calls * speed.call)
+
+    def _search(self, name: str, settings: SearchSettings, cores: int) -> float:
+        n, m = self._n, len(self._cheap)
+        if not m:  # measurements alone, one after the other
+            sweeps = {"samples": settings.samples, "vertices": 2.0**n}
+            starts = {FROM_NOMINAL: 1, "multistart": settings.starts}
+            once = self._speed.measurement + self._speed.whole_run
+            return (
+                self._dear * sweeps.get(name, 0.0) * once
+                + starts.get(name, 0) * self._of_measurements
+            )
+        flips = min(settings.flips, _ROUNDS * (64 * n + 2 * n**2), 2.0**n)
+        points = {
+            "samples": settings.samples,
+            "vertices": min(2.0**n, settings.vertices),
+            "corners": m * flips,
+            "evolution": m * 8 * n * settings.generations,
+        }
+        if name in points:
+            share = 1.0 if name in ("samples", "vertices") else self._runs / m
+            whole = points[name] * share * self._speed.whole_run if self._runs else 0.0
+            return self._flown(points[name], cores) + whole
+        starts_ = 1 if name == FROM_NOMINAL else settings.starts
+        iterations = m * starts_ * _ITERATIONS
+        each = iterations * (n + 2)
+        whole = each * self._runs / m * self._speed.whole_run
+        return self._flown(each, cores, 2 * _ITERATIONS) + whole + iterations * _ASCENT
+
+    def _growth(self, settings: SearchSettings, cores: int) -> float:
+        limits = self._directions * (self._n + 1)
+        runs = _STAGES * settings.corners + limits * (40 + 4 * self._n)
+        return self._flown(runs, cores, 60) + limits * _LIMIT
+
+
+def in_time(seconds: float) -> str:
+    """Return a time in words, no finer than it is known."""
+    if seconds < 10.0:
+        return f"{max(1, round(seconds))} s"
+    if seconds < 100.0:
+        return f"{5 * round(seconds / 5)} s"
+    return f"{round(seconds / 60)} min"
+
+
+def _spaced(number: int) -> str:
+    return f"{number:,}".replace(",", " ")

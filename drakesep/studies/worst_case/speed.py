@@ -1,0 +1,103 @@
+"""How fast a case flies on this machine, measured before its study."""
+
+import functools
+import statistics
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.analysis.metrics.objectives import Needs, Objective
+from drakesep.systems.model.run import Run
+
+
+_TRIES = 3
+"""Of a measurement, of which the median counts."""
+_LONG = 0.5
+"""Of a try, s, after which there is no other: it is long enough to be told from."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Speed:
+    """What things take, s."""
+
+    drake: float
+    """A run in Drake."""
+    call: float = 0.0
+    """The least that is flown at once on the batch engine, on one core."""
+    rows: int = 1
+    """Runs in that."""
+    whole_run: float = 0.0
+    """A run on the batch engine with its motion, where an objective needs that."""
+    measurement: float = 0.0
+    """A measurement of a run, where an objective needs one."""
+    cores: int = 1
+    """That fly on the batch engine at once."""
+
+    @property
+    def run(self) -> float:
+        """A run on the batch engine among very many, on one core."""
+        return self.call / self.rows
+
+
+def measured_speed(
+    case: AnalysisCase,
+    objectives: Sequence[Objective],
+    batch: Batch | None,
+    nominal: Run,
+    drake: float,
+) -> Speed:
+    """Return how fast a case flies.
+
+    What is flown for it are random points of the tolerances, always the same.
+
+    Args:
+        case: whose tolerances are searched.
+        objectives: that are searched.
+        batch: that flies, compiled; None if Drake does.
+        nominal: run of the case.
+        drake: seconds that it took.
+    """
+    longest = 0.0
+    for objective in objectives:
+        if objective.expensive:
+            measure = functools.partial(objective.of_run, nominal, case.limits_of_pairs)
+            measure()  # prepared
+            longest = max(longest, _seconds(measure))
+    if batch is None:
+        return Speed(drake=drake, measurement=longest)
+    rng = np.random.default_rng(0)
+    rows = case.tolerance_set.rows(case.tolerance_set.draw(batch.chunk, rng))
+    call = _seconds(lambda: batch.run(rows))
+    whole_run = 0.0
+    if any(o.needs is Needs.RUN for o in objectives):
+        few = rows[:_FEW]
+        batch.runs(few)  # compiled
+        whole_run = _seconds(lambda: batch.runs(few)) / len(few)
+    return Speed(
+        drake=drake,
+        call=call,
+        rows=batch.chunk,
+        whole_run=whole_run,
+        measurement=longest,
+        cores=batch.workers,
+    )
+
+
+_FEW = 16
+"""Runs whose motion is sampled at once."""
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    """Return what work takes, s."""
+    tries: list[float] = []
+    while len(tries) < _TRIES:
+        began = time.perf_counter()
+        work()
+        tries.append(time.perf_counter() - began)
+        if tries[-1] > _LONG:
+            break
+    return statistics.median(tries)

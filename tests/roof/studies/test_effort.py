@@ -1,0 +1,168 @@
+"""What a study plans to do, by how fast its runs are."""
+
+import dataclasses
+
+import pytest
+
+import drakesep
+from drakesep.analysis.metrics.objectives import OBJECTIVES, highest
+from drakesep.analysis.search.effort import SearchSettings
+from drakesep.studies.worst_case.effort import MOST, in_time, planned_effort
+from drakesep.studies.worst_case.pace import Pace
+from drakesep.studies.worst_case.searches import WantedSearches, default_searches
+from drakesep.studies.worst_case.speed import Speed, measured_speed
+
+
+FAST = Speed(drake=0.02, call=6e-3, rows=128, cores=2)
+"""VEGA on a usual machine."""
+FOUR = [*OBJECTIVES.values()]
+
+
+@pytest.fixture(scope="module")
+def case():
+    return drakesep.load_case("vega").in_si()
+
+
+def plan(case, speed, *, objectives=FOUR, names=None, growth=None, **effort):
+    wanted = WantedSearches.named(names)
+    return planned_effort(case, objectives, wanted, effort, growth, speed)
+
+
+def slower(times, **others):
+    return dataclasses.replace(
+        FAST, drake=times * FAST.drake, call=times * FAST.call, **others
+    )
+
+
+def test_all_effort_where_it_takes_minutes_at_most(case):
+    """Ten times as slow a machine plans the same, and says that it takes longer."""
+    plans = [plan(case, slower(times)) for times in (0.1, 1.0, 3.0, 10.0)]
+    for one in plans:
+        assert one.searches == ("samples", "vertices", "sqp", "multistart")
+        assert one.settings == SearchSettings()
+        assert one.growth
+        assert one.options == plans[0].options
+    totals = [one.total for one in plans]
+    assert totals == sorted(totals)
+    assert totals[-1] < 300.0
+
+
+def test_the_number_of_cores_changes_what_is_said_not_what_is_done(case):
+    for times in (1.0, 100.0, 1000.0):
+        one, many = (plan(case, slower(times, cores=n)) for n in (1, 16))
+        assert one.options == many.options
+        assert one.total > many.total
+
+
+@pytest.mark.parametrize("times", [30.0, 300.0, 3e3, 3e4, 3e5])
+def test_never_more_than_ten_minutes_unasked(case, times):
+    """Samples, vertices and starts become fewer, then what takes longest is left."""
+    one = plan(case, slower(times))
+    assert one.total <= MOST or one.searches == ("sqp",)
+    assert "sqp" in one.searches
+    settings = one.settings
+    assert settings.samples < SearchSettings().samples
+    for name in one.left_out:
+        assert name not in one.searches
+        assert name in str(one)
+    assert one.growth == ("growth" not in one.left_out)
+
+
+def test_grades_are_quarters():
+    samples = [SearchSettings.of_grade(grade).samples for grade in range(5)]
+    assert samples == [50_000, 12_500, 3125, 781, 195]
+    assert SearchSettings.of_grade(20).samples == 32
+    assert SearchSettings.of_grade(20).starts == 2
+    assert SearchSettings.of_grade(3, samples=7).samples == 7
+
+
+def test_what_is_asked_for_is_done_however_long_it_takes(case):
+    one = plan(
+        case,
+        slower(1e4),
+        names=["samples", "multistart"],
+        growth=True,
+        samples=50_000,
+        starts=8,
+    )
+    assert one.searches == ("samples", "multistart")
+    assert one.settings.samples == 50_000
+    assert one.growth
+    assert one.total > MOST
+    assert not one.left_out
+
+
+def test_the_options_of_a_plan_plan_it_again(case):
+    """On any machine."""
+    first = plan(case, slower(300.0))
+    options = dict(first.options)
+    names, growth = options.pop("searches"), options.pop("growth")
+    again = plan(case, FAST, names=list(names), growth=growth, **options)
+    assert again.options == first.options
+
+
+def test_the_plan_stands_in_the_folder(case, tmp_path):
+    few = dataclasses.replace(case, tolerances={"payload.mass": 20.0}, published=())
+    study = drakesep.worst_case(
+        few, ["PM"], searches=["drake"], workers=1, output=tmp_path
+    )
+    record = drakesep.read_results(tmp_path).record
+    assert study.effort is not None
+    assert record.plan == {**study.effort.options, "searches": ["sqp"]}
+
+
+def test_searches_that_suit():
+    full = SearchSettings()
+    assert default_searches(18, full, FOUR)[1] == "vertices"
+    assert default_searches(34, full, FOUR)[1] == "corners"
+    few = dataclasses.replace(full, vertices=32)
+    assert default_searches(18, few, FOUR)[1] == "corners"
+
+
+def test_functions_of_a_whole_run_are_reckoned_with(case):
+    windowed = highest("rate_max_after_separation_z", window=(1.0, 2.0))
+    quick = plan(case, FAST, objectives=FOUR)
+    slow = plan(case, dataclasses.replace(FAST, whole_run=3e-3), objectives=[windowed])
+    assert slow.total > quick.total or slow.settings.samples < quick.settings.samples
+
+
+def test_drake_alone_is_reckoned_by_its_runs(case):
+    one = plan(case, Speed(drake=0.02), names=["drake"])
+    assert one.searches == ("sqp",)
+    assert not one.growth
+    # Four ascents of some eight iterations, of twenty runs each.
+    assert 5.0 < one.total < 50.0
+
+
+def test_speed_is_measured_on_the_batch_engine(case, vega_batch):
+    nominal = drakesep.simulate(case).run
+    vega_batch.run(vega_batch.nominal[None])  # compiled
+    speed = measured_speed(case, FOUR, vega_batch, nominal, 0.02)
+    assert speed.rows == vega_batch.chunk
+    assert speed.cores == vega_batch.workers
+    assert 0.0 < speed.run < 0.02
+    assert speed.measurement == speed.whole_run == 0.0
+
+
+def test_pace_follows_the_plan_then_the_clock():
+    now = [100.0]
+    pace = Pace({"samples": 10.0, "sqp": 10.0, "growth": 20.0}, clock=lambda: now[0])
+    assert pace.at("plan", 0, None) == (0.0, 40.0)
+    now[0] += 20.0  # twice as slow as planned
+    share, left = pace.at("samples", 100, 100)
+    assert share == pytest.approx(0.25)
+    assert left == pytest.approx(60.0)
+    now[0] += 5.0  # it does not say how far it has come: by the time planned
+    assert pace.at("sqp", 3, None).share == pytest.approx(0.25)
+    now[0] += 5.0
+    assert pace.at("sqp", 4, None).share == pytest.approx(0.375)
+    now[0] += 50.0
+    assert pace.at("sqp", 5, None).share < 0.5
+    assert pace.at("samples", 1, 100).share == pytest.approx(0.4875)  # never back
+    assert pace.at("growth", 10, 10) == (1.0, 0.0)
+
+
+def test_times_in_words():
+    assert [in_time(s) for s in (0.2, 7.4, 23.0, 61.0, 99.0, 400.0)] == [
+        *("1 s", "7 s", "25 s", "60 s", "100 s", "7 min")
+    ]
