@@ -208,6 +208,7 @@ requirements:
     when: {from_s: 0.1725, to_s: 0.5525}
     at_most: [null, 69, null]
   - {quantity: joint_force_N, of: bolt, at_most: 90001}
+objectives: paper
 clearance:
   pairs: [[plate, skirt], [ball, nose]]
   touching: [[rod, block], [plate, nose]]
@@ -466,6 +467,7 @@ def record_of_main(folder) -> AnalysisCase:
             ),
             Requirement(metric="bolt.joint_force", sense="<=", limit=90001.0),
         ),
+        objectives="paper",
         clearance=ClearancePairs(
             pairs=(("plate", "skirt"), ("ball", "nose")),
             touching=(("rod", "block"), ("plate", "nose")),
