@@ -12,9 +12,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
+from drakesep.analysis.metrics.metric import Functional, Owner
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective, lowest, towards
-from drakesep.analysis.metrics.registry import find_metric, registered_metrics
-from drakesep.analysis.metrics.requirements import Requirement, deviation_limits
+from drakesep.analysis.metrics.of_run import metric_named
+from drakesep.analysis.metrics.registry import (
+    DEVIATION,
+    find_metric,
+    registered_metrics,
+)
+from drakesep.analysis.metrics.requirements import (
+    NO_LIMITS,
+    Requirement,
+    deviation_limits,
+)
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
@@ -27,6 +37,7 @@ from drakesep.systems.checks import (
     named,
     unknown,
 )
+from drakesep.systems.frozen_mapping import FrozenMapping
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.part_pairs import Names, pairs_apart, part_pairs
@@ -35,6 +46,9 @@ from drakesep.systems.model.separation import Separation
 
 if TYPE_CHECKING:  # imports Drake
     from drakesep.analysis.clearance.objective import LowestClearance
+
+
+_WITHIN = "deviation_within_limits_until"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,7 +64,7 @@ class ClearancePairs:
     touching: tuple[Names, ...] = ()
     """Those that touch or overlap while mated: measured once they have parted."""
     until_separation: float | None = None
-    """How far B is to move along A's x axis until distances do not matter, m; if None,
+    """How far B is to move in its direction until distances do not matter, m; if None,
     they matter to the end of the run."""
 
     def __post_init__(self) -> None:
@@ -104,7 +118,7 @@ class PublishedCase:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        object.__setattr__(self, "values", dict(self.values))
+        object.__setattr__(self, "values", FrozenMapping(self.values))
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", self.label):
             raise InputError(
                 f"published: label must be made of letters, digits, _ and -, "
@@ -139,7 +153,7 @@ class AnalysisCase:
     ellipsoids: tuple[Ellipsoid, ...] = ()
     """Dispersed parameters that do not all reach their tolerances together."""
     requirements: tuple[Requirement, ...] = ()
-    """Limits on metrics, no two on the same."""
+    """Limits on metrics; of two on the same, to the same side, each has an id."""
     objectives: Literal["paper"] | None = None
     """What is looked at beside the requirements: the paper's objectives, or nothing."""
     clearance: ClearancePairs = field(default_factory=ClearancePairs)
@@ -152,8 +166,7 @@ class AnalysisCase:
         with named("clearance"):
             part_pairs(self.separation, self.clearance.pairs)
             part_pairs(self.separation, self.clearance.touching)
-        # A copy: what the caller does with its own changes nothing here.
-        object.__setattr__(self, "tolerances", dict(self.tolerances))
+        object.__setattr__(self, "tolerances", FrozenMapping(self.tolerances))
         box = ToleranceBox.around(self.separation, self.tolerances)
         with named("ellipsoids"):
             admitted = ToleranceSet(self.separation, box, self.ellipsoids)
@@ -163,21 +176,39 @@ class AnalysisCase:
         self._check_published()
 
     def _check_requirements(self) -> None:
-        limited = [requirement.metric for requirement in self.requirements]
-        for metric in limited:
-            if find_metric(metric) is None:
+        sides = [(r.metric, r.sense, r.id) for r in self.requirements]
+        for metric, sense, name in sides:
+            found = find_metric(metric)
+            if found is None or metric not in found[0].names:
                 known = [name for one in registered_metrics() for name in one.names]
                 raise InputError(f"requirements: {unknown('metric', metric, known)}")
-            if limited.count(metric) > 1:
-                raise InputError(f"requirements: {metric} must stand once")
+            if sides.count((metric, sense, name)) > 1:
+                raise InputError(
+                    f"requirements: {metric} {sense} must stand once, or each time "
+                    f"with an id of its own, got {name or 'none'!r} twice"
+                )
         for requirement in self.requirements:
             with named("requirements"):
-                _check_limit(requirement)
+                self._check_owner(requirement)
+                limits = self.limits_of_pairs.get(requirement.pair, NO_LIMITS)
+                _check_limit(requirement, limits)
             if requirement.measured_apart and not self.has_clearance:
                 raise InputError(
                     f"requirements: {requirement.metric} needs geometry on two bodies "
                     "that does not touch while mated, got none"
                 )
+
+    def _check_owner(self, requirement: Requirement) -> None:
+        """Raise InputError unless there is what a requirement is about."""
+        separation, name = self.separation, requirement.pair
+        if requirement.owner is Owner.PAIR:
+            known = ["", *(pair.B for pair in separation.others)]
+        else:
+            of_springs = requirement.owner is Owner.SPRING
+            known = [*separation.owners_of_forces(springs=of_springs)]
+        if name not in known:
+            why = unknown(requirement.owner.value, name, known)
+            raise InputError(f"{requirement.metric}: {why}")
 
     def _check_objectives(self) -> None:
         if self.objectives not in ("paper", None):
@@ -207,8 +238,17 @@ class AnalysisCase:
 
     @property
     def deviation_limits(self) -> tuple[float, ...]:
-        """(3,) limits of roll, pitch and yaw, rad; infinite where there is none."""
+        """(3,) limits of roll, pitch and yaw, rad; infinite where there is none.
+
+        Those of the first pair.
+        """
         return deviation_limits(self.requirements)
+
+    @property
+    def limits_of_pairs(self) -> dict[str, tuple[float, ...]]:
+        """The same of each pair, by its B; those of the first by an empty name."""
+        pairs = ["", *(pair.B for pair in self.separation.others)]
+        return {pair: deviation_limits(self.requirements, pair) for pair in pairs}
 
     @property
     def has_clearance(self) -> bool:
@@ -239,29 +279,47 @@ class AnalysisCase:
         """What leads out of each requirement.
 
         Beside the paper's objectives also the time to a deviation's limit, which the
-        paper's Table 4 has.
+        paper's Table 4 has, of each pair that has one.
         """
-        each = [o for limit in self.requirements for o in self.towards(limit)]
-        return *each, *self._until_violation
+        objectives = [o for limit in self.requirements for o in self.towards(limit)]
+        objectives += self._until_violation
+        return tuple({objective.name: objective for objective in objectives}.values())
 
     @property
     def _until_violation(self) -> tuple[Objective, ...]:
-        limited = any(math.isfinite(limit) for limit in self.deviation_limits)
-        if not (self.objectives and limited):
+        if not self.objectives:
             return ()
-        return (lowest("deviation_within_limits_until"),)
+        return tuple(
+            lowest(f"{pair}.{_WITHIN}" if pair else _WITHIN)
+            for pair, limits in self.limits_of_pairs.items()
+            if any(map(math.isfinite, limits))
+        )
+
+    @property
+    def metrics(self) -> tuple[str, ...]:
+        """Names of the metrics of every run that judge the requirements."""
+        judges = [r.judged_by for r in self.requirements if not r.measured_apart]
+        return tuple(dict.fromkeys(judges))
+
+    def reaches(self, requirement: Requirement) -> bool:
+        """Return whether runs are as long as a requirement looks at them."""
+        found = find_metric(requirement.judged_by)
+        return found is not None and found[0].reached(self.separation.duration)
 
     def towards(self, requirement: Requirement) -> tuple[Objective, ...]:
-        """Return the objectives that lead out of a requirement."""
+        """Return the objectives that lead out of a requirement.
+
+        None, if it looks at a time that no run reaches.
+        """
         if requirement.measured_apart:
             return (self.lowest_clearance(),)
-        return towards(requirement)
+        return towards(requirement) if self.reaches(requirement) else ()
 
     def names_towards(self, requirement: Requirement) -> tuple[str, ...]:
         """Return the names of the objectives that lead out of a requirement."""
         if requirement.measured_apart:  # without importing what measures it
             return (f"lowest_{requirement.metric}",)
-        return tuple(objective.name for objective in towards(requirement))
+        return tuple(objective.name for objective in self.towards(requirement))
 
     def lowest_clearance(self) -> "LowestClearance":
         """Return a new objective that makes the smallest distance small.
@@ -282,13 +340,31 @@ class AnalysisCase:
         )
 
 
-def _check_limit(requirement: Requirement) -> None:
+def _check_limit(requirement: Requirement, deviation_limits: tuple[float, ...]) -> None:
     """Raise InputError where a limit says nothing, or would be held unseen."""
     metric, sense, limit = requirement.metric, requirement.sense, requirement.limit
-    if requirement.measured_apart and (sense != ">=" or limit <= 0.0):
-        raise InputError(  # at contact it is 0, however deep
-            f"{metric}: sense must be '>=' and the limit > 0, got {sense!r} and "
-            f"{limit:g}"
-        )
+    if requirement.measured_apart:
+        if requirement.pair:
+            raise InputError(
+                f"{metric}: a clearance is that of all pairs of parts together, got "
+                f"{requirement.pair!r}"
+            )
+        if sense != ">=" or limit <= 0.0:  # at contact it is 0, however deep
+            raise InputError(
+                f"{metric}: sense must be '>=' and the limit > 0, got {sense!r} and "
+                f"{limit:g}"
+            )
+        return
     if requirement.never_negative and sense == "<=" and limit < 0.0:
         raise InputError(f"{metric}: limit must be >= 0, got {limit:g}")
+    if requirement.never_negative and sense == ">=" and limit <= 0.0:  # always met
+        raise InputError(f"{metric}: a limit from below must be > 0, got {limit:g}")
+    judge = metric_named(requirement.judged_by)
+    within = judge.functional is Functional.TIME_WITHIN
+    if within and not any(map(math.isfinite, deviation_limits)):  # until the end
+        raise InputError(f"{metric}: needs a requirement '<=' on {DEVIATION}, got none")
+    if sense == ">=" and judge.is_largest_magnitude:
+        raise InputError(  # that a rate is large once says nothing of other times
+            f"{metric}: '>=' must be judged by a smallest magnitude: register one, and "
+            "name it as this metric's at_least"
+        )

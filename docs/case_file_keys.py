@@ -19,7 +19,7 @@ import annotated_types
 from docstrings import field_docs, listed
 from pydantic.fields import FieldInfo
 
-from drakesep.case_file import geometry, others, section
+from drakesep.case_file import dispersions, geometry, others, section
 from drakesep.case_file.attachments import SpringSection, key_of
 from drakesep.case_file.case import Case
 from drakesep.case_file.section import Section
@@ -38,9 +38,11 @@ WORDS = {
     section.Name: "name of letters, digits, _ and -",
     section.File: "path",
     geometry.PartNames: "2 names of parts",
-    others.Limits: "number, or one for each axis",
+    others.Limits: "number, or one for each axis (`null`: none)",
     others.Mark: "`M`, `m` or number",
-    others.Quantity: "name of a [metric](metrics.md), with its unit",
+    others.Quantities: "name of a [quantity or metric](metrics.md), with its unit",
+    others.WhenOf: "name of a [time](metrics.md#requirements), or section",
+    dispersions.Tolerance: "number > 0, or a share such as `5 %`",
     float: "number",
     int: "whole number",
     list[str]: "list of names",

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from case_file_keys import keys_of_case_files
-from metric_table import table_of_metrics
+from metric_table import table_of_metrics, table_of_quantities
 from parameter_table import table_of_parameters
 from port_tables import tables_of_ports
 from result_tables import table_of_study, tables_of_results
@@ -20,7 +20,7 @@ from result_tables import table_of_study, tables_of_results
 DOCS = Path(__file__).parent
 TABLES: Mapping[str, Mapping[str, Callable[[], str]]] = {
     "case_file.md": {"keys": keys_of_case_files},
-    "metrics.md": {"metrics": table_of_metrics},
+    "metrics.md": {"metrics": table_of_metrics, "quantities": table_of_quantities},
     "parameters.md": {"parameters": table_of_parameters},
     "ports.md": {"ports": tables_of_ports},
     "results.md": {"study": table_of_study, "files": tables_of_results},

@@ -58,6 +58,7 @@ _UNITS = {
         Unit("m_s", "m/s"),
         Unit("m_s2", "m/s²"),
         Unit("N_s", "N s"),
+        Unit("N_m", "N m"),
         Unit("N_m_s", "N m s"),
         Unit("", ""),
     )
@@ -103,6 +104,12 @@ _OF_METRIC = {
     MetricKind.SPEED: "m_s",
     MetricKind.TIME: "s",
     MetricKind.CLEARANCE: "mm",
+    MetricKind.DISPLACEMENT: "m",
+    MetricKind.ACCELERATION: "m_s2",
+    MetricKind.FORCE: "N",
+    MetricKind.TORQUE: "N_m",
+    MetricKind.MOMENTUM: "N_s",
+    MetricKind.ANGULAR_MOMENTUM: "N_m_s",
 }
 """Of metrics."""
 

@@ -30,6 +30,7 @@ from .model.separation import Attachment as Attachment
 from .model.separation import Body as Body
 from .model.separation import InitialMotion as InitialMotion
 from .model.separation import Orbit as Orbit
+from .model.separation import Pair as Pair
 from .model.separation import Separation as Separation
 from .model.springs import DisplacementSpring as DisplacementSpring
 from .model.springs import Spring as Spring

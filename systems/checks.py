@@ -11,6 +11,8 @@ from typing import TypeAlias
 Vector3: TypeAlias = tuple[float, float, float]
 """Three numbers: a point, a force, roll pitch yaw."""
 
+X_AXIS: Vector3 = (1.0, 0.0, 0.0)
+
 DECIMALS = 1e-4
 """By which unit vectors that are written in decimals may miss length and angle."""
 
@@ -57,6 +59,18 @@ def check_unit(name: str, vector: Sequence[float]) -> None:
         raise InputError(
             f"{name} must be of length 1, got {tuple(vector)} of length {length:.9g}"
         )
+
+
+def unit_vector(name: str, vector: Sequence[float]) -> Vector3:
+    """Return a vector of length one, of one that is so but for its decimals.
+
+    Raises:
+        ValueError: it is none.
+    """
+    check_unit(name, vector)
+    length = math.hypot(*vector)
+    x, y, z = (float(entry) / length for entry in vector)
+    return x, y, z
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> str:

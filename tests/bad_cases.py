@@ -148,7 +148,7 @@ BAD = {
     ),
     "no limit": (
         changed("requirements", [{"quantity": "rate_after_separation_deg_s"}]),
-        "requirements (entry 1): must have one of 'at_most' and 'at_least', got none",
+        "requirements (entry 1): must have 'at_most', 'at_least' or both, got none",
     ),
     "one limit of three": (
         changed(
@@ -194,7 +194,55 @@ BAD = {
     ),
     "requirement twice": (
         changed("requirements", 2 * VEGA["requirements"][:1]),
-        "requirements: rate_after_separation_deg_s must stand once",
+        "requirements: at_most of rate_after_separation_x_deg_s must stand once, or "
+        "each time with an id of its own, got none twice",
+    ),
+    "band that holds nothing": (
+        changed(
+            "requirements",
+            [
+                {
+                    "quantity": "longitudinal_speed_m_s",
+                    "when": "after_separation",
+                    "at_least": 1.0,
+                    "at_most": 0.3,
+                }
+            ],
+        ),
+        "requirements (entry 1): at_least must not be above at_most, got 1 and 0.3",
+    ),
+    "time of a metric that says it": (
+        changed(
+            "requirements",
+            [
+                {
+                    "quantity": "rate_after_separation_deg_s",
+                    "when": "at_end",
+                    "at_most": [1.0, 1.0, 1.0],
+                }
+            ],
+        ),
+        "requirements (entry 1): rate_after_separation_deg_s has no 'when': its name",
+    ),
+    "no limit at all": (
+        changed(
+            "requirements",
+            [{"quantity": "rate_deg_s", "at_most": [None, None, None]}],
+        ),
+        "requirements (entry 1): must have a limit that is no null, got none",
+    ),
+    "stretch of time backwards": (
+        changed(
+            "requirements",
+            [
+                {
+                    "quantity": "rate_deg_s",
+                    "when": {"from_s": 2.0, "to_s": 1.0},
+                    "at_most": [1.0, None, None],
+                }
+            ],
+        ),
+        "requirements (entry 1).when.seconds: to_s must be > from_s, got 2 to 1",
     ),
     "published twice": (
         changed("published", 2 * VEGA["published"][:1]),

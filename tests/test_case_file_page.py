@@ -46,7 +46,7 @@ def sections_of_the_schema(node: dict[str, Any], path: str = "") -> Iterator[Any
         node = SCHEMA["$defs"][node["$ref"].rpartition("/")[2]]
     for name, inner in node.get("properties", {}).items():
         yield from sections_of_the_schema(inner, f"{path}.{name}".lstrip("."))
-    for one in node.get("anyOf", []):
+    for one in (*node.get("anyOf", []), *node.get("oneOf", [])):
         yield from sections_of_the_schema(one, path)
     if isinstance(node.get("additionalProperties"), dict):
         yield from sections_of_the_schema(node["additionalProperties"], f"{path}.NAME")
@@ -69,7 +69,7 @@ def test_every_key_of_case_files_stands_and_no_other():
 
 
 def test_keys_of_springs_are_those_of_every_law():
-    names = {"name", "law"}
+    names = {"name", "law", "axis"}
     for kind in PUSHERS.values():
         for argument in kind.arguments:
             [key] = [k for k in SECTIONS[SPRING] if k.startswith(f"{argument}_")]
@@ -103,7 +103,7 @@ SUFFIXES = {
     r"_km": "km",
     r"_deg": "deg",
     r"_deg_s": "deg/s",
-    r"(?<!deg)(?<!N)(?<!m)_s": "s",
+    r"(?<!deg)(?<!N)(?<!_m)_s": "s",
     r"(?<!angular_damping_N)_m_s": "m/s",
     r"_kg": "kg",
     r"_kg_m2": "kg m²",

@@ -141,14 +141,22 @@ def test_metrics_of_the_page_on_metrics(capsys):
     """A metric of one's own is registered; the requirements shown can be read."""
     try:
         run(containing("register_metric"), capsys)
-        assert highest("relative_rate_after_separation_y").needs is Needs.METRICS
+        assert highest("turned_after_separation_y").needs is Needs.METRICS
     finally:
-        forget_metric("relative_rate_after_separation")
+        forget_metric("turned_after_separation")
     [block] = blocks(METRICS_PAGE, "yaml")
     data = YAML(typ="safe").load(builtin_cases()["vega"])
     data |= YAML(typ="safe").load(block)
     limits = Case.model_validate(data).limits
-    assert [limit.metric for limit in limits][2:] == ["rate_after_separation_z", "G_PM"]
+    assert [(limit.metric, limit.sense) for limit in limits] == [
+        *((f"rate_after_separation_{axis}", "<=") for axis in "xyz"),
+        ("longitudinal_speed_after_separation", ">="),
+        ("longitudinal_speed_after_separation", "<="),
+        ("relative_rate_from_0.5_to_2_s_x", "<="),
+        ("relative_rate_from_0.5_to_2_s_z", "<="),
+        ("G_PM", "<="),
+    ]
+    assert limits[3].id == "UM-4.2"
 
 
 def test_clearance_from_python(capsys):

@@ -20,15 +20,15 @@ from drakesep.analysis.metrics.registry import forget_metric, register_metric
 
 
 RELATIVE = Metric(
-    stem="relative_rate_after_separation",
+    stem="toy_rate_after_separation",
     kind=Kind.RATE,
     functional=Functional.LARGEST_MAGNITUDE,
     signal=RELATIVE_RATE,
     when=AFTER_SEPARATION,
-    at_least="relative_rate_magnitude_min_after_separation",
+    at_least="toy_rate_magnitude_min_after_separation",
 )
 RELATIVE_MIN = Metric(
-    stem="relative_rate_magnitude_min_after_separation",
+    stem="toy_rate_magnitude_min_after_separation",
     kind=Kind.RATE,
     functional=Functional.SMALLEST_MAGNITUDE,
     signal=RELATIVE_RATE,

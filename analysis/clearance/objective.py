@@ -22,7 +22,7 @@ from drakesep.analysis.metrics.objectives import (
     SignedMetric,
 )
 from drakesep.systems.arrays import Array
-from drakesep.systems.checks import InputError, check_positive
+from drakesep.systems.checks import InputError, Vector3, check_positive
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.part_pairs import owners_of, pairs_apart
 from drakesep.systems.model.run import Run
@@ -59,7 +59,7 @@ class LowestClearance(LargestOfParts):
             pairs: of parts; if None, all of different bodies that do not touch while
                 mated: those that do begin at no distance.
             touching: those that touch or overlap while mated.
-            until_separation: how far B is to move along A's x axis until the distances
+            until_separation: how far B is to move in its direction until the distances
                 do not matter any more, m; to the end of the run if None.
             name: in tables.
 
@@ -98,21 +98,13 @@ class LowestClearance(LargestOfParts):
         return self._prepared
 
     def nearest(self, run: Run) -> Clearance:
-        """Return how near the nearest pair comes in a completed run.
-
-        Raises:
-            ValueError: B does not move as far as the window goes.
-        """
+        """Return how near the nearest pair comes in a completed run."""
         found = self.nearer(run, math.inf)
         assert found is not None
         return found
 
     def nearer(self, run: Run, than: float) -> Clearance | None:
-        """Return how near the nearest pair comes; None if not nearer than that, m.
-
-        Raises:
-            ValueError: B does not move as far as the window goes.
-        """
+        """Return how near the nearest pair comes; None if not nearer than that, m."""
         return self._analysis.smallest(run, until=self._end(run), than=than)
 
     def of_run(self, run: Run, limits: Limits) -> float:
@@ -182,31 +174,32 @@ class LowestClearance(LargestOfParts):
             count: of moments.
 
         Returns:
-            (n,) how far B has moved along A's x axis, m; and (n,) the distances, m.
+            (n,) how far B has moved in its direction, m; and (n,) the distances, m.
         """
         times = np.append(np.linspace(0.0, self._end(run), count), found.time)
         times.sort()
-        A, B = run.separation.A, run.separation.B
-        path = RelativePath(run.completed_trajectory, A, B)
-        x = path.places(times)[1][:, 0]
+        path, direction = _path_of_B(run)
+        moved = path.moved(times, direction)
         pair = found.first, found.second
-        return x - x[0], self._analysis.at_times(run, times, of=[pair])[:, 0]
+        return moved, self._analysis.at_times(run, times, of=[pair])[:, 0]
+
+    def is_window_ended(self, run: Run) -> bool:
+        """Return whether B moves as far as the window goes; else none can judge it."""
+        return self._until_separation is None or math.isfinite(self._reached(run))
 
     def _end(self, run: Run) -> float:
-        """Return until when distances matter, s."""
-        trajectory = run.completed_trajectory
-        last = float(trajectory.time[-1])
-        if self._until_separation is None:
-            return last
-        A, B = run.separation.A, run.separation.B
-        path = RelativePath(trajectory, A, B)
-        reached = path.time_apart(self._until_separation)
-        if math.isinf(reached):
-            _, (start, end) = path.places(np.array([0.0, last]))
-            moved = float(end[0] - start[0])
-            raise InputError(
-                "until_separation: must be reached by the end of every run, got "
-                f"{self._until_separation:g} m where {B} moves {moved:.3g} m "
-                f"along {A}'s x axis in {last:g} s"
-            )
-        return reached
+        """Return until when distances matter, s: to the end if it is not reached."""
+        last = float(run.completed_trajectory.time[-1])
+        return last if self._until_separation is None else min(self._reached(run), last)
+
+    def _reached(self, run: Run) -> float:
+        """Return when B has moved as far as the window goes, s; infinite if never."""
+        assert self._until_separation is not None
+        path, direction = _path_of_B(run)
+        return path.time_apart(self._until_separation, direction)
+
+
+def _path_of_B(run: Run) -> tuple[RelativePath, Vector3]:
+    """Return the path of B as seen from A, and the direction in which it leaves."""
+    pair = run.separation.pairs[0]
+    return RelativePath(run.completed_trajectory, pair.A, pair.B), pair.direction

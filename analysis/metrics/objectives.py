@@ -23,6 +23,7 @@ from drakesep.analysis.metrics.of_run import (
     metric_within,
 )
 from drakesep.analysis.metrics.registry import METRICS, find_metric, registered_metrics
+from drakesep.analysis.metrics.requirements import Limits as Limits
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
@@ -32,8 +33,8 @@ from drakesep.systems.model.run import Run
 
 ObjectiveName: TypeAlias = Literal["L1", "L2", "Linf", "PM"]
 """Of the paper."""
-Limits: TypeAlias = Sequence[float]
-"""(3,) of roll, pitch and yaw, rad; see `metrics_of_run`."""
+Metrics: TypeAlias = Mapping[str, Array]
+"""Of one run or of many, by name."""
 Window: TypeAlias = tuple[float, float]
 """From when to when, s."""
 
@@ -102,7 +103,7 @@ class Objective(ABC):
 
         Args:
             run: a completed run.
-            limits: (3,) of the deviations, as `metrics_of_run` takes them.
+            limits: of the deviations, as `metrics_of_run` takes them.
         """
 
     def about(self, run: Run, limits: Limits) -> About:
@@ -112,7 +113,7 @@ class Objective(ABC):
 
         Args:
             run: a completed run.
-            limits: (3,) of the deviations, as `metrics_of_run` takes them.
+            limits: of the deviations, as `metrics_of_run` takes them.
         """
         return About(self.of_run(run, limits), lambda near: self.of_run(near, limits))
 
@@ -154,20 +155,25 @@ class MetricObjective(Objective):
 
     needs = Needs.METRICS
 
+    @property
     @abstractmethod
-    def of_metrics(self, metrics: Array) -> Array:
-        """Return the objective (...,) of metrics (..., n_m), in the order of METRICS.
+    def reads(self) -> frozenset[str]:
+        """Names of the metrics that it is made of."""
+
+    @abstractmethod
+    def of_metrics(self, metrics: Metrics) -> Array:
+        """Return the objective (...,) of metrics.
 
         Args:
-            metrics: in SI.
+            metrics: (...,) each, in SI; those it is made of, or more.
         """
 
     @abstractmethod
-    def weights(self, metrics: Array) -> Array:
-        """Return the derivatives (..., n_m) of the objective with the metrics.
+    def weights(self, metrics: Metrics) -> dict[str, Array]:
+        """Return its derivatives (...,) with the metrics that it is made of.
 
         Args:
-            metrics: (..., n_m), in SI.
+            metrics: (...,) each, in SI; those it is made of, or more.
         """
 
 
@@ -204,13 +210,28 @@ class _OfMetric(MetricObjective):
     def of_run(self, run: Run, limits: Limits) -> float:
         return self._sign * metric_of_run(run, self._metric, limits)
 
-    def of_metrics(self, metrics: Array) -> Array:
-        return self._sign * metrics[..., METRICS.index(self._metric)]
+    @property
+    def reads(self) -> frozenset[str]:
+        return frozenset([self._metric])
 
-    def weights(self, metrics: Array) -> Array:
-        weights = np.zeros_like(metrics)
-        weights[..., METRICS.index(self._metric)] = self._sign
-        return weights
+    def of_metrics(self, metrics: Metrics) -> Array:
+        return np.asarray(self._sign * metrics[self._metric])
+
+    def weights(self, metrics: Metrics) -> dict[str, Array]:
+        return {self._metric: np.full_like(metrics[self._metric], self._sign)}
+
+
+class _OfRunMetric(Objective):
+    """A metric that whole runs tell, or less it."""
+
+    def __init__(self, metric: str, sign: float, name: str):
+        metric_named(metric)
+        self.name = name
+        self.shown_as = SignedMetric(metric, sign)
+        self._metric, self._sign = metric, sign
+
+    def of_run(self, run: Run, limits: Limits) -> float:
+        return self._sign * metric_of_run(run, self._metric, limits)
 
 
 class _OfWindow(Objective):
@@ -272,16 +293,23 @@ class _CompositeOfMetrics(_Composite, MetricObjective):
         super().__init__(terms, rule, name)
         self._told = tuple(terms)
 
-    def _each(self, metrics: Array) -> Array:
+    @property
+    def reads(self) -> frozenset[str]:
+        return frozenset[str]().union(*(term.reads for term in self._told))
+
+    def _each(self, metrics: Metrics) -> Array:
         return np.stack([term.of_metrics(metrics) for term in self._told], axis=-1)
 
-    def of_metrics(self, metrics: Array) -> Array:
+    def of_metrics(self, metrics: Metrics) -> Array:
         return self._rule.value(self._each(metrics))
 
-    def weights(self, metrics: Array) -> Array:
-        each = np.stack([term.weights(metrics) for term in self._told], axis=-2)
+    def weights(self, metrics: Metrics) -> dict[str, Array]:
         slopes = self._rule.slopes(self._each(metrics))
-        return np.asarray(np.einsum("...tm,...t->...m", each, slopes))
+        total: dict[str, Array] = {}
+        for k, term in enumerate(self._told):
+            for name, weight in term.weights(metrics).items():
+                total[name] = total.get(name, 0.0) + slopes[..., k] * weight
+        return total
 
 
 def _composite(terms: Sequence[Objective], rule: Rule, name: str) -> Objective:
@@ -310,7 +338,7 @@ def highest(metric: str, *, window: Window | None = None) -> Objective:
     """Return the objective that makes a metric large.
 
     Args:
-        metric: one of `METRICS`.
+        metric: one of `METRICS`, or of a quantity.
         window: from when to when the metric looks instead, s; see `metric_within`.
 
     Raises:
@@ -323,7 +351,7 @@ def lowest(metric: str, *, window: Window | None = None) -> Objective:
     """Return the objective that makes a metric small: less its value.
 
     Args:
-        metric: one of `METRICS`.
+        metric: one of `METRICS`, or of a quantity.
         window: from when to when the metric looks instead, s; see `metric_within`.
 
     Raises:
@@ -369,7 +397,8 @@ def _of_metric(
 ) -> Objective:
     name = f"{which}_{metric}"
     if window is None:
-        return _OfMetric(metric, sign, name)
+        told = _OfMetric if metric_named(metric).of_steps else _OfRunMetric
+        return told(metric, sign, name)
     return _OfWindow(metric, sign, f"{name}{_suffix(window)}", window)
 
 

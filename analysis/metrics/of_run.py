@@ -6,8 +6,9 @@ signal is made of splines through its samples.
 
 import functools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
+import numpy as np
 from scipy.interpolate import PPoly
 
 from drakesep.analysis.metrics import sampled_signals as signals
@@ -16,50 +17,71 @@ from drakesep.analysis.metrics.metric import (
     Functional,
     Metric,
     Moment,
+    Outer,
+    Owner,
     Signal,
+    Time,
+    Window,
 )
 from drakesep.analysis.metrics.registry import METRICS, find_metric, registered_metrics
+from drakesep.analysis.metrics.requirements import Limits, limits_of
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
+from drakesep.systems.equations.forces_of_run import joint_loads, spring_forces
+from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.model.run import Run
+from drakesep.systems.model.separation import Separation
 
 
-def metrics_of_run(run: Run, deviation_limits: Sequence[float]) -> dict[str, float]:
-    """Return every metric of a completed run, by name.
+def metrics_of_run(
+    run: Run, deviation_limits: Limits, also: Iterable[str] = ()
+) -> dict[str, float]:
+    """Return every metric of a completed run, by name: of each body that leaves.
 
     Separation ends when every attachment is released and the last spring has reached
     its stroke. Rates are those of B in W, in B; deviations are its roll, pitch and yaw
     in W; the longitudinal speed is that of B's CG as seen from A. A metric of a rate's
-    or an angle's magnitude stands beside those of its two directions.
+    or an angle's magnitude stands beside those of its two directions. Those of the
+    first body have plain names, those of others begin with theirs.
 
     Args:
         run: a completed run.
         deviation_limits: (3,) limits of roll, pitch and yaw, rad, for the time
-            until which all stay within theirs; infinite where there is none.
-
-    Raises:
-        RuntimeError: the run failed.
-    """
-    samples = _Samples(run)
-    values: dict[str, float] = {}
-    for metric in registered_metrics():
-        if metric.of_every_run:
-            values |= _values(metric, samples, deviation_limits)
-    return values
-
-
-def metric_of_run(run: Run, name: str, deviation_limits: Sequence[float]) -> float:
-    """Return one metric of a completed run, as `metrics_of_run` does.
-
-    Args:
-        run: a completed run.
-        name: one of `METRICS`.
-        deviation_limits: (3,) as there.
+            until which all stay within theirs; infinite where there is none; or those
+            of several pairs, see `Limits`.
+        also: names of metrics that are not registered (see
+            `drakesep.analysis.metrics.quantities`). One that looks at a time that the
+            run does not reach is NaN.
 
     Raises:
         RuntimeError: the run failed.
         ValueError: there is no such metric of every run.
     """
-    return _values(metric_named(name), _Samples(run), deviation_limits)[name]
+    samples = _samples_of(run)
+    values: dict[str, float] = {}
+    metrics = [metric for metric in registered_metrics() if metric.of_every_run]
+    metrics += [m.of(pair.B) for pair in run.separation.others for m in metrics]
+    for metric in dict.fromkeys([*metrics, *map(metric_named, also)]):
+        limits = limits_of(deviation_limits, metric.pair)
+        values |= _values(metric, samples(metric), limits)
+    return values
+
+
+def metric_of_run(run: Run, name: str, deviation_limits: Limits) -> float:
+    """Return one metric of a completed run, as `metrics_of_run` does.
+
+    Args:
+        run: a completed run.
+        name: one of `METRICS`, or of a quantity.
+        deviation_limits: as there.
+
+    Raises:
+        RuntimeError: the run failed.
+        ValueError: there is no such metric of every run.
+    """
+    metric = metric_named(name)
+    limits = limits_of(deviation_limits, metric.pair)
+    return _values(metric, _samples_of(run)(metric), limits)[name]
 
 
 def metric_within(run: Run, metric: str, window: tuple[float, float]) -> float:
@@ -82,10 +104,10 @@ def metric_within(run: Run, metric: str, window: tuple[float, float]) -> float:
     """
     entry = metric_named(metric)
     check_windowed(entry, metric)
-    samples = _Samples(run)
+    samples = _samples_of(run)(entry)
     since = 0.0
-    if not isinstance(entry.when, Moment) and entry.when.start is Moment.RELEASE:
-        since = time_of(Moment.RELEASE, run)
+    if isinstance(entry.when, Window) and entry.when.start is Moment.RELEASE:
+        since = samples.time(Moment.RELEASE)
     start, stop = max(window[0], since), min(window[1], run.separation.duration)
     if start >= stop:
         raise InputError(
@@ -95,17 +117,26 @@ def metric_within(run: Run, metric: str, window: tuple[float, float]) -> float:
     return _over_time(entry, samples, start, stop)[metric]
 
 
-def time_of(moment: Moment, run: Run) -> float:
-    """Return when a moment of a run was, s."""
-    match moment:
+def time_of(time: Time, run: Run, body: str = "") -> float:
+    """Return when a time of a run was, s from its start.
+
+    Args:
+        time: in question.
+        run: completed.
+        body: that leaves, whose release and separation are meant; the first if empty.
+    """
+    body = body or run.separation.B
+    match time:
         case Moment.START:
             return 0.0
         case Moment.RELEASE:
-            return run.separation_start
+            return run.start_of(body)
         case Moment.SEPARATION:
-            return run.separation_end
+            return run.end_of(body)
         case Moment.END:
             return run.separation.duration
+        case _:
+            return time
 
 
 def metric_named(name: str) -> Metric:
@@ -127,34 +158,96 @@ def check_windowed(metric: Metric, name: str) -> None:
         raise InputError(f"window: must be of one of {', '.join(every)}, got {name}")
 
 
-class _Samples:
-    """The signals of a run; what is asked for twice is made once."""
+def _samples_of(run: Run) -> "Callable[[Metric], _Samples]":
+    """Return what gives the signals of a metric's owner; each is made once."""
 
-    def __init__(self, run: Run):
-        self._run = run
-        self._motion = run.completed_motion
+    @functools.cache
+    def of(owner: Owner, name: str) -> _Samples:
+        return _Samples(run, *_found(run.separation, owner, name))
+
+    return lambda metric: of(metric.owner, metric.pair)
+
+
+def _found(separation: Separation, owner: Owner, name: str) -> tuple[str, str]:
+    """Return the body that leaves, whose moments are meant, and the part.
+
+    Raises:
+        ValueError: there is no such owner.
+    """
+    bodies = [pair.B for pair in separation.pairs]
+    if owner is Owner.PAIR:
+        name = name or bodies[0]
+        if name not in bodies:
+            raise InputError(unknown(owner.value, name, bodies))
+        return name, ""
+    parts = separation.owners_of_forces(springs=owner is Owner.SPRING)
+    if name not in parts:
+        raise InputError(unknown(owner.value, name, parts))
+    held = parts[name]
+    leaving = [body for body in bodies if body in (held.A, held.B)]
+    return (leaving or bodies)[0], name
+
+
+class _Samples:
+    """The signals of a body that leaves, or of a joint or spring that holds it."""
+
+    def __init__(self, run: Run, body: str, part: str):
+        self._run, self._body, self._part = run, body, part
+        self._motion = run.motion_of(body)
+        pair = run.separation.pair_of(body)
+        self._facts = PairFacts.of(run.separation, pair)
         self.stretch = functools.cache(self._stretch)
         self._whole = functools.cache(self._interpolated)
 
-    def time(self, moment: Moment) -> float:
-        """Return when a moment was, s."""
-        return time_of(moment, self._run)
+    @property
+    def duration(self) -> float:
+        """Of the run, s."""
+        return self._run.separation.duration
 
-    def at(self, signal: Signal, moment: Moment) -> list[float]:
-        """Return the values of a signal's components at a moment."""
-        if moment is Moment.END:  # its last sample, to the last digit
-            last = getattr(self._motion, signal.quantity)[-1]
-            return [float(last[i]) for i in signal.components]
-        time = self.time(moment)
-        return [float(component(time)) for component in self._whole(signal)]
+    def time(self, time: Time) -> float:
+        """Return when a time was, s from the start."""
+        return time_of(time, self._run, self._body)
+
+    def at(self, signal: Signal, when: Time) -> list[float]:
+        """Return the values of a signal's components at a time."""
+        if when is Moment.END:  # its last sample, to the last digit
+            return [float(x) for x in self._columns(signal)[-1]]
+        time = self.time(when)
+        values = [float(component(time)) for component in self._whole(signal)]
+        if signal.turns:
+            return [math.remainder(value, math.tau) for value in values]
+        return values
 
     def _stretch(self, signal: Signal, start: float, stop: float) -> list[PPoly]:
         """Return the components of a signal from one time to another."""
         return [signals.between(one, start, stop) for one in self._whole(signal)]
 
     def _interpolated(self, signal: Signal) -> list[PPoly]:
-        values = getattr(self._motion, signal.quantity)[:, list(signal.components)]
+        values = self._columns(signal)
+        if signal.turns:
+            values = np.unwrap(values, axis=0)
+        if signal.jumps:
+            return signals.straight(self._motion.time, values)
         return signals.interpolate(self._motion.time, values, self._run.breaks)
+
+    def _columns(self, signal: Signal) -> Array:
+        """Return the samples (n, c) of a signal's components."""
+        field = self._field(signal)
+        if signal.law is not None:
+            made = signal.law(tuple(field.T), self._facts, np)
+            field = np.stack(made, axis=1)
+        return field[:, list(signal.components)]
+
+    def _field(self, signal: Signal) -> Array:
+        """Return the samples (n, k) of what a signal is made of."""
+        match signal.owner:
+            case Owner.ATTACHMENT:
+                return joint_loads(self._run)[self._part]
+            case Owner.SPRING:
+                return spring_forces(self._run)[self._part][:, None]
+            case Owner.PAIR:
+                field: Array = getattr(self._motion, signal.quantity)
+                return field
 
 
 _OVER_TIME: Mapping[Functional, Callable[[PPoly], float]] = {
@@ -176,8 +269,10 @@ def _values(
     metric: Metric, samples: _Samples, deviation_limits: Sequence[float]
 ) -> dict[str, float]:
     """Return the numbers of a metric, by name."""
-    if not isinstance(metric.when, Moment):
-        start, stop = map(samples.time, (metric.when.start, metric.when.end))
+    if not metric.reached(samples.duration):
+        return dict.fromkeys(metric.names, math.nan)
+    if isinstance(metric.when, Window):
+        start, stop = map(samples.time, metric.when[:2])
         return _over_time(metric, samples, start, stop, deviation_limits)
     if metric.signal is None:
         return _named(metric, [samples.time(metric.when)])
@@ -206,7 +301,20 @@ def _over_time(
 
 def _named(metric: Metric, each: Sequence[float]) -> dict[str, float]:
     """Return the numbers of a metric from what its functional makes of components."""
+    if metric.signal is not None:
+        each = [_outer(metric.signal.outer, number) for number in each]
     if metric.combined is not Combined.EACH:
         each = [_COMBINED[metric.combined](each)]
     numbers = [metric.sign * number for number in each]
     return dict(zip(metric.names, numbers, strict=True))
+
+
+def _outer(outer: Outer, number: float) -> float:
+    """Return a quantity from its signal, of which round-off may be below zero."""
+    match outer:
+        case Outer.ITSELF:
+            return number
+        case Outer.ROOT:
+            return math.sqrt(max(number, 0.0))
+        case Outer.CONE:
+            return 2.0 * math.asin(math.sqrt(min(max(number, 0.0), 1.0)))

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from typing import overload
 
 from drakesep.analysis.metrics.metric import (
-    AFTER_SEPARATION,
     ANGLE,
     LONGITUDINAL_SPEED,
     RATE,
@@ -21,7 +20,9 @@ from drakesep.analysis.metrics.metric import (
     Metric,
     Moment,
 )
+from drakesep.analysis.metrics.quantities import metric_of_quantity
 from drakesep.systems.checks import InputError
+from drakesep.systems.model.separation import RESERVED_NAMES
 
 
 _PAPER = (
@@ -63,7 +64,9 @@ _PAPER = (
     ),
 )
 
-_RATES = (
+DEVIATION = "deviation_at_separation"
+"""Stem of the metric whose limits `TIME_WITHIN` looks at."""
+_OTHERS = (
     Metric(
         stem="final_rate",
         kind=Kind.RATE,
@@ -71,56 +74,12 @@ _RATES = (
         signal=RATE,
         when=Moment.END,
     ),
-    Metric(
-        stem="rate_after_separation",
-        kind=Kind.RATE,
-        functional=Functional.LARGEST_MAGNITUDE,
-        signal=RATE,
-        when=AFTER_SEPARATION,
-        at_least="rate_magnitude_min_after_separation",
-        directions=("rate_max_after_separation", "rate_min_after_separation"),
-    ),
-    Metric(
-        stem="rate_min_after_separation",
-        kind=Kind.RATE,
-        functional=Functional.SMALLEST,
-        signal=RATE,
-        when=AFTER_SEPARATION,
-    ),
-    Metric(
-        stem="rate_max_after_separation",
-        kind=Kind.RATE,
-        functional=Functional.LARGEST,
-        signal=RATE,
-        when=AFTER_SEPARATION,
-    ),
-    Metric(
-        stem="rate_magnitude_min_after_separation",
-        kind=Kind.RATE,
-        functional=Functional.SMALLEST_MAGNITUDE,
-        signal=RATE,
-        when=AFTER_SEPARATION,
-    ),
-)
-
-DEVIATION = "deviation_at_separation"
-"""Stem of the metric whose limits `TIME_WITHIN` looks at."""
-_ANGLES = (
-    Metric(
-        stem=DEVIATION,
-        kind=Kind.ANGLE,
-        functional=Functional.MAGNITUDE,
-        signal=ANGLE,
-        when=Moment.SEPARATION,
-        directions=("angle_at_separation", "angle_at_separation"),
-    ),
-    Metric(
-        stem="angle_at_separation",
-        kind=Kind.ANGLE,
-        functional=Functional.VALUE,
-        signal=ANGLE,
-        when=Moment.SEPARATION,
-    ),
+    "rate_after_separation",
+    "rate_min_after_separation",
+    "rate_max_after_separation",
+    "rate_magnitude_min_after_separation",
+    DEVIATION,
+    "angle_at_separation",
     Metric(
         stem="deviation_within_limits_until",
         kind=Kind.TIME,
@@ -128,33 +87,9 @@ _ANGLES = (
         signal=ANGLE,
         combined=Combined.SMALLEST,
     ),
-)
-
-_SPEEDS = (
-    Metric(
-        stem="longitudinal_speed_max",
-        kind=Kind.SPEED,
-        functional=Functional.LARGEST,
-        signal=LONGITUDINAL_SPEED,
-    ),
-    Metric(
-        stem="longitudinal_speed_after_separation",
-        kind=Kind.SPEED,
-        functional=Functional.SMALLEST,
-        signal=LONGITUDINAL_SPEED,
-        when=AFTER_SEPARATION,
-        at_most="longitudinal_speed_max_after_separation",
-    ),
-    Metric(
-        stem="longitudinal_speed_max_after_separation",
-        kind=Kind.SPEED,
-        functional=Functional.LARGEST,
-        signal=LONGITUDINAL_SPEED,
-        when=AFTER_SEPARATION,
-    ),
-)
-
-_OTHERS = (
+    "longitudinal_speed_max",
+    "longitudinal_speed_after_separation",
+    "longitudinal_speed_max_after_separation",
     Metric(
         stem="separation_end",
         kind=Kind.TIME,
@@ -204,19 +139,23 @@ def register_metric(metric: Metric) -> None:
         ValueError: there is one of that name, or it says to be an objective of the
             paper.
     """
+    if not metric.stem.isidentifier():
+        raise InputError(
+            f"metric: stem must be of letters, digits and _, got {metric.stem!r}"
+        )
     if _built_in and metric.objective:
         raise InputError(
             f"metric {metric.stem!r}: objective must be empty: it is of the paper's, "
             f"got {metric.objective!r}"
         )
     for name in (metric.stem, *metric.names):
-        if find_metric(name) is not None:
+        if _registered(name) is not None:
             raise InputError(f"metric {name!r} is registered already")
     _registry[metric.stem] = metric
 
 
 def forget_metric(stem: str) -> None:
-    """Remove a metric that was registered.
+    """Remove a metric that was registered; what was made before still tells it.
 
     Args:
         stem: of the metric.
@@ -241,12 +180,28 @@ def registered_metrics() -> tuple[Metric, ...]:
 def find_metric(name: str) -> tuple[Metric, str] | None:
     """Return the metric of a name or a stem, and the axis that is in the name.
 
+    One that is registered, or of a quantity at some time of the run; of the first pair,
+    or of that of the body whose name stands before it.
+
     Args:
-        name: such as ``rate_after_separation_x``; the axis of a stem is empty.
+        name: such as ``rate_after_separation_x`` or ``satellite.rate_at_end_x``; the
+            axis of a stem is empty.
 
     Returns:
         None if there is no such metric.
     """
+    found = _registered(name) or metric_of_quantity(name)
+    if found is not None:
+        return found
+    body, _, rest = name.partition(".")
+    found = _registered(rest) or metric_of_quantity(rest)
+    if found is None or body in ("", *RESERVED_NAMES):
+        return None
+    metric, axis = found
+    return metric.of(body), axis
+
+
+def _registered(name: str) -> tuple[Metric, str] | None:
     if name in _registry:
         return _registry[name], ""
     stem, _, axis = name.rpartition("_")
@@ -258,6 +213,10 @@ def find_metric(name: str) -> tuple[Metric, str] | None:
 
 _built_in: frozenset[str] = frozenset()
 """Stems of drakesep's own metrics."""
-for _metric in (*_PAPER, *_RATES, *_ANGLES, *_SPEEDS, *_OTHERS):
-    register_metric(_metric)
+for _entry in (*_PAPER, *_OTHERS):
+    if isinstance(_entry, str):  # of a quantity
+        _found = metric_of_quantity(_entry)
+        assert _found is not None
+        _entry = _found[0]
+    register_metric(_entry)
 _built_in = frozenset(_registry)

@@ -1,13 +1,20 @@
 """Requirements on a separation, and whether runs meet them."""
 
+import enum
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
-from drakesep.analysis.metrics.metric import Sense
+from drakesep.analysis.metrics.metric import Owner, Sense
 from drakesep.analysis.metrics.registry import DEVIATION, find_metric
 from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.model.parameter_table import with_axis
+
+
+Limits: TypeAlias = Sequence[float] | Mapping[str, Sequence[float]]
+"""(3,) of roll, pitch and yaw of the first pair, rad, infinite where there is none; or
+such limits of several pairs, by their B's name, and of the first by an empty one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +31,11 @@ class Requirement:
     limit: float
     """In SI."""
     condition: str = ""
-    """When it holds, in words; always if empty."""
+    """When it holds, in words, if its metric does not say it."""
+    id: str = ""
+    """By which others know it, such as ``UM-4.2``."""
+    source: str = ""
+    """Where it comes from."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -51,9 +62,21 @@ class Requirement:
 
     @property
     def quantity(self) -> tuple[str, str]:
-        """Stem of its metric, and the axis; empty if it has none."""
+        """Stem of its metric, of any pair, and the axis; empty if it has none."""
         found = find_metric(self.metric)
-        return (self.metric, "") if found is None else (found[0].stem, found[1])
+        return (self.metric, "") if found is None else (found[0].stem_of_any, found[1])
+
+    @property
+    def pair(self) -> str:
+        """B of the pair, the attachment or the spring; empty: B of the first pair."""
+        found = find_metric(self.metric)
+        return "" if found is None else found[0].pair
+
+    @property
+    def owner(self) -> Owner:
+        """Whose its metric is."""
+        found = find_metric(self.metric)
+        return Owner.PAIR if found is None else found[0].owner
 
     @property
     def measured_apart(self) -> bool:
@@ -72,27 +95,43 @@ class Requirement:
         return self.limit - value if self.sense == "<=" else value - self.limit
 
 
+class Verdict(enum.Enum):
+    """Whether a requirement is met; the value says it."""
+
+    MET = "met"
+    NOT_MET = "not met"
+    NOT_LOOKED_AT = "not looked at"
+    """A run does not tell, or none does: no verdict."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
     """How a requirement fares over several runs."""
 
     requirement: Requirement
     nominal: float
-    """Value of the nominal run."""
+    """Value of the nominal run; NaN if it does not tell."""
     worst: float
-    """Value nearest to the limit, or farthest beyond it."""
+    """Value nearest to the limit, or farthest beyond it; NaN if a run does not tell."""
     run: str
-    """Label of the run with the worst value."""
+    """Label of the run with the worst value, or of the first that does not tell."""
 
     @property
     def margin(self) -> float:
-        """Margin of the worst value."""
+        """Margin of the worst value; NaN if a run does not tell."""
         return self.requirement.margin(self.worst)
 
     @property
-    def met(self) -> bool:
+    def verdict(self) -> Verdict:
         """Whether every run meets the requirement."""
-        return self.margin >= 0.0
+        if math.isnan(self.worst):
+            return Verdict.NOT_LOOKED_AT
+        return Verdict.MET if self.margin >= 0.0 else Verdict.NOT_MET
+
+    @property
+    def met(self) -> bool:
+        """Whether every run is known to meet the requirement."""
+        return self.verdict is Verdict.MET
 
 
 def assess(
@@ -102,35 +141,66 @@ def assess(
 ) -> list[Finding]:
     """Return how each requirement fares over the runs.
 
+    What was not looked at, or is not a number, is never within a limit.
+
     Args:
         requirements: to be judged.
-        runs: metrics of each run, by its label; those that lack a metric say nothing
-            about it.
+        runs: metrics of each run, by its label; of one that is measured apart, of some
+            runs only.
         nominal: label of the nominal run.
     """
-    findings = []
-    for requirement in requirements:
-        metric = requirement.judged_by
-        values = {
-            label: metrics[metric]
-            for label, metrics in runs.items()
-            if metric in metrics
-        }
-        label = min(values, key=lambda label: requirement.margin(values[label]))
-        findings.append(
-            Finding(
-                requirement=requirement,
-                nominal=values[nominal],
-                worst=values[label],
-                run=label,
-            )
-        )
-    return findings
+    return [_finding(requirement, runs, nominal) for requirement in requirements]
 
 
-def deviation_limits(requirements: Sequence[Requirement]) -> tuple[float, ...]:
-    """Return the limits of roll, pitch and yaw, rad; infinite where there is none."""
-    limits = {r.metric: r.limit for r in requirements if r.sense == "<="}
-    found = find_metric(DEVIATION)
+def _finding(
+    requirement: Requirement, runs: Mapping[str, Mapping[str, float]], nominal: str
+) -> Finding:
+    metric = requirement.judged_by
+    values = {
+        label: metrics.get(metric, math.nan)
+        for label, metrics in runs.items()
+        if metric in metrics or not requirement.measured_apart
+    }
+
+    def badness(label: str) -> tuple[bool, float]:
+        return math.isnan(values[label]), -requirement.margin(values[label])
+
+    worst = max(values, key=badness, default="")
+    return Finding(
+        requirement=requirement,
+        nominal=values.get(nominal, math.nan),
+        worst=values.get(worst, math.nan),
+        run=worst,
+    )
+
+
+def deviation_limits(
+    requirements: Sequence[Requirement], pair: str = ""
+) -> tuple[float, ...]:
+    """Return the limits of roll, pitch and yaw, rad; infinite where there is none.
+
+    Where there are several, the least.
+
+    Args:
+        requirements: some of which limit deviations.
+        pair: B of the pair whose deviations they are; empty: of the first.
+    """
+    found = find_metric(f"{pair}.{DEVIATION}" if pair else DEVIATION)
     assert found is not None
-    return tuple(limits.get(name, math.inf) for name in found[0].names)
+    return tuple(
+        min(
+            (r.limit for r in requirements if r.metric == name and r.sense == "<="),
+            default=math.inf,
+        )
+        for name in found[0].names
+    )
+
+
+NO_LIMITS = (math.inf,) * 3
+
+
+def limits_of(limits: Limits, pair: str) -> Sequence[float]:
+    """Return the limits (3,) of a pair's deviations, rad; see `Limits`."""
+    if isinstance(limits, Mapping):
+        return limits.get(pair, NO_LIMITS)
+    return NO_LIMITS if pair else limits

@@ -40,6 +40,19 @@ def interpolate(time: Array, samples: Array, breaks: Sequence[float]) -> list[PP
     return [PPoly.construct_fast(c[..., k].copy(), time) for k in range(c.shape[2])]
 
 
+def straight(time: Array, samples: Array) -> list[PPoly]:
+    """Return the signals through samples by straight lines.
+
+    Args:
+        time: (n,) sample times, s.
+        samples: (n, k) values.
+    """
+    slopes = np.diff(samples, axis=0) / np.diff(time)[:, None]
+    none = np.zeros_like(slopes)
+    c = np.stack([none, none, slopes, samples[:-1]])
+    return [PPoly.construct_fast(c[..., k].copy(), time) for k in range(c.shape[2])]
+
+
 def between(signal: PPoly, t0: float, t1: float) -> PPoly:
     """Return the signal from t0 to t1 alone."""
     inner = signal.x[(signal.x > t0) & (signal.x < t1)]

@@ -77,11 +77,13 @@ class SpringSection(Section):
     """Differs from all other names."""
     law: str = "time"
     """What its force follows."""
+    axis: Vector = (1.0, 0.0, 0.0)
+    """Unit vector along which it pushes B, fixed in A."""
 
     def in_si(self) -> Pusher:
         """Return the record."""
         kind = PUSHERS[self.law]
-        values: dict[str, Any] = {}
+        values: dict[str, Any] = {"axis_A": self.axis}
         for argument in kind.arguments:
             key, unit = key_of(kind, argument)
             value = getattr(self, key)

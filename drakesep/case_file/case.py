@@ -4,7 +4,8 @@ Keys carry their units; a `Case` hands everything on in SI and radians.
 """
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -23,6 +24,7 @@ from drakesep.analysis.tolerances.box import ToleranceBox, UnphysicalTolerance
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.case_file.attachments import AttachmentSection, LoadSection
 from drakesep.case_file.bodies import BodySection
+from drakesep.case_file.dispersions import Tolerance, tolerances_in_si
 from drakesep.case_file.errors import CaseError, explained
 from drakesep.case_file.geometry import ClearanceSection, RecontactSection
 from drakesep.case_file.others import (
@@ -34,18 +36,28 @@ from drakesep.case_file.others import (
     RequirementSection,
     RunSection,
 )
-from drakesep.case_file.section import Name, Positive, Section, files_of
+from drakesep.case_file.section import Name, Section, files_of
 from drakesep.case_file.values import parameter_of, values_in_si
 from drakesep.systems.checks import named
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.part_pairs import pairs_apart
-from drakesep.systems.model.separation import Separation
+from drakesep.systems.model.separation import Pair, Separation
 from drakesep.tables.roles import check_labels
 from drakesep.units import unit_of, with_unit
 
 
 if TYPE_CHECKING:  # imports Drake
     from drakesep.analysis.clearance.objective import LowestClearance
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a case was read from; cases that say the same are equal wherever."""
+
+    source: str | None = field(default=None, compare=False)
+    """The file, or the name if it is built in; None: made or changed in Python."""
+    text: str | None = field(default=None, compare=False)
+    """What stands there."""
 
 
 class Case(Section):
@@ -58,8 +70,10 @@ class Case(Section):
     """Of the case: results go to a folder of this name."""
     description: str = ""
     """A line for `drakesep cases`."""
-    pair: PairSection
-    """The bodies whose separation is analysed."""
+    pair: PairSection | None = None
+    """The body that leaves, and from which; or several, in `pairs`."""
+    pairs: list[PairSection] = Field(default_factory=list)
+    """The bodies that leave, each from another; in place of `pair`."""
     bodies: dict[Name, BodySection] = Field(min_length=2)
     """All bodies, by name."""
     attachments: dict[Name, AttachmentSection] = Field(min_length=1)
@@ -70,7 +84,7 @@ class Case(Section):
     """Gravity of the Earth on W's orbit; free of gravity if left out."""
     before_separation: BeforeSeparationSection = BeforeSeparationSection()
     """Motion of the mated stack at t = 0."""
-    dispersions: dict[str, Positive] = Field(default_factory=dict)
+    dispersions: dict[str, Tolerance] = Field(default_factory=dict)
     """Tolerances to either side of the values above."""
     ellipsoids: list[CorrelationSection] = Field(default_factory=list)
     """Dispersed parameters that go together."""
@@ -89,19 +103,25 @@ class Case(Section):
     """Worst cases of a publication, to be compared with ours."""
 
     _record: AnalysisCase = PrivateAttr()
-    _read: tuple[str, str] | None = PrivateAttr(default=None)
-    """From where, and the text; None if it was made or changed in Python."""
+    _origin: Origin = PrivateAttr()
+
+    @model_validator(mode="after")
+    def _check_pairs(self) -> Self:
+        if (self.pair is None) == (not self.pairs):
+            got = "none" if self.pair is None else "both"
+            raise ValueError(f"must have one of 'pair' and 'pairs', got {got}")
+        return self
 
     @model_validator(mode="after")
     def _turn_into_si(self, info: ValidationInfo) -> Self:
         self._record = self._in_si()
-        self._read = (info.context or {}).get("read")
+        self._origin = (info.context or {}).get("origin", Origin())
         return self
 
     def _in_si(self) -> AnalysisCase:
         separation = self._separation()
         with named("dispersions"):
-            tolerances = values_in_si(separation, self.dispersions)
+            tolerances = tolerances_in_si(separation, self.dispersions)
         with named("ellipsoids"):
             ellipsoids = [
                 section.in_si(
@@ -109,7 +129,8 @@ class Case(Section):
                 )
                 for section in self.ellipsoids
             ]
-        self._check_requirements(separation)
+        limits = self._limits(separation)
+        self._check_requirements(separation, limits)
         published = []
         for section in self.published:
             with named(f"published: {section.label}"):
@@ -121,25 +142,29 @@ class Case(Section):
                 integration=self.run.in_si(),
                 tolerances=tolerances,
                 ellipsoids=tuple(ellipsoids),
-                requirements=self._limits,
+                requirements=limits,
                 objectives=self.objectives,
                 clearance=self._clearance_pairs(),
                 published=tuple(published),
             )
         except UnphysicalTolerance as error:
             key = with_unit(error.name)
-            got = f"{key} ± {self.dispersions[key]:g}"
+            tolerance = unit_of(error.name).from_si(tolerances[error.name])
+            got = f"{key} ± {tolerance:g}"
             raise CaseError(f"dispersions: {got}: {error.reason}") from error
         check_labels(record, record.objective_names)
         return record
 
     def _separation(self) -> Separation:
         touching, recontact = self.clearance.touching, self.recontact
+        first, *others = self._pairs
         return Separation(
             bodies=tuple(body.in_si(name) for name, body in self.bodies.items()),
             attachments=tuple(a.in_si(name) for name, a in self.attachments.items()),
-            A=self.pair.A,
-            B=self.pair.B,
+            A=first.A,
+            B=first.B,
+            direction=first.direction,
+            others=tuple(Pair(A=x.A, B=x.B, direction=x.direction) for x in others),
             loads=tuple(load.in_si(name) for name, load in self.loads.items()),
             initial=self.before_separation.in_si(),
             orbit=None if self.orbit is None else self.orbit.in_si(),
@@ -159,13 +184,25 @@ class Case(Section):
             ),
         )
 
-    def _check_requirements(self, separation: Separation) -> None:
+    def _check_requirements(
+        self, separation: Separation, limits: Sequence[Requirement]
+    ) -> None:
         """Check what only a file can say of them: its keys, and limits in its units."""
-        quantities = [section.quantity for section in self.requirements]
-        for quantity in quantities:
-            if quantities.count(quantity) > 1:
-                raise CaseError(f"requirements: {quantity} must stand once")
-        if any(limit.measured_apart for limit in self._limits):
+        sides = [(r.metric, r.sense, r.id) for r in limits]
+        for metric, sense, name in sides:
+            if sides.count((metric, sense, name)) > 1:
+                side = "at_most" if sense == "<=" else "at_least"
+                raise CaseError(
+                    f"requirements: {side} of {with_unit(metric)} must stand once, or "
+                    f"each time with an id of its own, got {name or 'none'} twice"
+                )
+        windows = {s.until_separation_mm for s in self._of_clearance}
+        if len(windows) > 1:
+            raise CaseError(
+                "requirements: until_separation_mm must be the same of all clearances, "
+                f"got {' and '.join(map(str, windows))}"
+            )
+        if any(limit.measured_apart for limit in limits):
             with named("clearance"):
                 of = self.clearance
                 apart = pairs_apart(separation, of.pairs, of.touching)
@@ -174,16 +211,34 @@ class Case(Section):
                     "requirements: clearance_mm needs geometry on two bodies that does "
                     "not touch while mated, got none"
                 )
-        for limit in self._limits:
+        for limit in limits:
+            wanted = ""
             if limit.never_negative and limit.sense == "<=" and limit.limit < 0.0:
+                wanted = "at_most must be >= 0"
+            if limit.never_negative and limit.sense == ">=" and limit.limit <= 0.0:
+                wanted = "at_least must be > 0"
+            if wanted:
                 raise CaseError(
-                    f"requirements: {with_unit(limit.metric)}: at_most must be >= 0, "
+                    f"requirements: {with_unit(limit.metric)}: {wanted}, "
                     f"got {unit_of(limit.metric).from_si(limit.limit):g}"
                 )
 
     @property
-    def _limits(self) -> tuple[Requirement, ...]:
-        return tuple(r for section in self.requirements for r in section.requirements())
+    def _of_clearance(self) -> list[RequirementSection]:
+        return [s for s in self.requirements if not s.metric.of_every_run]
+
+    @property
+    def _pairs(self) -> list[PairSection]:
+        return self.pairs if self.pair is None else [self.pair]
+
+    def _limits(self, separation: Separation) -> tuple[Requirement, ...]:
+        """Return the requirements in SI."""
+        with named("requirements"):
+            return tuple(
+                requirement
+                for section in self.requirements
+                for requirement in section.requirements(separation)
+            )
 
     def in_si(self) -> AnalysisCase:
         """Return the case in SI and radians, as studies take it."""
@@ -192,13 +247,13 @@ class Case(Section):
     @property
     def source(self) -> str | None:
         """The file or built-in case that it was read from; None if it was not."""
-        return None if self._read is None else self._read[0]
+        return self._origin.source
 
     @property
     def text(self) -> str:
         """The case as a case file has it: that which was read, or one of its own."""
-        if self._read is not None:
-            return self._read[1]
+        if self._origin.text is not None:
+            return self._origin.text
         stream = io.StringIO()
         yaml = YAML(typ="safe", pure=True)
         yaml.representer.sort_base_mapping_type_on_output = False  # tables follow it

@@ -1,14 +1,29 @@
 """The other sections of a case file: pair, orbit, requirements, run, publications."""
 
+import itertools
 from collections.abc import Mapping
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import AfterValidator, BeforeValidator, Strict, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Strict,
+    Tag,
+    model_validator,
+)
 
 from drakesep.analysis.analysis_case import PrintedResult, PublishedCase
-from drakesep.analysis.metrics.metric import Metric, Sense
+from drakesep.analysis.metrics.metric import Metric, Owner, Sense
 from drakesep.analysis.metrics.objectives import ObjectiveName
-from drakesep.analysis.metrics.registry import registered_metrics
+from drakesep.analysis.metrics.quantities import (
+    QUANTITIES,
+    Quantity,
+    at_time,
+    between_times,
+)
+from drakesep.analysis.metrics.registry import find_metric, registered_metrics
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.case_file.errors import CaseError
@@ -36,18 +51,20 @@ def _check_mark(value: Any) -> Any:
     return value
 
 
-def _limited() -> dict[str, Metric]:
-    """Return the metrics that may be limited by their names with units.
+def _limited() -> dict[str, Metric | Quantity]:
+    """Return what may be limited, by its name with unit.
 
-    First those that requirements are usually on: a limit of theirs holds at all times,
-    in both directions, or of what is measured apart.
+    Quantities, and metrics: first those that requirements are usually on, whose limits
+    hold at all times, in both directions, or of what is measured apart.
     """
 
     def unusual(metric: Metric) -> bool:
         of_all_times = metric.at_most or metric.at_least or metric.directions
         return metric.of_every_run and not of_all_times
 
-    return {with_unit(m.stem): m for m in sorted(registered_metrics(), key=unusual)}
+    quantities = {with_unit(q.name): q for q in QUANTITIES.values()}
+    metrics = sorted(registered_metrics(), key=unusual)
+    return {with_unit(m.stem): m for m in metrics} | quantities
 
 
 def _check_quantity(value: str) -> str:
@@ -57,9 +74,11 @@ def _check_quantity(value: str) -> str:
     return value
 
 
-Quantity = Annotated[str, AfterValidator(_check_quantity)]
+Quantities = Annotated[str, AfterValidator(_check_quantity)]
 Mark = Annotated[str | float, BeforeValidator(_check_mark)]
-Limits = Annotated[tuple[float, ...], Strict(False), BeforeValidator(_as_limits)]
+Limits = Annotated[tuple[float | None, ...], Strict(False), BeforeValidator(_as_limits)]
+"""One for each axis; null: none."""
+Seconds = Annotated[float, Field(ge=0)]
 
 
 class PairSection(Section):
@@ -69,6 +88,8 @@ class PairSection(Section):
     """Pushed from."""
     B: str
     """Pushed away."""
+    direction: Vector = (1.0, 0.0, 0.0)
+    """In which B leaves, a unit vector fixed in A."""
 
 
 class OrbitSection(Section):
@@ -115,64 +136,182 @@ class CorrelationSection(Section):
         )
 
 
-class RequirementSection(Section):
-    """Limits on one metric, one for each axis that it has."""
+class WhenSection(Section):
+    """A time in seconds, or the stretch from one to another."""
 
-    quantity: Quantity
-    """Name of the metric, with its unit."""
-    at_most: Limits | None = None
-    """Limits from above, in the metric's unit; this or `at_least`."""
-    at_least: Limits | None = None
-    """Limits from below, in the metric's unit; this or `at_most`."""
-    until_separation_mm: Positive | None = None
-    """Of a clearance: how far B is to move along A's x axis until it holds no more."""
+    at_s: Seconds | None = None
+    """The time; or, in its place, the stretch."""
+    from_s: Seconds | None = None
+    """Where the stretch begins; the start of the run if absent."""
+    to_s: Positive | None = None
+    """Where it ends; the end of the run if absent."""
 
     @model_validator(mode="after")
-    def _check_limits(self) -> Self:
-        if (self.at_most is None) == (self.at_least is None):
-            got = "none" if self.at_most is None else "both"
-            raise ValueError(f"must have one of 'at_most' and 'at_least', got {got}")
-        of_clearance = not self.metric.of_every_run
-        if of_clearance and self.at_least is None:
-            raise ValueError("a clearance must have 'at_least', got 'at_most'")
-        if of_clearance and min(self._limits, default=0.0) <= 0.0:
-            raise ValueError(  # at contact it is 0, however deep
-                f"at_least of a clearance must be > 0, got {self._limits[0]:g}"
-            )
-        if not of_clearance and self.until_separation_mm is not None:
-            raise ValueError("until_separation_mm must stand with clearance_mm")
-        axes = len(self.metric.axes)
-        if len(self._limits) != axes:
-            raise ValueError(
-                f"must have {axes} limits, got {', '.join(map(str, self._limits))}"
-            )
+    def _check_order(self) -> Self:
+        stretch = self.from_s is not None or self.to_s is not None
+        if stretch == (self.at_s is not None):
+            raise ValueError("must have at_s, or from_s, to_s or both")
+        start, end = self.from_s, self.to_s
+        if start is not None and end is not None and not start < end:
+            raise ValueError(f"to_s must be > from_s, got {start:g} to {end:g}")
         return self
 
     @property
-    def _limits(self) -> tuple[float, ...]:
-        limits = self.at_least if self.at_most is None else self.at_most
-        assert limits is not None  # _check_limits
-        return limits
+    def in_names(self) -> str:
+        """What stands for it in names of metrics."""
+        if self.at_s is not None:
+            return at_time(self.at_s)
+        return between_times(self.from_s, self.to_s)
+
+
+MomentName: TypeAlias = Literal[
+    "since_release",
+    "after_separation",
+    "until_separation",
+    "at_release",
+    "at_separation",
+    "at_end",
+]
+
+
+WhenOf: TypeAlias = Annotated[
+    Annotated[MomentName, Tag("moment")] | Annotated[WhenSection, Tag("seconds")],
+    Discriminator(lambda value: "moment" if isinstance(value, str) else "seconds"),
+]
+
+
+class RequirementSection(Section):
+    """Limits on a quantity at some time of the run, or on a metric."""
+
+    quantity: Quantities
+    """Name of the quantity or of the metric, with its unit."""
+    when: WhenOf | None = None
+    """Of a quantity; over the whole run if absent. A metric says it in its name."""
+    at_most: Limits | None = None
+    """Limits from above, in the unit of the quantity; this, `at_least` or both."""
+    at_least: Limits | None = None
+    """Limits from below, in the unit of the quantity; this, `at_most` or both."""
+    pair: str | None = None
+    """The body that leaves, B of its pair; if absent, of each pair."""
+    of: str | None = None
+    """The attachment or the spring, of a joint's or a spring's; if absent, of each."""
+    id: str = ""
+    """By which others know the requirement."""
+    source: str = ""
+    """Where it comes from."""
+    until_separation_mm: Positive | None = None
+    """Of a clearance: how far B is to move in its direction until it holds no more."""
+
+    @model_validator(mode="after")
+    def _check_limits(self) -> Self:
+        if self.when is not None and self._quantity is None:
+            raise ValueError(f"{self.quantity} has no 'when': its name says it")
+        if self.at_most is None and self.at_least is None:
+            raise ValueError("must have 'at_most', 'at_least' or both, got none")
+        of_clearance = not self.metric.of_every_run
+        if of_clearance and (self.at_least is None or self.at_most is not None):
+            raise ValueError("a clearance must have 'at_least', got 'at_most'")
+        if of_clearance and self.pair is not None:
+            raise ValueError("a clearance is that of all pairs, and has no 'pair'")
+        if not of_clearance and self.until_separation_mm is not None:
+            raise ValueError("until_separation_mm must stand with clearance_mm")
+        axes = len(self.metric.axes)
+        for limits in (self.at_most, self.at_least):
+            if limits is not None and len(limits) != axes:
+                raise ValueError(
+                    f"must have {axes} limits, got {', '.join(map(str, limits))}"
+                )
+        given = [limit for _, _, limit in self._sides]
+        if not given:
+            raise ValueError("must have a limit that is no null, got none")
+        if of_clearance and given[0] <= 0.0:
+            raise ValueError(  # at contact it is 0, however deep
+                f"at_least of a clearance must be > 0, got {given[0]:g}"
+            )
+        self._check_band()
+        return self
+
+    def _check_band(self) -> None:
+        for low, high in zip(self.at_least or (), self.at_most or (), strict=False):
+            if low is not None and high is not None and low > high:
+                raise ValueError(
+                    f"at_least must not be above at_most, got {low:g} and {high:g}"
+                )
+
+    @property
+    def _sides(self) -> list[tuple[str, Sense, float]]:
+        """The limits, each with its metric and sense."""
+        sides: list[tuple[str, Sense, float]] = []
+        for name, low, high in zip(
+            self.metric.names,
+            self.at_least or itertools.repeat(None),
+            self.at_most or itertools.repeat(None),
+            strict=False,
+        ):
+            if low is not None:
+                sides.append((name, ">=", low))
+            if high is not None:
+                sides.append((name, "<=", high))
+        return sides
+
+    @property
+    def _quantity(self) -> Quantity | None:
+        limited = _limited()[self.quantity]
+        return limited if isinstance(limited, Quantity) else None
 
     @property
     def metric(self) -> Metric:
         """That is limited."""
-        return _limited()[self.quantity]
+        limited = _limited()[self.quantity]
+        if isinstance(limited, Metric):
+            return limited
+        when = self.when.in_names if isinstance(self.when, WhenSection) else self.when
+        found = find_metric("_".join(filter(None, (limited.name, when))))
+        assert found is not None
+        return found[0]
 
-    def requirements(self) -> list[Requirement]:
-        """Return the requirements in SI, one for each axis."""
-        sense: Sense = "<=" if self.at_least is None else ">="
+    def requirements(self, separation: Separation) -> list[Requirement]:
+        """Return the requirements in SI, one for each limit.
+
+        Args:
+            separation: that has what they are about.
+
+        Raises:
+            CaseError: it has no such body, attachment or spring.
+        """
+        owner, bodies = self.metric.owner, [pair.B for pair in separation.pairs]
+        if not self.metric.of_every_run:
+            return self._of_pair("")
+        if owner is Owner.PAIR:
+            key, known, named, other = "pair", bodies, self.pair, self.of
+        else:
+            of_springs = owner is Owner.SPRING
+            known = [*separation.owners_of_forces(springs=of_springs)]
+            key, named, other = "of", self.of, self.pair
+        if other is not None:
+            raise CaseError(f"{self.quantity}: must be of one by {key!r}, got {other}")
+        if named is not None and named not in known:
+            raise CaseError(unknown(owner.value, named, known))
+        return [
+            requirement
+            for name in (known if named is None else [named])
+            for requirement in self._of_pair("" if name == bodies[0] else f"{name}.")
+        ]
+
+    def _of_pair(self, prefix: str) -> list[Requirement]:
         condition = ""
         if self.until_separation_mm is not None:
             condition = f"until {self.until_separation_mm:g} mm of separation"
         return [
             Requirement(
-                metric=name,
+                metric=prefix + name,
                 sense=sense,
                 limit=unit_of(name).to_si(value),
                 condition=condition,
+                id=self.id,
+                source=self.source,
             )
-            for name, value in zip(self.metric.names, self._limits, strict=True)
+            for name, sense, value in self._sides
         ]
 
 

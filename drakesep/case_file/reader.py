@@ -9,7 +9,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
 from drakesep.analysis.analysis_case import AnalysisCase
-from drakesep.case_file.case import Case
+from drakesep.case_file.case import Case, Origin
 from drakesep.case_file.errors import CaseError, explained, shown
 from drakesep.tables.roles import check_labels
 
@@ -57,7 +57,8 @@ def load_case(source: str | Path) -> Case:
         wanted = "must have a value, got none"
         raise CaseError("\n".join(f"{source}: {key}: {wanted}" for key in empty))
     try:
-        context = {"folder": path.parent, "read": (_named(source, path, builtin), text)}
+        origin = Origin(_named(source, path, builtin), text)
+        context = {"folder": path.parent, "origin": origin}
         return Case.model_validate(data, context=context)
     except ValidationError as error:
         raise explained(error, f"{source}: ") from error
@@ -92,12 +93,18 @@ def _in_one_line(error: YAMLError) -> str:
     return " ".join(problem.split()) + place
 
 
+_LIMITS = ("at_most", "at_least")
+
+
 def _empty(data: Any, place: str = "") -> Iterator[str]:
-    """Name the keys without a value: a section that was begun is not left out."""
+    """Name the keys without a value: a section that was begun is not left out.
+
+    An axis may be without a limit.
+    """
     if isinstance(data, dict):
         for key, value in data.items():
             yield from _empty(value, f"{place}.{key}".lstrip("."))
-    elif isinstance(data, list):
+    elif isinstance(data, list) and not place.endswith(_LIMITS):
         for number, value in enumerate(data, 1):
             yield from _empty(value, f"{place} (entry {number})")
     elif data is None:

@@ -11,8 +11,10 @@ from rich.markup import escape
 from rich.table import Table
 
 from drakesep.case_file.case import Case
+from drakesep.systems.checks import X_AXIS
 from drakesep.systems.equations.springs import law_name
 from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.separation import Pair
 from drakesep.units import unit_of, with_unit
 
 
@@ -59,7 +61,8 @@ def _cell(value: Any, digits: int) -> str:
         return "none found"  # such as a growth that violates anything
     if isinstance(value, float):
         return f"{value + 0.0:.{digits}g}"  # -0.0 is 0
-    styles = {"met": "[green]met[/]", "not met": "[bold red]not met[/]"}
+    wrong = ("not met", "not looked at")
+    styles = {"met": "[green]met[/]"} | {w: f"[bold red]{w}[/]" for w in wrong}
     return styles.get(str(value), escape(str(value)))
 
 
@@ -76,8 +79,9 @@ def print_case(console: Console, case: Case) -> None:
     console.print(f"{case.name}: {case.description}", markup=False)
     before = case.before_separation
     orbit = f"circular, {case.orbit.altitude_km:g} km" if case.orbit else "none"
+    leave = "; ".join(map(_leaving, case.separation.pairs))
     console.print(
-        f"{case.pair.B} leaves {case.pair.A}; orbit: {orbit}; before separation: "
+        f"{leave}; orbit: {orbit}; before separation: "
         f"attitude {list(before.attitude_deg)} deg, rate {list(before.rate_deg_s)} "
         f"deg/s; run: {case.run.duration_s:g} s with {case.run.integrator} at accuracy "
         f"{case.run.accuracy:g}",
@@ -96,6 +100,13 @@ def print_case(console: Console, case: Case) -> None:
         console.print(f"In an ellipsoid, {related}: {names}", markup=False)
     if case.limits:
         print_frame(console, "Requirements", _requirements(case))
+
+
+def _leaving(pair: Pair) -> str:
+    text = f"{pair.B} leaves {pair.A}"
+    if pair.direction == X_AXIS:
+        return text
+    return f"{text} along [{', '.join(f'{x:g}' for x in pair.direction)}]"
 
 
 def _bodies(case: Case) -> pd.DataFrame:
@@ -201,6 +212,7 @@ def _requirements(case: Case) -> pd.DataFrame:
             "condition": requirement.condition,
             "sense": requirement.sense,
             "limit": unit_of(requirement.metric).from_si(requirement.limit),
+            "id": requirement.id,
         }
         for requirement in case.limits
     )

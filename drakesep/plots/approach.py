@@ -11,6 +11,6 @@ class Approach(NamedTuple):
     label: str
     pair: str
     separation: Array
-    """(n,) how far B has moved along A's x axis, m."""
+    """(n,) how far B has moved in its direction, m."""
     distance: Array
     """(n,) m."""

@@ -31,7 +31,7 @@ def clearance_figure(
 
     Args:
         time: (n,) s.
-        separation: (n,) how far B has moved along A's x axis, m.
+        separation: (n,) how far B has moved in its direction, m.
         curves: (n,) distances, m, and the smallest, by the name of the pair.
     """
     mm = unit_of("clearance").per_si

@@ -8,11 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drakesep.analysis.metrics.metric import Metric, Moment
+from drakesep.analysis.metrics.metric import Metric, Moment, Outer, Signal, Window
 from drakesep.analysis.metrics.of_run import time_of
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.plots.style import COLOURS, DASHES, LIMIT, save_plot
+from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ
 from drakesep.systems.model.run import Run
 from drakesep.tables.labelled_run import LabelledRun
@@ -42,23 +43,38 @@ _PUBLISHED = ("#757575", "#A6A6A6", "#CCCCCC")
 def save_motion(
     runs: Sequence[LabelledRun], limits: Sequence[Requirement], folder: Path
 ) -> None:
-    """Write translation.png and rotation.png of completed runs into a folder."""
-    save_plot(translation_figure(runs, limits), folder / "translation.png")
-    save_plot(rotation_figure(runs, limits), folder / "rotation.png")
+    """Write translation.png and rotation.png of completed runs into a folder.
+
+    Those of other bodies that leave end with their names.
+    """
+    for pair in _reference(runs).separation.pairs:
+        first = pair == _reference(runs).separation.pairs[0]
+        body, end = ("", "") if first else (pair.B, f"_{pair.B}")
+        for name, figure in (
+            ("translation", translation_figure(runs, limits, body)),
+            ("rotation", rotation_figure(runs, limits, body)),
+        ):
+            save_plot(figure, folder / f"{name}{end}.png")
 
 
 def translation_figure(
-    runs: Sequence[LabelledRun], limits: Sequence[Requirement]
+    runs: Sequence[LabelledRun], limits: Sequence[Requirement], body: str = ""
 ) -> Figure:
-    """Return relative velocity, acceleration and linear momentum over time."""
-    return _figure("Translation of {B} from {A}", _TRANSLATION, runs, limits)
+    """Return relative velocity, acceleration and linear momentum over time.
+
+    Args:
+        runs: completed, the reference among them.
+        limits: that may be drawn.
+        body: that leaves; the first if empty.
+    """
+    return _figure("Translation of {B} from {A}", _TRANSLATION, runs, limits, body)
 
 
 def rotation_figure(
-    runs: Sequence[LabelledRun], limits: Sequence[Requirement]
+    runs: Sequence[LabelledRun], limits: Sequence[Requirement], body: str = ""
 ) -> Figure:
-    """Return angles, rates and angular momentum over time."""
-    return _figure("Rotation of {B}", _ROTATION, runs, limits)
+    """Return angles, rates and angular momentum over time; see above."""
+    return _figure("Rotation of {B}", _ROTATION, runs, limits, body)
 
 
 def _figure(
@@ -66,16 +82,20 @@ def _figure(
     rows: Sequence[_Row],
     runs: Sequence[LabelledRun],
     limits: Sequence[Requirement],
+    body: str,
 ) -> Figure:
+    separation = _reference(runs).separation
+    pair = separation.pair_of(body or separation.B)
+    facts = PairFacts.of(separation, pair)
     figure = Figure(figsize=(12, 9), layout="constrained")
     panels = figure.subplots(len(rows), 3, sharex=True, squeeze=False)
     for row, line in zip(rows, panels, strict=True):
         for i, axes in enumerate(line):
-            _draw(axes, row, i, runs)
+            _draw(axes, row, i, runs, pair.B)
             axes.set_title(f"{row.title}, {row.axes[i]}", fontsize=10)
             for requirement in limits:
-                metric = _of_component(requirement, row.quantity, i)
-                if metric is not None:
+                metric = _of_component(requirement, row.quantity, i, facts)
+                if metric is not None and metric.pair == body:
                     _draw_limit(axes, requirement, metric, runs)
     for axes in panels[-1]:
         axes.set_xlabel("time (s)")
@@ -85,8 +105,7 @@ def _figure(
         handles.append(limited[0].get_lines()[-1])
         labels.append("limit")
     figure.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False)
-    separation = _reference(runs).separation
-    figure.suptitle(title.format(A=separation.A, B=separation.B).replace("_", " "))
+    figure.suptitle(title.format(A=pair.A, B=pair.B).replace("_", " "))
     return figure
 
 
@@ -95,7 +114,9 @@ def _reference(runs: Sequence[LabelledRun]) -> Run:
     return next(o.run for o in runs if isinstance(o.role, Nominal | Changed))
 
 
-def _draw(axes: Axes, row: _Row, i: int, runs: Sequence[LabelledRun]) -> None:
+def _draw(
+    axes: Axes, row: _Row, i: int, runs: Sequence[LabelledRun], body: str
+) -> None:
     unit = unit_of(f"{row.quantity}_{row.axes[i]}")
     counts = {True: 0, False: 0}
     for one in runs:
@@ -103,7 +124,7 @@ def _draw(axes: Axes, row: _Row, i: int, runs: Sequence[LabelledRun]) -> None:
         colours = _PUBLISHED if published else COLOURS
         k = counts[published]
         counts[published] += 1
-        motion = one.run.completed_motion
+        motion = one.run.motion_of(body)
         axes.plot(
             motion.time,
             getattr(motion, row.quantity)[:, i] * unit.per_si,
@@ -113,7 +134,7 @@ def _draw(axes: Axes, row: _Row, i: int, runs: Sequence[LabelledRun]) -> None:
             zorder=1 if published else 2,
             label=one.label,
         )
-    end = _reference(runs).separation_end
+    end = _reference(runs).end_of(body)
     axes.axvline(
         end, color="#555555", linestyle=":", linewidth=1.0, label="end of separation"
     )
@@ -122,7 +143,9 @@ def _draw(axes: Axes, row: _Row, i: int, runs: Sequence[LabelledRun]) -> None:
     axes.grid(alpha=0.3)
 
 
-def _of_component(requirement: Requirement, quantity: str, i: int) -> Metric | None:
+def _of_component(
+    requirement: Requirement, quantity: str, i: int, facts: PairFacts
+) -> Metric | None:
     """Return the metric that is limited, if it is a value of a component itself."""
     found = find_metric(requirement.metric)
     if found is None:
@@ -131,7 +154,23 @@ def _of_component(requirement: Requirement, quantity: str, i: int) -> Metric | N
     signal = metric.signal
     if signal is None or signal.quantity != quantity or not metric.is_of_signal_itself:
         return None
-    return metric if signal.components[metric.axes.index(axis)] == i else None
+    component = signal.components[metric.axes.index(axis)]
+    return metric if _field_component(signal, component, facts) == i else None
+
+
+def _field_component(signal: Signal, component: int, facts: PairFacts) -> int | None:
+    """Return which component of its field a signal's is; None if it is none of them."""
+    if signal.law is None:
+        return component
+    if signal.outer is not Outer.ITSELF:
+        return None
+    # What the law makes of each unit vector tells which of them it takes.
+    taken = [
+        i
+        for i, unit in enumerate(np.eye(3))
+        if signal.law(tuple(unit), facts, np)[component] == 1.0
+    ]
+    return taken[0] if len(taken) == 1 else None
 
 
 def _draw_limit(
@@ -144,11 +183,10 @@ def _draw_limit(
     if metric.is_magnitude and data.min() < -0.2 * limit:
         sides.append(-limit)
     # What holds at a moment is drawn until then.
-    when = metric.when
-    start, end = (
-        (Moment.START, when) if isinstance(when, Moment) else (when.start, when.end)
-    )
-    span = [time_of(moment, _reference(runs)) for moment in (start, end)]
+    when, run = metric.when, _reference(runs)
+    ends = when[:2] if isinstance(when, Window) else (Moment.START, when)
+    times = (time_of(end, run, metric.pair) for end in ends)
+    span = [min(time, run.separation.duration) for time in times]
     for side in sides:
         axes.plot(span, (side, side), color=LIMIT, linestyle=(0, (8, 3)), linewidth=1.2)
     axes.set_gid("limited")

@@ -11,6 +11,7 @@ from matplotlib.path import Path as Outline
 
 from drakesep.plots.style import COLOURS, save_plot
 from drakesep.systems.arrays import Array
+from drakesep.systems.checks import Vector3
 from drakesep.systems.geometry.bounding_tree import (
     Node,
     leaves_of,
@@ -71,7 +72,9 @@ def swept_figure(run: Run, pairs: Sequence[Names]) -> Figure:
     path = RelativePath(run.completed_trajectory, separation.A, separation.B)
     stays = [tree_of(part) for part in on_A]
     moves = {part.name: tree_of(part) for part in on_B}
-    clear = path.time_apart(_until_clear(stays, list(moves.values()), path))
+    direction = separation.pairs[0].direction
+    far = _until_clear(stays, list(moves.values()), path, direction)
+    clear = path.time_apart(far, direction)
     times = np.linspace(0.0, min(clear, float(path.time[-1])), _MOMENTS)
     figure = Figure(figsize=(14, 4.4), layout="constrained")
     panels = figure.subplots(1, len(_VIEWS), width_ratios=_WIDTHS)
@@ -114,16 +117,19 @@ def _place(path: RelativePath, t: float) -> tuple[Array, Array]:
 
 
 def _until_clear(
-    stays: Sequence[Node], moves: Sequence[Node], path: RelativePath
+    stays: Sequence[Node],
+    moves: Sequence[Node],
+    path: RelativePath,
+    direction: Vector3,
 ) -> float:
-    """Return how far B must move along A's x axis to be beyond A's parts, m."""
-    x = np.array([1.0, 0.0, 0.0])
+    """Return how far B must move in its direction to be beyond A's parts, m."""
+    x = np.array(direction)
     R, p = _place(path, 0.0)
     front = max(
-        float(support_point(n, x)[0]) for root in stays for n in leaves_of(root)
+        float(support_point(n, x) @ x) for root in stays for n in leaves_of(root)
     )
     back = min(
-        float((R @ support_point(n, -R.T @ x) + p)[0])
+        float((R @ support_point(n, -R.T @ x) + p) @ x)
         for root in moves
         for n in leaves_of(root)
     )

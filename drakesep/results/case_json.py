@@ -36,6 +36,7 @@ from drakesep.systems.model.separation import (
     Body,
     InitialMotion,
     Orbit,
+    Pair,
     Separation,
 )
 from drakesep.tables.roles import (
@@ -52,7 +53,7 @@ from drakesep.tables.roles import (
 _RECORDS: tuple[type[Any], ...] = (
     *(AnalysisCase, ClearancePairs, PrintedResult, PublishedCase, Requirement),
     *(Ellipsoid, Integration, Joint, Load, Part, Box, Capsule, Cone, Mesh, Sphere),
-    *(Recontact, Attachment, Body, InitialMotion, Orbit, Separation),
+    *(Recontact, Attachment, Body, InitialMotion, Orbit, Pair, Separation),
     *(Changed, Nominal, Outcome, Published, SearchEnd, Worst),
     *(Clearance, Contact, ContactForces),
 )

@@ -7,7 +7,7 @@ whose meaning is that of its registry.
 
 import functools
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -18,7 +18,7 @@ from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.search.judge import CONFIDENCE
 from drakesep.analysis.search.registry import SEARCHES
 from drakesep.systems.model.parameters import ParameterName
-from drakesep.units import records, split_unit
+from drakesep.units import records, split_unit, with_unit
 
 
 SIMULATE, CLEARANCE = "simulate", "clearance"
@@ -47,14 +47,19 @@ class FileKind:
     """What a row of the table is for; empty if it is no table."""
     columns: tuple[Column, ...] = ()
 
-    def named(self, label: str) -> str:
-        """Return its name for a run, if it has one for each."""
-        return self.name.replace("{label}", label)
+    def named(self, label: str, body: str) -> str:
+        """Return its name for a run and a body, if it has one for each."""
+        return self.name.replace("{label}", label).replace("{body}", body)
 
     @property
     def of_each_run(self) -> bool:
         """Whether there is one for each run."""
         return "{label}" in self.name
+
+    @property
+    def of_each_body(self) -> bool:
+        """Whether there is one for each body that leaves, but the first."""
+        return "{body}" in self.name
 
 
 class FileInFolder(NamedTuple):
@@ -139,6 +144,20 @@ _OF_RUNS = (
         name="motion_{label}.csv",
         studies=(VERIFY,),
         what="The motion of B in a run.",
+        row="sample time",
+        columns=_MOTION,
+    ),
+    FileKind(
+        name="motion_{body}.csv",
+        studies=(SIMULATE,),
+        what="The same of another body that leaves.",
+        row="sample time",
+        columns=_MOTION,
+    ),
+    FileKind(
+        name="motion_{label}_{body}.csv",
+        studies=(VERIFY,),
+        what="The same of another body that leaves.",
         row="sample time",
         columns=_MOTION,
     ),
@@ -419,6 +438,9 @@ _WORST_CASES = (
             Column("first_tolerance", "", "That alone violates it with least growth."),
             Column("its_growth_factor", "", "On that tolerance."),
             Column("verdict", "", "`met`, `not met` or `not looked at`."),
+            Column("pair", "", "The body that leaves, or the attachment or spring."),
+            Column("id", "", "By which others know the requirement."),
+            Column("source", "", "Where it comes from."),
         ),
     ),
     FileKind(
@@ -463,6 +485,16 @@ _PLOTS = (
         what="Angles, rates and momentum change, after the paper's Fig. 7.",
     ),
     FileKind(
+        name="translation_{body}.png",
+        studies=(SIMULATE, *_SEARCHED),
+        what="The same of another body that leaves.",
+    ),
+    FileKind(
+        name="rotation_{body}.png",
+        studies=(SIMULATE, *_SEARCHED),
+        what="The same of another body that leaves.",
+    ),
+    FileKind(
         name="tornado.png",
         studies=_SEARCHED,
         what="What each tolerance does to each objective: sensitivities.csv as a plot.",
@@ -502,33 +534,38 @@ FILES = (*_MEMORY, *_OF_ONE_RUN, *_WORST_CASES, *_PLOTS, *_OF_RUNS)
 """All but those of `GEOMETRY`."""
 
 
-def names_of(study: str, labels: Sequence[str]) -> Iterator[tuple[str, FileKind]]:
+def names_of(
+    study: str, labels: Sequence[str], bodies: Sequence[str]
+) -> Iterator[tuple[str, FileKind]]:
     """Yield the names that files of a study may have, each with its kind.
 
     Args:
         study: its name.
         labels: of its runs.
+        bodies: that leave, but the first.
     """
     for kind in FILES:
         if study in kind.studies:
             for label in labels if kind.of_each_run else [""]:
-                yield kind.named(label), kind
+                for body in bodies if kind.of_each_body else [""]:
+                    yield kind.named(label, body), kind
 
 
 def files_in(
-    folder: Path, study: str, labels: Sequence[str], ours: Callable[[Path], bool]
+    folder: Path,
+    names: Iterable[tuple[str, FileKind]],
+    ours: Callable[[Path], bool],
 ) -> tuple[FileInFolder, ...]:
     """Return the files of a study that are in a folder, with what they hold.
 
     Args:
         folder: of the study.
-        study: its name.
-        labels: of its runs.
+        names: that its files may have, each with its kind.
         ours: whether a file of such a name is the study's.
     """
     found = [
         FileInFolder(name, kind.what, kind.row, _columns_in(folder / name, kind))
-        for name, kind in names_of(study, labels)
+        for name, kind in names
         if ours(folder / name)
     ]
     meshes = sorted(filter(ours, (folder / GEOMETRY).glob("*")))
@@ -598,7 +635,7 @@ def _of_parameter(column: Column, name: str) -> Column | None:
 def _of_metric(column: Column, name: str) -> Column | None:
     stem, unit = split_unit(name)
     found = find_metric(stem)
-    if found is None:
+    if found is None or with_unit(stem) != name:
         return None
     metric, axis = found
     words = f"{metric.words[:1].upper()}{metric.words[1:]}"

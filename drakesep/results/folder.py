@@ -144,9 +144,10 @@ class ResultsFolder:
         """
         assert self._record is not None
         self._labels |= dict.fromkeys(labels)
-        files = catalogue.files_in(
-            self.path, self._study, tuple(self._labels), self._is_ours
-        )
+        assert self._asked is not None
+        bodies = [pair.B for pair in self._asked.case.separation.others]
+        names = catalogue.names_of(self._study, tuple(self._labels), bodies)
+        files = catalogue.files_in(self.path, names, self._is_ours)
         there = {one.name for one in files}
         self._record = replace(
             self._record,

@@ -43,13 +43,13 @@ MEASURED = {
     "linear_momentum_change": tuple(f"linear_momentum_change_{a}_N_s" for a in XYZ),
     "angular_momentum_change": tuple(f"angular_momentum_change_{a}_N_m_s" for a in XYZ),
 }
-"""Of B, which its states do not tell."""
+"""Of a body that leaves, which its states do not tell."""
 LOAD = (*(f"torque_{a}_N_m" for a in XYZ), *(f"force_{a}_N" for a in XYZ))
 """Of a joint."""
 FORCE = "force_N"
 """Of a spring."""
 _IN_SEPARATION = ("separation",)
-_SAMPLED = ("motion", "trajectory")
+_SAMPLED = ("motion", "others", "trajectory")
 
 
 def save_runs(runs: Iterable[LabelledRun], nominal: Separation, folder: Path) -> None:
@@ -91,8 +91,10 @@ def _table(run: Run) -> pd.DataFrame:
     columns: dict[str, Array] = {"time_s": trajectory.time}
     for name in trajectory.names:
         _add(columns, name, STATE, trajectory.of(name))
-    for field, names in MEASURED.items():
-        _add(columns, separation.B, names, getattr(run.completed_motion, field))
+    for pair in separation.pairs:
+        motion = run.motion_of(pair.B)
+        for field, names in MEASURED.items():
+            _add(columns, pair.B, names, getattr(motion, field))
     for name, loads in joint_loads(run).items():
         _add(columns, name, LOAD, loads)
     for name, force in spring_forces(run).items():
@@ -145,9 +147,16 @@ def _sampled(table: pd.DataFrame, separation: Separation) -> dict[str, Any]:
     time = table["time_s"].to_numpy(float)
     states = np.stack([_columns(table, name, STATE) for name in names], axis=1)
     trajectory = Trajectory(names=names, time=time, states=states)
-    measured = {k: _columns(table, separation.B, c) for k, c in MEASURED.items()}
-    motion = Motion(time=time, **relative_motion_of(separation, trajectory), **measured)
-    return {"trajectory": trajectory, "motion": motion}
+    motions = {
+        pair.B: Motion(
+            time=time,
+            **relative_motion_of(separation, pair, trajectory),
+            **{k: _columns(table, pair.B, c) for k, c in MEASURED.items()},
+        )
+        for pair in separation.pairs
+    }
+    first = motions.pop(separation.B)
+    return {"trajectory": trajectory, "motion": first, "others": motions}
 
 
 def _columns(table: pd.DataFrame, owner: str, names: Iterable[str]) -> Array:

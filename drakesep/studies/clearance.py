@@ -64,25 +64,21 @@ class Clearances:
 
     @functools.cached_property
     def separation(self) -> Array:
-        """(n,) how far B's origin has moved along A's x axis, m."""
-        x: Array = self._path.places(self._time)[1][:, 0]
-        return x - self._mated_place
+        """(n,) how far B's origin has moved in its direction, m."""
+        return self._moved(self._time)
 
     @property
     def _time(self) -> Array:
         return self.run.completed_trajectory.time
 
+    def _moved(self, times: Array) -> Array:
+        pair = self.run.separation.pairs[0]
+        return self._path.moved(times, pair.direction)
+
     @functools.cached_property
     def _path(self) -> RelativePath:
         flown = self.run.separation
         return RelativePath(self.run.completed_trajectory, flown.A, flown.B)
-
-    @functools.cached_property
-    def _mated_place(self) -> float:
-        return float(self._path.at(0.0).p_AoBo_A[0])
-
-    def _separation(self, t: float) -> float:
-        return float(self._path.at(t).p_AoBo_A[0]) - self._mated_place
 
     @property
     def over_time(self) -> pd.DataFrame:
@@ -126,7 +122,7 @@ class Clearances:
             at = {
                 "clearance": one.minimum,
                 "time": one.time,
-                "separation": self._separation(one.time),
+                "separation": float(self._moved(np.array([one.time]))[0]),
             }
             for side, point in (("first", one.p_AoCa_A), ("second", one.p_BoCb_B)):
                 for axis, x in zip("xyz", point, strict=True):
@@ -213,7 +209,7 @@ def clearance(
             raise RuntimeError(f"the run failed: {run.message}")
         role = Changed() if values else Nominal()
         study = Clearances(
-            labelled=measured(role, run, case.deviation_limits),
+            labelled=measured(role, run, case),
             values=values,
             analysis=analysis,
             found=tuple(analysis.of(run)),

@@ -90,6 +90,8 @@ class Simulated:
 
     def _write_motion(self, folder: Path) -> None:
         write_csv(self.motion, folder / "motion.csv")
+        for body, motion in self.run.others.items():
+            write_csv(motion_table(motion), folder / f"motion_{body}.csv")
         if self.run.separation.recontact is not None:
             write_csv(self.contacts, folder / "contacts.csv")
             write_csv(contact_forces_table(self.run), folder / "contact_forces.csv")
@@ -125,7 +127,7 @@ def simulate(
             folder.begin(asked)
         run = Simulation(case.separation, case.integration).run(changed)
         role = Changed() if values else Nominal()
-        labelled = measured(role, run, case.deviation_limits)
+        labelled = measured(role, run, case)
         result = Simulated(asked=asked.over(), labelled=labelled, values=values)
         if folder is not None:
             result._write(folder)

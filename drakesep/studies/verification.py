@@ -50,7 +50,11 @@ class Verification(WorstCases):
     def requirements(self) -> pd.DataFrame:
         """A row for each requirement and axis, with its margins and verdict."""
         return requirements_table(
-            self.findings, self.growths, self.single_growths, self.case.box
+            self.findings,
+            self.growths,
+            self.single_growths,
+            self.case.box,
+            self.case.separation.B,
         )
 
     @property
@@ -85,8 +89,12 @@ class Verification(WorstCases):
     @property
     def pictures(self) -> Pictures:
         """What shows the runs, and their motions."""
-        flown = {one.label: one.run.motion for one in self.runs}
-        motions = {k: motion for k, motion in flown.items() if motion is not None}
+        motions = {}
+        for one in self.runs:
+            if one.run.motion is not None:
+                motions[one.label] = one.run.motion
+                for body, motion in one.run.others.items():
+                    motions[f"{one.label}_{body}"] = motion
         return replace(super().pictures, motions=motions)
 
 

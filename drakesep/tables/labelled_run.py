@@ -1,9 +1,10 @@
 """Runs of a study under their labels, with their metrics."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from drakesep.analysis.analysis_case import PublishedCase
+from drakesep.analysis.analysis_case import AnalysisCase, PublishedCase
 from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.of_run import metrics_of_run
@@ -63,7 +64,7 @@ class LabelledRun:
 def measured(
     role: Role,
     run: Run,
-    limits: Sequence[float],
+    case: AnalysisCase,
     clearance: LowestClearance | None = None,
 ) -> LabelledRun:
     """Return a run with its metrics, and how near it comes if that is asked for.
@@ -71,16 +72,27 @@ def measured(
     Args:
         role: what it is.
         run: completed or failed.
-        limits: (3,) of the deviations, as `metrics_of_run` takes them.
+        case: whose requirements say what is looked at beside the registered metrics.
         clearance: that measures how near it comes.
     """
     if run.motion is None:
         return LabelledRun(role=role, run=run, metrics={}, outcome=failed(run.message))
-    metrics = dict(metrics_of_run(run, limits))
+    metrics = metrics_of_run(run, case.limits_of_pairs, case.metrics)
     nearest = None if clearance is None else clearance.nearest(run)
-    if nearest is not None:
-        metrics[CLEARANCE] = nearest.minimum
+    if clearance is not None and nearest is not None:
+        metrics[CLEARANCE] = clearance_told(run, nearest, clearance)
     return LabelledRun(role=role, run=run, metrics=metrics, nearest=nearest)
+
+
+def clearance_told(run: Run, nearest: Clearance, by: LowestClearance) -> float:
+    """Return how near parts come while it matters, m; NaN if that does not end.
+
+    Args:
+        run: a completed run.
+        nearest: as it was measured.
+        by: what has measured it.
+    """
+    return nearest.minimum if by.is_window_ended(run) else math.nan
 
 
 def nominal_of(runs: Sequence[LabelledRun]) -> LabelledRun:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from drakesep.analysis.metrics.requirements import Finding, Requirement
+from drakesep.analysis.metrics.requirements import Finding, Requirement, Verdict
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.units import unit_of, with_unit
 
@@ -20,6 +20,7 @@ def requirements_table(
     growths: "Sequence[tuple[Requirement, Growth]]" = (),
     single_growths: "Sequence[tuple[Requirement, Growth]]" = (),
     box: ToleranceBox | None = None,
+    first: str = "",
 ) -> pd.DataFrame:
     """Return a row for each requirement and axis, with its margins and verdict.
 
@@ -28,6 +29,7 @@ def requirements_table(
         growths: of all tolerances together.
         single_growths: of single tolerances.
         box: the tolerances, if they grow.
+        first: name of the body that leaves in the first pair.
     """
     of_all = dict(growths)
     rows = []
@@ -52,7 +54,10 @@ def requirements_table(
                 "growth_factor": math.nan if growth is None else growth.factor,
                 "looked_up_to": math.nan if growth is None else growth.most,
                 **_first_tolerance(finding, single_growths, box),
-                "verdict": "met" if finding.met else "not met",
+                "verdict": finding.verdict.value,
+                "pair": requirement.pair or first,
+                "id": requirement.id,
+                "source": requirement.source,
             }
         )
     return pd.DataFrame(rows)
@@ -71,7 +76,7 @@ def _first_tolerance(
     if not mine or box is None:
         return {"first_tolerance": "", "its_growth_factor": math.nan}
     first = min(mine, key=lambda growth: growth.factor)
-    if not finding.met:
+    if finding.verdict is Verdict.NOT_MET:
         first = max(mine, key=lambda growth: growth.factor)
         if not first.factor > 0.0:  # shrinking one is not enough
             return {"first_tolerance": "", "its_growth_factor": math.nan}

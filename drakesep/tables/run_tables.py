@@ -1,5 +1,6 @@
 """Tables of runs, as pandas frames whose columns carry their units."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,6 +10,7 @@ import pandas as pd
 from drakesep.analysis.clearance.objective import LOWEST
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
+from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ
@@ -107,12 +109,29 @@ def read_runs(
     for label in wanted:
         if label not in known:
             raise InputError(f"{file}: {unknown('run', label, known)}")
-    parameters_ = [str(name) for name in frame if "." in str(name)]
-    rows = frame.set_index("label")[parameters_]
+        if known.count(label) > 1:
+            raise InputError(f"{file}: run {label!r} must stand once")
+    parameters_ = [str(n) for n in frame if "." in str(n) and not _is_metric(str(n))]
+    entries = frame.set_axis(known)[parameters_]
+    numbers = entries.apply(pd.to_numeric, errors="coerce").astype(float)
+    for label in wanted:
+        for name in parameters_:
+            entry: object = entries.at[label, name]
+            if not math.isfinite(numbers.at[label, name]):
+                raise InputError(
+                    f"{file}: {label}: {name} must be a finite number, got {entry}"
+                )
     return {
-        label: dict(zip(parameters_, map(float, rows.loc[label]), strict=True))
+        label: {name: float(numbers.at[label, name]) for name in parameters_}
         for label in wanted
     }
+
+
+def _is_metric(column: str) -> bool:
+    """Return whether a column is a metric of another body that leaves."""
+    words = column.split("_")
+    stems = ("_".join(words[:k]) for k in range(len(words), 0, -1))
+    return any(find_metric(s) and with_unit(s) == column for s in stems)
 
 
 def _worst_cases(file: str | Path, frame: pd.DataFrame) -> list[str]:

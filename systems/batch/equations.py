@@ -31,12 +31,12 @@ from drakesep.systems.equations import rigid_body as newton_euler_laws
 from drakesep.systems.equations.mated_stack import (
     mated_motion,
     pad_on_B,
-    place_in_stack,
+    place_in_A,
 )
-from drakesep.systems.equations.relative_motion import BodyState, Wrench
+from drakesep.systems.equations.relative_motion import BodyState, RelativeMotion, Wrench
 from drakesep.systems.model.loads import Load
 from drakesep.systems.model.parameters import names_of, parameters
-from drakesep.systems.model.separation import Attachment, Body, Separation
+from drakesep.systems.model.separation import Attachment, Body, Pair, Separation
 from drakesep.systems.vectors import Vector
 
 
@@ -141,7 +141,7 @@ class BatchEquations:
         """Return the state (13, m, n) of the mated stack, and that nothing happened."""
         separation = self.separation
         _, n = params.mass.shape
-        A, _ = self.pair
+        A, _ = self.bodies_of(separation.pairs[0])
         motions = mated_motion(
             separation,
             params.rpy_WA,
@@ -160,17 +160,40 @@ class BatchEquations:
             passed=jnp.full((rows_of_loads, n), False),
         )
 
-    def mated_place(self, params: BatchParameters) -> tuple[Vector, Vector]:
+    def mated_place(self, pair: Pair, params: BatchParameters) -> tuple[Vector, Vector]:
         """Return B's CG in B, and its place in A while mated, of (n,), m."""
-        B = self.separation.body(self.separation.B)
-        p_BoBcm_B = pick(params.p_BoBcm_B, self.pair[1])
-        return p_BoBcm_B, place_in_stack(B, p_BoBcm_B)
+        _, b = self.bodies_of(pair)
+        p_BoBcm_B = pick(params.p_BoBcm_B, b)
+        return p_BoBcm_B, place_in_A(self.separation, pair, p_BoBcm_B)
 
-    @property
-    def pair(self) -> tuple[int, int]:
-        """Indices of the bodies A and B."""
+    def bodies_of(self, pair: Pair) -> tuple[int, int]:
+        """Return the indices of a pair's bodies A and B."""
         names = [body.name for body in self.separation.bodies]
-        return names.index(self.separation.A), names.index(self.separation.B)
+        return names.index(pair.A), names.index(pair.B)
+
+    def relative_motion(
+        self, pair: Pair, bodies: BodyState, params: BatchParameters
+    ) -> RelativeMotion:
+        """Return the motion of a pair's B; of bodies (..., m, n), it is of (..., n)."""
+        A, B = (pick(bodies, i) for i in self.bodies_of(pair))
+        place = self.mated_place(pair, params)
+        return motion_laws.relative_motion(A, B, *place, jnp)
+
+    def progress(self, body: str, mode: Mode) -> tuple[Lanes, Lanes]:
+        """Return (n,) whether a body has begun to separate, and whether it has ended.
+
+        Args:
+            body: that leaves.
+            mode: what has happened.
+        """
+        free = jnp.isfinite(mode.released)
+        began, ended = jnp.full(free.shape[1:], False), jnp.full(free.shape[1:], True)
+        for attachment in self.separation.attached_to(body):
+            i = self.separation.attachments.index(attachment)
+            began, ended = began | free[i], ended & free[i]
+            if i in self.springs.attachments:
+                ended = ended & mode.spent[self.springs.attachments.index(i)]
+        return began, ended
 
     # What happens at known times.
 

@@ -74,10 +74,6 @@ class Step(NamedTuple):
     """(13, 8, m, n) states of the bodies at the nodes of `lobatto`."""
     mode: Mode
     """What has happened by the start."""
-    separating: Lanes
-    """(n,) whether an attachment of B has let go."""
-    separated: Lanes
-    """(n,) whether all have, and all their strokes are reached."""
 
     @property
     def bodies(self) -> BodyState:
@@ -177,10 +173,6 @@ class BatchIntegrator:
         self._max_steps = max_steps
         self._events = Events(equations, one_by_one=one_by_one)
         self._control = StepControl(equations, tolerance)
-        B = self._separation.B
-        self._of_B = [
-            i for i, a in enumerate(self._separation.attachments) if B in (a.A, a.B)
-        ]
 
     def fly(self, params: BatchParameters, fold: Fold) -> FinalState:
         """Fly a batch.
@@ -249,7 +241,7 @@ class BatchIntegrator:
         t_new = jnp.where(taken.fraction < 1.0, t + taken.fraction * h, t_new)
         t_new = jnp.where(taken.accepted, t_new, t)
         length = jnp.where(taken.accepted, taken.fraction * h, 0.0)
-        step = Step(t, length, taken.nodes, mode, *self._progress(mode))
+        step = Step(t, length, taken.nodes, mode)
 
         x = taken.nodes[:, -1]
         latched, fresh = self._events.latch(
@@ -326,17 +318,6 @@ class BatchIntegrator:
         )
 
     # How it fares.
-
-    def _progress(self, mode: Mode) -> tuple[Lanes, Lanes]:
-        """Return (n,) whether B has begun to separate, and whether it has ended."""
-        free = jnp.isfinite(mode.released)
-        began, ended = jnp.full(free.shape[1:], False), jnp.full(free.shape[1:], True)
-        for i in self._of_B:
-            began, ended = began | free[i], ended & free[i]
-            if i in self._equations.springs.attachments:
-                k = self._equations.springs.attachments.index(i)
-                ended = ended & mode.spent[k]
-        return began, ended
 
     def _judge(
         self, status: Lanes, mode: Mode, t: Lanes, steps: Lanes, collapsed: Lanes

@@ -1,6 +1,5 @@
 """The motion of a batch at given times, and the runs made of it."""
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -16,8 +15,9 @@ from drakesep.systems.batch.lanes import BatchParameters, Lanes, pick
 from drakesep.systems.batch.polynomials import polynomial
 from drakesep.systems.equations import relative_motion as motion_laws
 from drakesep.systems.equations.relative_motion import RelativeMotion
-from drakesep.systems.model.run import Trajectory
+from drakesep.systems.model.run import Motion, Trajectory
 from drakesep.systems.model.separation import Separation
+from drakesep.systems.vectors import Vector
 
 
 COLUMNS = (
@@ -33,10 +33,11 @@ class Samples(NamedTuple):
     """What has been sampled so far."""
 
     signals: Lanes
-    """(T, 13 m + 9, n): states of all bodies, acceleration of B's CG, momentum given
-    to B."""
+    """(T, 13 m + 9 p, n): states of all bodies, accelerations of the CGs of those that
+    leave, in the order of their p pairs, and momenta given to them."""
     momentum: Lanes
-    """(6, n) given to B by the springs by the end of the last step, N s and N m s."""
+    """(6 p, n) given to them by the springs by the end of the last step, N s and
+    N m s."""
 
 
 class MotionFold:
@@ -53,12 +54,14 @@ class MotionFold:
         self._times = times
         # Of the bodies, of which the rest is made: angles jump between samples.
         self._states = STATES * len(equations.separation.bodies)
+        self._pairs = equations.separation.pairs
 
     def start(self, params: BatchParameters) -> Samples:
         """Return what there is before the first step."""
         count, n = self._times.shape
+        p = len(self._pairs)
         return Samples(
-            jnp.full((count, self._states + 9, n), jnp.nan), jnp.zeros((6, n))
+            jnp.full((count, self._states + 9 * p, n), jnp.nan), jnp.zeros((6 * p, n))
         )
 
     def add(self, samples: Samples, params: BatchParameters, step: Step) -> Samples:
@@ -80,12 +83,8 @@ class MotionFold:
         return Samples(signals, momentum[-1])
 
     def _at_nodes(self, params: BatchParameters, step: Step) -> tuple[Lanes, Lanes]:
-        """Return (8, 3, n) acceleration and (8, 6, n) rates of momentum, at nodes."""
-        equations = self._equations
-        _, b = equations.pair
-        bodies = step.bodies
-        B = pick(bodies, b)
-        p_BoBcm_B, _ = equations.mated_place(params)
+        """Return (8, 3 p, n) accelerations, (8, 6 p, n) rates of momenta, at nodes."""
+        equations, bodies = self._equations, step.bodies
         times = step.start + lobatto.THETA[:, None] * step.length
         timed = equations.at_times(times, params, step.mode)
         slopes = lax.map(
@@ -93,45 +92,62 @@ class MotionFold:
                 equations.holds, node[0], node[1], params, step.mode
             ),
             (timed, jnp.moveaxis(step.x, 1, 0)),
-        )[:, :, b]
-        alpha, a_Bo = (tuple(slopes[:, k + i] for i in range(3)) for k in (7, 10))
-        acceleration = motion_laws.cg_acceleration(B, p_BoBcm_B, alpha, a_Bo)
-        wrench = equations.spring_wrench_on(b, timed, bodies, params, step.mode)
-        rates = motion_laws.momentum_rate(B, p_BoBcm_B, wrench)
-        return _stack([acceleration]), _stack(rates)
+        )
+        accelerations: list[Vector] = []
+        rates: list[Vector] = []
+        for pair in self._pairs:
+            _, b = equations.bodies_of(pair)
+            B = pick(bodies, b)
+            p_BoBcm_B, _ = equations.mated_place(pair, params)
+            alpha, a_Bo = (
+                tuple(slopes[:, k + i, b] for i in range(3)) for k in (7, 10)
+            )
+            accelerations.append(motion_laws.cg_acceleration(B, p_BoBcm_B, alpha, a_Bo))
+            wrench = equations.spring_wrench_on(b, timed, bodies, params, step.mode)
+            rates += motion_laws.momentum_rate(B, p_BoBcm_B, wrench)
+        return _stack(accelerations), _stack(rates)
 
     def finish(self, samples: Samples, params: BatchParameters) -> Lanes:
-        """Return (T, 24 + 13 m, n) the signals of `COLUMNS`, and the states."""
-        states: Lanes = jnp.moveaxis(samples.signals, 1, 0)
-        A, B = (
-            motion_laws.body_state(states, STATES * body, STATES * body + 7)
-            for body in self._equations.pair
+        """Return (T, 24 p + 13 m, n) `COLUMNS` of each pair, and the states."""
+        states: Lanes = jnp.moveaxis(samples.signals, 1, 0)[: self._states]
+        # (13, T, m, n)
+        states = jnp.moveaxis(states.reshape(-1, STATES, *states.shape[1:]), 0, 2)
+        bodies = motion_laws.body_state(states, 0, 7)
+        accelerations, momenta = jnp.split(
+            samples.signals[:, self._states :], [3 * len(self._pairs)], axis=1
         )
-        place = self._equations.mated_place(params)
-        motion = motion_laws.relative_motion(A, B, *place, jnp)
-        return jnp.concatenate(
-            [
+        signals = []
+        for k, pair in enumerate(self._pairs):
+            motion = self._equations.relative_motion(pair, bodies, params)
+            signals += [
                 _stack([*motion]),
-                samples.signals[:, self._states :],
-                samples.signals[:, : self._states],
-            ],
-            axis=1,
-        )
+                accelerations[:, 3 * k : 3 * k + 3],
+                momenta[:, 6 * k : 6 * k + 6],
+            ]
+        return jnp.concatenate([*signals, samples.signals[:, : self._states]], axis=1)
 
 
 def _stack(vectors: list[tuple[Lanes, ...]] | tuple[tuple[Lanes, ...], ...]) -> Lanes:
     return jnp.stack([x for vector in vectors for x in vector], axis=1)
 
 
-def columns_of(signals: NDArray[np.float64]) -> Mapping[str, NDArray[np.float64]]:
-    """Return the columns (T, 3) of a row's motion from its signals (T, ...)."""
-    return {name: signals[:, 3 * i : 3 * i + 3] for i, name in enumerate(COLUMNS)}
+def motions_of(
+    separation: Separation, times: Array, signals: NDArray[np.float64]
+) -> dict[str, Motion]:
+    """Return the motions of the bodies that leave, from a row's signals (T, ...)."""
+    motions = {}
+    for k, pair in enumerate(separation.pairs):
+        mine = signals[:, 3 * len(COLUMNS) * k :]
+        columns = {c: mine[:, 3 * i : 3 * i + 3] for i, c in enumerate(COLUMNS)}
+        motions[pair.B] = Motion(time=times, **columns)
+    return motions
 
 
 def trajectory_of(separation: Separation, times: Array, signals: Array) -> Trajectory:
-    """Return the motion of all bodies of a row from its signals (T, 24 + 13 m)."""
+    """Return the motion of all bodies of a row from its signals (T, 24 p + 13 m)."""
+    states = signals[:, 3 * len(COLUMNS) * len(separation.pairs) :]
     return Trajectory(
         names=tuple(body.name for body in separation.bodies),
         time=times,
-        states=signals[:, 3 * len(COLUMNS) :].reshape(len(times), -1, STATES),
+        states=states.reshape(len(times), -1, STATES),
     )

@@ -16,6 +16,7 @@ from drakesep.systems.batch.lanes import (
     rows,
 )
 from drakesep.systems.batch.wrenches import WrenchSum
+from drakesep.systems.checks import X_AXIS
 from drakesep.systems.equations.pushers import (
     AXIS,
     Push,
@@ -89,7 +90,10 @@ class BatchSprings:
                 name in varied for name in names
             )
 
-        self._tilted = [may_be(k, AXIS) for k in range(self.count)]
+        self._tilted = [
+            spring.axis_A != X_AXIS or may_be(k, AXIS)
+            for k, spring in enumerate(self._springs)
+        ]
         self._groups = self._group()
         # Group by group, as their forces come.
         in_order = [k for group in self._groups for k in group.springs]
@@ -132,7 +136,12 @@ class BatchSprings:
         tilt_y, tilt_z = (
             reader.number(TILT_TABLE, self._springs, field) for field in AXIS
         )
-        return tuple(groups), push_axis(tilt_y, tilt_z, jnp)
+        axes = [
+            push_axis(spring.axis_A, y, z, jnp)
+            for spring, y, z in zip(self._springs, tilt_y, tilt_z, strict=True)
+        ]
+        n = tilt_y.shape[-1]
+        return tuple(groups), tuple(rows([a[c] for a in axes], n) for c in range(3))
 
     def _axis(self, k: int, params: BatchParameters) -> Vector | None:
         axis: Vector = pick(params.push_axis_A, k)

@@ -13,9 +13,9 @@ from pydrake.systems.framework import (
 from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.equations import relative_motion as motion_laws
-from drakesep.systems.equations.mated_stack import place_in_stack
+from drakesep.systems.equations.mated_stack import place_in_A
 from drakesep.systems.equations.relative_motion import BodyState, Wrench
-from drakesep.systems.model.separation import Separation
+from drakesep.systems.model.separation import Pair, Separation
 from drakesep.systems.vectors import Vector, scale
 
 
@@ -32,12 +32,12 @@ class Measured(NamedTuple):
     """Mean of the principal moments, kg m^2."""
 
     @classmethod
-    def of(cls, separation: Separation) -> "Measured":
-        """Return that of a separation."""
-        B = separation.body(separation.B)
+    def of(cls, separation: Separation, pair: Pair) -> "Measured":
+        """Return that of a pair of a separation."""
+        B = separation.body(pair.B)
         return cls(
             B.p_BoBcm_B,
-            place_in_stack(B, B.p_BoBcm_B),
+            place_in_A(separation, pair, B.p_BoBcm_B),
             B.mass,
             sum(B.I_BBcm_B[:3]) / 3.0,
         )
@@ -59,8 +59,8 @@ class MotionAnalysis(LeafSystem):
         relative_rate: (3,) rad/s in B: angular velocity of B in A.
         angle: (3,) rad: roll, pitch and yaw of B in W.
         relative_position: (3,) m in A: B's CG from its mated place.
-        relative_velocity: (3,) m/s in A: velocity of B's CG as seen from A; x is the
-            longitudinal speed.
+        relative_velocity: (3,) m/s in A: velocity of B's CG as seen from A; along the
+            direction of the pair it is the longitudinal speed.
         acceleration: (3,) m/s^2 in W: acceleration of B's CG in W.
         linear_momentum_change: (3,) N s in B: given to B by the springs (Eq. 6).
         angular_momentum_change: (3,) N m s in B: given to B by the springs about its CG
@@ -75,18 +75,28 @@ class MotionAnalysis(LeafSystem):
         alone would dictate the step size.
     """
 
-    def __init__(self, separation: Separation, layout: StateLayout):
+    def __init__(
+        self, separation: Separation, layout: StateLayout, B: str | None = None
+    ):
+        """Prepare.
+
+        Args:
+            separation: in which B leaves.
+            layout: where `plant_state` holds the motion of each body.
+            B: name of the body; that of the first pair if None.
+        """
         super().__init__()
         names = [body.name for body in separation.bodies]
-        self._a = names.index(separation.A)
-        self._b = names.index(separation.B)
+        self._B = separation.B if B is None else B
+        self._a = names.index(separation.pair_of(self._B).A)
+        self._b = names.index(self._B)
         self._layout = layout
         self._state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._acceleration = self.DeclareVectorInputPort(
             "plant_acceleration", 6 * len(names)
         )
         self._springs = self.DeclareVectorInputPort("spring_wrenches", 6 * len(names))
-        self._measured = Rows(self, [Measured.of(separation)])
+        self._measured = Rows(self, [self._measured_of(separation)])
         self.DeclareContinuousState(6)
         # Stated, so that a command or a thrust may depend on the motion, and not on the
         # acceleration, without an algebraic loop.
@@ -108,7 +118,10 @@ class MotionAnalysis(LeafSystem):
     def set_measured(self, context: Context, separation: Separation) -> None:
         """Write what is known of the measured body, and that none has pushed it yet."""
         context.SetContinuousState([0.0] * 6)
-        self._measured.write(context, [Measured.of(separation)])
+        self._measured.write(context, [self._measured_of(separation)])
+
+    def _measured_of(self, separation: Separation) -> Measured:
+        return Measured.of(separation, separation.pair_of(self._B))
 
     def _get_measured(self, context: Context) -> Measured:
         [measured] = self._measured.read(context)

@@ -24,7 +24,9 @@ class SeparationForces(Diagram):
     Context with `set_separation`, so that a run is varied without a rebuild.
 
     Subsystems: ``release``, ``springs``, ``cfe_bushing``, ``motion_analysis``; and
-    ``loads`` and ``gravity`` if the separation has loads or an orbit.
+    ``loads`` and ``gravity`` if the separation has loads or an orbit. For each other
+    body that leaves there is one more motion analysis, with outputs like the last eight
+    that have its name before theirs, as ``satellite_rate``.
 
     Input ports:
         plant_state: (s,) 1, m, rad/s and m/s in W: state of the plant, in which the
@@ -51,8 +53,8 @@ class SeparationForces(Diagram):
         relative_rate: (3,) rad/s in B: angular velocity of B in A.
         angle: (3,) rad: roll, pitch and yaw of B in W.
         relative_position: (3,) m in A: B's CG from its mated place.
-        relative_velocity: (3,) m/s in A: velocity of B's CG as seen from A; x is the
-            longitudinal speed.
+        relative_velocity: (3,) m/s in A: velocity of B's CG as seen from A; along the
+            direction of the pair it is the longitudinal speed.
         acceleration: (3,) m/s^2 in W: acceleration of B's CG in W.
         linear_momentum_change: (3,) N s in B: given to B by the springs (Eq. 6).
         angular_momentum_change: (3,) N m s in B: given to B by the springs about its CG
@@ -85,9 +87,14 @@ class SeparationForces(Diagram):
         self._bushing: CfeBushing = builder.AddNamedSystem(
             "cfe_bushing", CfeBushing(separation, layout)
         )
-        self._motion: MotionAnalysis = builder.AddNamedSystem(
-            "motion_analysis", MotionAnalysis(separation, layout)
-        )
+        # In the order of the pairs, which is that of their states.
+        self._motions: dict[str, MotionAnalysis] = {
+            pair.B: builder.AddNamedSystem(
+                "_".join(["motion_analysis", pair.B][: 1 + (pair.B != separation.B)]),
+                MotionAnalysis(separation, layout, pair.B),
+            )
+            for pair in separation.pairs
+        }
         self._loads: Loads | None = None
         self._gravity: Gravity | None = None
         forces: list[System] = [self._springs, self._bushing]
@@ -113,17 +120,20 @@ class SeparationForces(Diagram):
         for system in (self._springs, self._bushing, self._loads):
             if system is not None:
                 builder.Connect(released, system.GetInputPort("released"))
-        readers = (self._release, *forces, self._motion)
+        motions = list(self._motions.values())
+        readers = (self._release, *forces, *motions)
         builder.ExportInput(readers[0].GetInputPort("plant_state"), "plant_state")
         for system in readers[1:]:
             builder.ConnectInput("plant_state", system.GetInputPort("plant_state"))
-        builder.Connect(
-            self._springs.GetOutputPort("wrenches"),
-            self._motion.GetInputPort("spring_wrenches"),
-        )
-        builder.ExportInput(
-            self._motion.GetInputPort("plant_acceleration"), "plant_acceleration"
-        )
+        for motion in motions:
+            builder.Connect(
+                self._springs.GetOutputPort("wrenches"),
+                motion.GetInputPort("spring_wrenches"),
+            )
+        name = "plant_acceleration"
+        builder.ExportInput(motions[0].GetInputPort(name), name)
+        for motion in motions[1:]:
+            builder.ConnectInput(name, motion.GetInputPort(name))
         for name in ("trigger", "triggers"):
             builder.ExportInput(self._release.GetInputPort(name), name)
 
@@ -136,9 +146,13 @@ class SeparationForces(Diagram):
             (self._bushing, "energy", "joint_energy"),
         ):
             builder.ExportOutput(system.GetOutputPort(port), name)
-        for i in range(self._motion.num_output_ports()):
-            output = self._motion.get_output_port(i)
-            builder.ExportOutput(output, output.get_name())
+        for body, motion in self._motions.items():
+            for i in range(motion.num_output_ports()):
+                output, prefix = motion.get_output_port(i), f"{body}_"
+                name = output.get_name()
+                builder.ExportOutput(
+                    output, name if motion is motions[0] else prefix + name
+                )
         builder.BuildInto(self)
         self._structure = _structure(separation)
 
@@ -167,7 +181,8 @@ class SeparationForces(Diagram):
         self._release.set_schedule(of(self._release), separation)
         self._springs.set_springs(of(self._springs), separation)
         self._bushing.set_joints(of(self._bushing), separation)
-        self._motion.set_measured(of(self._motion), separation)
+        for motion in self._motions.values():
+            motion.set_measured(of(motion), separation)
         if self._loads is not None:
             self._loads.set_loads(of(self._loads), separation)
         if self._gravity is not None:
@@ -219,7 +234,7 @@ def _structure(separation: Separation) -> dict[str, object]:
             (x.name, x.body, x.axes, x.after, x.times, x.forces, x.torques)
             for x in separation.loads
         ),
-        "pair": (separation.A, separation.B),
+        "pairs": tuple((pair.A, pair.B) for pair in separation.pairs),
         "recontact": separation.recontact
         and (separation.recontact, tuple(body.parts for body in separation.bodies)),
         "gravity": "of an orbit" if separation.orbit else "none",

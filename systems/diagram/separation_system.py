@@ -59,8 +59,8 @@ class SeparationSystem(Diagram):
         relative_rate: (3,) rad/s in B: angular velocity of B in A.
         angle: (3,) rad: roll, pitch and yaw of B in W.
         relative_position: (3,) m in A: B's CG from its mated place.
-        relative_velocity: (3,) m/s in A: velocity of B's CG as seen from A; x is the
-            longitudinal speed.
+        relative_velocity: (3,) m/s in A: velocity of B's CG as seen from A; along the
+            direction of the pair it is the longitudinal speed.
         acceleration: (3,) m/s^2 in W: acceleration of B's CG in W.
         linear_momentum_change: (3,) N s in B: given to B by the springs (Eq. 6).
         angular_momentum_change: (3,) N m s in B: given to B by the springs about its CG

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 from pydrake.systems.framework import BasicVector, Context, WitnessFunction
 
+from drakesep.systems.checks import X_AXIS
 from drakesep.systems.diagram.event_latch import LatchingSystem
 from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
@@ -38,16 +39,15 @@ class PushRow(NamedTuple):
     @property
     def axis(self) -> Vector | None:
         """Its axis in A; None if it is A's x axis."""
-        _, y, z = self.axis_A
-        return self.axis_A if y or z else None
+        return None if self.axis_A == X_AXIS else self.axis_A
 
 
 class Springs(LatchingSystem):
     """Pushes B from A by the spring of each released attachment.
 
     Its law says how, see `PushLaw`: a `Spring` is driven by time (Eq. 5), a
-    `DisplacementSpring` by the displacement of its pad along its axis: A's x axis,
-    tilted if it is misaligned. The force acts on B at the pad fixed in B, along that
+    `DisplacementSpring` by the displacement of its pad along its axis, tilted if it is
+    misaligned. The force acts on B at the pad fixed in B, along that
     axis; the reaction acts on A at the same point in space. A spring whose stroke was
     reached has let go of its pad: it does not push again, wherever the bodies go.
 

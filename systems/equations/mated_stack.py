@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from drakesep.systems.checks import Vector3
 from drakesep.systems.equations.joints import HeldJoint
-from drakesep.systems.model.separation import Attachment, Body, Separation
+from drakesep.systems.model.separation import Attachment, Body, Pair, Separation
 from drakesep.systems.vectors import (
     Ops,
     Quaternion,
@@ -26,6 +26,14 @@ def place_in_stack(body: Body, p_BoQ_B: Vector) -> Vector:
     """Return where a point fixed in a body lies in the mated stack, p_AoQ_A, m."""
     R_AB = rotation_matrix(quaternion(body.rpy_AB, math))
     return add(body.p_ABo, rotate(R_AB, p_BoQ_B))
+
+
+def place_in_A(separation: Separation, pair: Pair, p_BoQ_B: Vector) -> Vector:
+    """Return where a point fixed in a pair's B lies in its A while mated, m."""
+    A = separation.body(pair.A)
+    p_SQ = place_in_stack(separation.body(pair.B), p_BoQ_B)
+    R_SA = rotation_matrix(quaternion(A.rpy_AB, math))
+    return unrotate(R_SA, subtract(p_SQ, A.p_ABo))
 
 
 def pad_on_B(

@@ -1,30 +1,29 @@
-"""The motion of B over a run, from that of all bodies."""
+"""The motion of a body that leaves over a run, from that of all bodies."""
 
 import numpy as np
 
 from drakesep.systems.arrays import Array
-from drakesep.systems.equations.mated_stack import place_in_stack
+from drakesep.systems.equations.mated_stack import place_in_A
 from drakesep.systems.equations.relative_motion import body_state, relative_motion
 from drakesep.systems.model.run import Trajectory
-from drakesep.systems.model.separation import Separation
+from drakesep.systems.model.separation import Pair, Separation
 
 
 def relative_motion_of(
-    separation: Separation, trajectory: Trajectory
+    separation: Separation, pair: Pair, trajectory: Trajectory
 ) -> dict[str, Array]:
     """Return the motion of B in W and relative to A, (n, 3) each.
 
     Args:
         separation: as it was flown.
+        pair: in which B leaves.
         trajectory: of its bodies at n times.
 
     Returns:
         By the names of `RelativeMotion`'s fields.
     """
-    A, B = (
-        body_state(trajectory.of(name).T, 0, 7) for name in (separation.A, separation.B)
-    )
-    body = separation.body(separation.B)
-    mated = place_in_stack(body, body.p_BoBcm_B)
+    A, B = (body_state(trajectory.of(name).T, 0, 7) for name in (pair.A, pair.B))
+    body = separation.body(pair.B)
+    mated = place_in_A(separation, pair, body.p_BoBcm_B)
     motion = relative_motion(A, B, body.p_BoBcm_B, mated, np)
     return {name: np.stack(v, axis=1) for name, v in motion._asdict().items()}

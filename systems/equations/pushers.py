@@ -13,12 +13,14 @@ from collections import namedtuple
 from collections.abc import Callable, Sequence
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
+from drakesep.systems.checks import X_AXIS
 from drakesep.systems.equations.mated_stack import pad_on_B
 from drakesep.systems.equations.relative_motion import BodyState, Wrench, velocity_at
 from drakesep.systems.model.pushers import Pusher
 from drakesep.systems.model.separation import Attachment, Separation
 from drakesep.systems.vectors import (
     Ops,
+    Rotation,
     Scalar,
     Vector,
     add,
@@ -140,6 +142,8 @@ def _values_type(name: str, fields: tuple[str, ...]) -> Callable[..., Any]:
     return namedtuple(name, fields)
 
 
+_OPPOSITE = 1e-12
+"""Within this of it, an axis is the opposite of the x axis."""
 AXIS = ("tilt_y", "tilt_z")
 """Fields of a pusher that turn its axis."""
 
@@ -162,20 +166,34 @@ def push_place(
     return PushPlace(
         pad_A,
         pad_on_B(separation, attachment, pad_A),
-        push_axis(pusher.tilt_y, pusher.tilt_z, math),
+        push_axis(pusher.axis_A, pusher.tilt_y, pusher.tilt_z, math),
     )
 
 
-def push_axis(tilt_y: Scalar, tilt_z: Scalar, ops: Ops) -> Vector:
-    """Return the axis in A along which a pusher pushes: Rz(tilt_z) Ry(tilt_y) x.
+def push_axis(design_A: Vector, tilt_y: Scalar, tilt_z: Scalar, ops: Ops) -> Vector:
+    """Return the axis in A along which a pusher pushes: R Rz(tilt_z) Ry(tilt_y) x.
+
+    R turns A's axes the shortest way until their x axis is that of the design; for one
+    against A's x axis, about z.
 
     Args:
-        tilt_y: about A's y axis, rad.
-        tilt_z: about A's z axis, then, rad.
+        design_A: unit vector along which it pushes if it is not tilted.
+        tilt_y: about the y axis so turned, rad.
+        tilt_z: about the z axis so turned, then, rad.
         ops: module of the elementary functions.
     """
     c = ops.cos(tilt_y)
-    return c * ops.cos(tilt_z), c * ops.sin(tilt_z), -ops.sin(tilt_y)
+    tilted = c * ops.cos(tilt_z), c * ops.sin(tilt_z), -ops.sin(tilt_y)
+    return tilted if design_A == X_AXIS else rotate(_from_x_axis(design_A), tilted)
+
+
+def _from_x_axis(axis: Vector) -> Rotation:
+    """Return the shortest rotation from the x axis; about z to its opposite."""
+    x, y, z = axis
+    if 1.0 + x < _OPPOSITE:
+        return -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0
+    k = 1.0 / (1.0 + x)  # Rodrigues: I + [v] + k [v]^2, of v = e_x x axis
+    return (x, -y, -z, y, 1.0 - k * y * y, -k * y * z, z, -k * y * z, 1.0 - k * z * z)
 
 
 def _axis_W(A: BodyState, axis_A: Vector | None) -> Vector:

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline, PPoly
 
 from drakesep.systems.arrays import Array
+from drakesep.systems.checks import Vector3
 from drakesep.systems.equations.relative_motion import body_state
 from drakesep.systems.model.run import Trajectory
 from drakesep.systems.vectors import (
@@ -102,17 +103,32 @@ class RelativePath:
         R = np.stack(rotation_matrix(tuple(q.T)), axis=1)
         return R.reshape(-1, 3, 3), x[:, 4:]
 
-    def time_apart(self, distance: float) -> float:
-        """Return when B's origin has first moved so far along A's x axis, s.
+    def moved(self, times: Array, direction_A: Vector3) -> Array:
+        """Return (n,) how far B's origin has moved in a direction since the start, m.
+
+        Args:
+            times: (n,) s.
+            direction_A: unit vector fixed in A.
+        """
+        along = self._along(direction_A)
+        moved: Array = along(times) - along(self.time[0])
+        return moved
+
+    def time_apart(self, distance: float, direction_A: Vector3) -> float:
+        """Return when B's origin has first moved so far in a direction, s.
 
         Infinite if it never does.
 
         Args:
             distance: from where it is at first, m.
+            direction_A: unit vector fixed in A.
         """
-        along = PPoly(self._spline.c[:, :, 4], self.time)
+        along = self._along(direction_A)
         reached = along.solve(float(along(self.time[0])) + distance, extrapolate=False)
         return float(np.nanmin(reached, initial=np.inf))
+
+    def _along(self, direction_A: Vector3) -> PPoly:
+        return PPoly(self._spline.c[:, :, 4:] @ np.array(direction_A), self.time)
 
     def bounds(self, start: float, end: float) -> MotionBounds:
         """Return bounds on the motion between two times, s."""

@@ -7,6 +7,7 @@ are registered under one name in `drakesep.systems.equations.springs`.
 
 from typing import ClassVar, Protocol
 
+from drakesep.systems.checks import Vector3
 from drakesep.systems.model.parameter_table import TILT, ParameterTable, scalar
 
 
@@ -30,13 +31,22 @@ class Pusher(Protocol):
         ...
 
     @property
+    def axis_A(self) -> Vector3:
+        """Unit vector along which it pushes B, fixed in A: a part of the design."""
+        ...
+
+    @property
     def tilt_y(self) -> float:
-        """Of the push from A's x axis, about its y axis, rad: a misalignment."""
+        """Of the push from that axis, about y, rad: a misalignment.
+
+        About A's y axis where the axis is A's x axis; see
+        `drakesep.systems.equations.pushers.push_axis`.
+        """
         ...
 
     @property
     def tilt_z(self) -> float:
-        """About A's z axis, then, rad."""
+        """About z, then, rad."""
         ...
 
     @property

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from drakesep.systems.arrays import Array
-from drakesep.systems.model.separation import Attachment, Separation
+from drakesep.systems.model.separation import Separation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,6 +82,8 @@ class Run:
     """Why the run failed; empty if it did not."""
     motion: Motion | None = field(default=None, repr=False)
     """None if the run failed."""
+    others: Mapping[str, Motion] = field(default_factory=dict, repr=False)
+    """Motions of the other bodies that leave, by their names; as seen from their A."""
     trajectory: Trajectory | None = field(default=None, repr=False)
     """None if the run failed."""
     breaks: tuple[float, ...] = ()
@@ -109,6 +111,15 @@ class Run:
             raise RuntimeError(f"the run failed: {self.message}")
         return self.motion
 
+    def motion_of(self, body: str) -> Motion:
+        """Return the motion of a body that leaves, of a completed run.
+
+        Raises:
+            RuntimeError: the run failed.
+        """
+        motion = self.completed_motion
+        return motion if body == self.separation.B else self.others[body]
+
     @property
     def completed_trajectory(self) -> Trajectory:
         """The motion of all bodies of a completed run.
@@ -123,17 +134,20 @@ class Run:
     @property
     def separation_start(self) -> float:
         """When the first attachment of the measured body B let go, s."""
-        return min(self.releases[a.name] for a in self._attachments_of_B)
+        return self.start_of(self.separation.B)
 
     @property
     def separation_end(self) -> float:
         """When all attachments of B have let go and their strokes are reached, s."""
+        return self.end_of(self.separation.B)
+
+    def start_of(self, body: str) -> float:
+        """Return when the first attachment of a body let go, s."""
+        return min(self.releases[a.name] for a in self.separation.attached_to(body))
+
+    def end_of(self, body: str) -> float:
+        """Return when a body is free, and the strokes of what pushed it are reached."""
         return max(
             self.stroke_ends[a.spring.name] if a.spring else self.releases[a.name]
-            for a in self._attachments_of_B
+            for a in self.separation.attached_to(body)
         )
-
-    @property
-    def _attachments_of_B(self) -> list[Attachment]:
-        B = self.separation.B
-        return [a for a in self.separation.attachments if B in (a.A, a.B)]

@@ -12,10 +12,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from drakesep.systems.checks import (
+    X_AXIS,
     InputError,
     Vector3,
     check_entries,
     check_positive,
+    unit_vector,
     unknown,
 )
 from drakesep.systems.model.inertia import ENTRIES, Inertia, check_inertia
@@ -189,6 +191,29 @@ class InitialMotion:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Pair:
+    """A body that leaves another, and in which direction.
+
+    Raises:
+        ValueError: both bodies are the same, or the direction is no unit vector.
+    """
+
+    A: str
+    """Name of the body pushed from."""
+    B: str
+    """Name of the body pushed away."""
+    direction: Vector3 = X_AXIS
+    """In which B leaves A, fixed in A: longitudinal is along it, lateral across it."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        if self.A == self.B:
+            raise InputError(f"pair: must name two different bodies, got {self.A!r}")
+        direction = unit_vector(f"pair: {self.B}: direction", self.direction)
+        object.__setattr__(self, "direction", direction)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Separation:
     """Everything that decides how bodies leave each other.
 
@@ -204,6 +229,10 @@ class Separation:
     """Name of the body pushed from; the mated stack is placed in its frame."""
     B: str
     """Name of the body pushed away, whose motion is analysed."""
+    direction: Vector3 = X_AXIS
+    """In which B leaves A, fixed in A."""
+    others: tuple[Pair, ...] = ()
+    """More bodies that leave, each in one pair."""
     loads: tuple[Load, ...] = ()
     """Thrusters, retro-rockets, disturbances."""
     initial: InitialMotion = InitialMotion()
@@ -278,11 +307,13 @@ class Separation:
                 raise InputError(
                     f"{load.name}: {unknown('attachment', load.after, attachments)}"
                 )
-        for name in (self.A, self.B):
-            if name not in names:
-                raise InputError(f"pair: {unknown('body', name, names)}")
-        if self.A == self.B:
-            raise InputError(f"pair: must name two different bodies, got {self.A!r}")
+        leaving = [pair.B for pair in self.pairs]
+        for pair in self.pairs:
+            for name in (pair.A, pair.B):
+                if name not in names:
+                    raise InputError(f"pair: {unknown('body', name, names)}")
+            if leaving.count(pair.B) > 1:
+                raise InputError(f"pairs: {pair.B!r} must leave in one pair, got two")
 
     def _check_bodies_attached(self) -> None:
         attached = {name for a in self.attachments for name in (a.A, a.B)}
@@ -301,6 +332,25 @@ class Separation:
     def body(self, name: str) -> Body:
         """Return the body of this name."""
         return next(body for body in self.bodies if body.name == name)
+
+    @property
+    def pairs(self) -> tuple[Pair, ...]:
+        """The bodies that leave: the first, and the others."""
+        return (Pair(A=self.A, B=self.B, direction=self.direction), *self.others)
+
+    def pair_of(self, body: str) -> Pair:
+        """Return the pair in which a body leaves."""
+        return next(pair for pair in self.pairs if pair.B == body)
+
+    def owners_of_forces(self, *, springs: bool) -> dict[str, Attachment]:
+        """Return the attachments by their names, or by those of their springs."""
+        if springs:
+            return {spring.name: attachment for attachment, spring in self.pushing}
+        return {attachment.name: attachment for attachment in self.attachments}
+
+    def attached_to(self, body: str) -> list[Attachment]:
+        """Return the attachments that hold a body."""
+        return [a for a in self.attachments if body in (a.A, a.B)]
 
     def ends(self, attachment: Attachment) -> tuple[int, int]:
         """Return the indices of an attachment's bodies A and B."""

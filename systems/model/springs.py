@@ -5,7 +5,13 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypeAlias
 
-from drakesep.systems.checks import InputError, check_finite
+from drakesep.systems.checks import (
+    X_AXIS,
+    InputError,
+    Vector3,
+    check_finite,
+    unit_vector,
+)
 from drakesep.systems.model.parameter_table import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -57,10 +63,12 @@ class Spring:
     """Delta L of Eq. 5, m."""
     design_mass: float
     """m_S of Eq. 5, kg: a constant of the design, whatever is dispersed."""
+    axis_A: Vector3 = X_AXIS
+    """Unit vector along which it pushes B, fixed in A: a part of the design."""
     tilt_y: float = 0.0
-    """Of the push from A's x axis, about its y axis, rad: a misalignment."""
+    """Of the push from its axis, about y, rad: a misalignment."""
     tilt_z: float = 0.0
-    """About A's z axis, then, rad."""
+    """About z, then, rad."""
 
     PARAMETERS: ClassVar[ParameterTable] = ParameterTable(
         _FORCE_MAX,
@@ -72,6 +80,8 @@ class Spring:
     def __post_init__(self) -> None:
         """Check the values."""
         self.PARAMETERS.check(f"{self.name}: ", self)
+        axis = unit_vector(f"{self.name}: axis", self.axis_A)
+        object.__setattr__(self, "axis_A", axis)
 
     @property
     def frequency(self) -> float:
@@ -106,10 +116,12 @@ class DisplacementSpring:
     """Of a damper beside it, N s/m."""
     profile: Profile = LINEAR
     """A part of the design: it does not vary. Straight lines join its rows."""
+    axis_A: Vector3 = X_AXIS
+    """Unit vector along which it pushes B, fixed in A: a part of the design."""
     tilt_y: float = 0.0
-    """Of the push from A's x axis, about its y axis, rad: a misalignment."""
+    """Of the push from its axis, about y, rad: a misalignment."""
     tilt_z: float = 0.0
-    """About A's z axis, then, rad."""
+    """About z, then, rad."""
 
     PARAMETERS: ClassVar[ParameterTable] = ParameterTable(
         _FORCE_MAX,
@@ -121,6 +133,8 @@ class DisplacementSpring:
     def __post_init__(self) -> None:
         """Check the values."""
         self.PARAMETERS.check(f"{self.name}: ", self)
+        axis = unit_vector(f"{self.name}: axis", self.axis_A)
+        object.__setattr__(self, "axis_A", axis)
         _check_profile(f"{self.name}: profile", self.profile)
 
     @property
@@ -135,6 +149,7 @@ class DisplacementSpring:
         displacements: tuple[float, ...],
         forces: tuple[float, ...],
         damping: float = 0.0,
+        axis_A: Vector3 = X_AXIS,
         tilt_y: float = 0.0,
         tilt_z: float = 0.0,
     ) -> "DisplacementSpring":
@@ -145,8 +160,9 @@ class DisplacementSpring:
             displacements: (n,) of the rows, from 0, increasing, m.
             forces: (n,) at these displacements, N.
             damping: of a damper beside it, N s/m.
-            tilt_y: of the push from A's x axis, about its y axis, rad: a misalignment.
-            tilt_z: about A's z axis, then, rad.
+            axis_A: unit vector along which it pushes, fixed in A.
+            tilt_y: of the push from its axis, about y, rad: a misalignment.
+            tilt_z: about z, then, rad.
 
         Raises:
             ValueError: the columns differ in length, or do not make a profile.
@@ -175,6 +191,7 @@ class DisplacementSpring:
             force_max=force_max,
             stroke=stroke,
             damping=damping,
+            axis_A=axis_A,
             tilt_y=tilt_y,
             tilt_z=tilt_z,
             profile=tuple(

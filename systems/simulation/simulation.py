@@ -14,6 +14,7 @@ from drakesep.systems.diagram.separation_system import SeparationSystem
 from drakesep.systems.equations import relative_motion as motion_laws
 from drakesep.systems.equations.motion_of_run import relative_motion_of
 from drakesep.systems.equations.pushers import push_displacement, push_place
+from drakesep.systems.equations.relative_motion import BodyState
 from drakesep.systems.equations.springs import law_of
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.parameters import check_read, with_values
@@ -25,7 +26,7 @@ from drakesep.systems.model.run import (
     RunStatus,
     Trajectory,
 )
-from drakesep.systems.model.separation import Attachment, Separation
+from drakesep.systems.model.separation import Attachment, Pair, Separation
 from drakesep.systems.sampling import NANOSECOND, find_breaks, sample_times
 from drakesep.systems.simulation.contact_log import ContactLog
 from drakesep.systems.simulation.recorder import Recorder
@@ -77,7 +78,7 @@ class Simulation:
             breaks = find_breaks(separation, releases, ends)
             times = sample_times(separation, releases, ends)
             times = _with_contacts(times, recorder.step_times(), contacts.forces)
-            motion, trajectory = _sample(self._system, separation, recorder, times)
+            motions, trajectory = _sample(self._system, separation, recorder, times)
         except (RuntimeError, ArithmeticError, ValueError) as error:
             # Drake's: the step size collapsed, say. Python's: a number overflowed.
             return Run(
@@ -89,7 +90,8 @@ class Simulation:
         return Run(
             separation=separation,
             status=RunStatus.COMPLETED,
-            motion=motion,
+            motion=motions.pop(separation.B),
+            others=motions,
             trajectory=trajectory,
             breaks=breaks,
             releases=releases,
@@ -262,28 +264,51 @@ def _with_contacts(
 
 def _sample(
     system: SeparationSystem, separation: Separation, recorder: Recorder, times: Array
-) -> tuple[Motion, Trajectory]:
-    layout = system.layout
+) -> tuple[dict[str, Motion], Trajectory]:
+    """Return the motions of the bodies that leave, by their names, and of all in W."""
     x, xdot = recorder.sample(times)
+    bodies = system.layout.read(x)
     names = tuple(body.name for body in separation.bodies)
-    bodies = layout.read(x)
     states = np.array([[*b.q_WB, *b.p_WBo, *b.w_WB, *b.v_WBo] for b in bodies])
     trajectory = Trajectory(names=names, time=times, states=np.moveaxis(states, -1, 0))
-    b = names.index(separation.B)
-    _, v = layout.starts[b]
-    measured = Measured.of(separation)
+    momenta = x[system.layout.size :].reshape(-1, 6, len(times))
+    motions = {}
+    for pair, momentum in zip(separation.pairs, momenta, strict=True):
+        b = names.index(pair.B)
+        _, v = system.layout.starts[b]
+        slopes = xdot[v : v + 6]
+        motions[pair.B] = _motion(
+            separation, pair, trajectory, bodies[b], slopes, momentum
+        )
+    return motions, trajectory
+
+
+def _motion(
+    separation: Separation,
+    pair: Pair,
+    trajectory: Trajectory,
+    B: BodyState,
+    slopes: Array,
+    momentum: Array,
+) -> Motion:
+    """Return the motion of a pair.
+
+    Args:
+        separation: as it was flown.
+        pair: in which B leaves.
+        trajectory: of all bodies.
+        B: its states.
+        slopes: (6, n) its accelerations in W, as in Drake's plant.
+        momentum: (6, n) given to it, over mass and mean moment of inertia.
+    """
+    measured = Measured.of(separation, pair)
     acceleration = motion_laws.cg_acceleration(
-        bodies[b],
-        measured.p_BoBcm_B,
-        tuple(xdot[v : v + 3]),
-        tuple(xdot[v + 3 : v + 6]),
+        B, measured.p_BoBcm_B, tuple(slopes[:3]), tuple(slopes[3:])
     )
-    momentum = x[layout.size :]
-    sampled = Motion(
-        time=times,
+    return Motion(
+        time=trajectory.time,
         acceleration=np.stack(acceleration, axis=1),
         linear_momentum_change=measured.mass * momentum[:3].T,
         angular_momentum_change=measured.inertia * momentum[3:].T,
-        **relative_motion_of(separation, trajectory),
+        **relative_motion_of(separation, pair, trajectory),
     )
-    return sampled, trajectory

@@ -6,6 +6,7 @@ import pickle
 
 import pytest
 from separations import generic_pair
+from toy_metrics import RELATIVE, RELATIVE_MIN, registered
 
 from drakesep.analysis.analysis_case import (
     AnalysisCase,
@@ -77,8 +78,8 @@ WRONG = [
     ),
     ({"requirements": (SPEED, SPEED)}, "requirements: longitudinal.* must stand once"),
     (
-        {"requirements": (dataclasses.replace(SPEED, metric="speed"),)},
-        "requirements: unknown metric 'speed'",
+        {"requirements": (dataclasses.replace(SPEED, metric="velocity"),)},
+        "requirements: unknown metric 'velocity'",
     ),
     (
         {"requirements": (Requirement(metric="clearance", sense=">=", limit=0.1),)},
@@ -150,6 +151,15 @@ def test_it_is_a_value():
         ("clearance", "<=", 0.1, "clearance: sense must be '>=' and the limit > 0"),
         ("clearance", ">=", 0.0, "clearance: sense must be '>=' and the limit > 0"),
         ("rate_after_separation_x", "<=", -0.1, "limit must be >= 0, got -0.1"),
+        ("rate_after_separation_x", ">=", 0.0, "from below must be > 0, got 0"),
+        ("separation_end", ">=", -1.0, "from below must be > 0, got -1"),
+        ("rate_after_separation", "<=", 0.1, "unknown metric 'rate_after_separation'"),
+        (
+            "deviation_within_limits_until",
+            ">=",
+            1.0,
+            "needs a requirement '<=' on deviation_at_separation, got none",
+        ),
     ],
 )
 def test_limit_that_would_be_held_unseen_is_refused(metric, sense, limit, message):
@@ -159,9 +169,25 @@ def test_limit_that_would_be_held_unseen_is_refused(metric, sense, limit, messag
         case(requirements=(required,))
 
 
-def test_what_the_caller_does_with_its_dict_changes_nothing():
-    tolerances = {"upper.mass": 20.0}
-    made = case(tolerances=tolerances)
-    tolerances["upper.mass"] = 40.0
+def test_a_largest_magnitude_says_nothing_from_below():
+    """A rate that is large once would meet it, be it zero at all other times."""
+    alone = dataclasses.replace(RELATIVE, at_least="")
+    required = Requirement(metric=alone.names[0], sense=">=", limit=0.1)
+    with registered(alone), pytest.raises(InputError, match="by a smallest magnitude"):
+        case(requirements=(required,))
+    with registered(RELATIVE, RELATIVE_MIN):
+        assert case(requirements=(required,)).requirements == (required,)
+
+
+def test_what_is_done_with_a_dict_changes_nothing():
+    tolerances, values = {"upper.mass": 20.0}, {"upper.mass": 1210.0}
+    published = PublishedCase(label="paper", values=values)
+    made = case(tolerances=tolerances, published=(published,))
+    tolerances["upper.mass"] = values["upper.mass"] = 40.0
     assert made.tolerances == {"upper.mass": 20.0}
     assert made.box.tolerance.tolist() == [20.0]
+    assert published.values == {"upper.mass": 1210.0}
+    for mine in (made.tolerances, published.values):
+        with pytest.raises(TypeError, match="does not support item assignment"):
+            mine["upper.mass"] = 1.0
+    assert hash(pickle.loads(pickle.dumps(made.tolerances))) == hash(made.tolerances)

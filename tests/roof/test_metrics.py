@@ -8,14 +8,15 @@ import pytest
 from toy_metrics import RELATIVE, RELATIVE_MIN, registered
 
 import drakesep
-from drakesep.analysis.metrics.metric import Metric
-from drakesep.analysis.metrics.registry import registered_metrics
+from drakesep.analysis.metrics.metric import Functional, Metric
+from drakesep.analysis.metrics.quantities import QUANTITIES, Quantity
+from drakesep.analysis.metrics.registry import DEVIATION, registered_metrics
 from drakesep.case_file.case import Case
 from drakesep.units import unit_of, with_unit
 
 
 PAGE = Path(__file__).parents[2] / "docs" / "metrics.md"
-NAME, KEY = RELATIVE.names[1], "relative_rate_after_separation_y_deg_s"
+NAME, KEY = RELATIVE.names[1], "toy_rate_after_separation_y_deg_s"
 
 
 @pytest.fixture
@@ -26,8 +27,12 @@ def toy():
 
 def vega_limited(**requirement) -> Case:
     """The built-in case with this requirement alone, and one tolerance."""
+    return vega_with([requirement])
+
+
+def vega_with(requirements) -> Case:
     data = drakesep.load_case("vega").model_dump(mode="json", exclude_none=True)
-    data["requirements"] = [requirement]
+    data["requirements"] = requirements
     data["dispersions"] = {"payload.cg_y_mm": 10.0}
     data["published"] = []
     return Case.model_validate(data)
@@ -53,11 +58,11 @@ def test_column_of_the_summary(toy, tmp_path):
 )
 def test_requirement_of_a_case(toy, sense, limit, met, objective, judged_by):
     case = vega_limited(
-        quantity="relative_rate_after_separation_deg_s", **{sense: [9.0, limit, 9.0]}
+        quantity="toy_rate_after_separation_deg_s", **{sense: [9.0, limit, 9.0]}
     )
     study = drakesep.verify(case, searches=["drake"], workers=1)
     verdict = study.requirements.set_index("axis").loc["y"]
-    assert verdict["requirement"] == "relative rate after separation"
+    assert verdict["requirement"] == "toy rate after separation"
     assert verdict["unit"] == "deg/s"
     assert objective in {worst.name for worst in study.worst}
     # Of the nominal and of the worst run, the one that is nearer to the limit.
@@ -92,8 +97,15 @@ def test_every_metric_has_a_unit_and_may_be_required(metric):
     )
     if metric.of_every_run:  # else it needs geometry
         limit = [2.0] * len(metric.axes)
-        case = vega_limited(quantity=quantity, at_least=limit)
-        assert [r.metric for r in case.limits] == list(metric.names)
+        wanted = [{"quantity": quantity, "at_least": limit}]
+        if metric.functional is Functional.TIME_WITHIN:
+            with pytest.raises(ValueError, match="needs a requirement '<=' on deviati"):
+                vega_with(wanted)
+            limits = {"quantity": with_unit(DEVIATION), "at_most": [9.0, 9.0, 9.0]}
+            wanted.append(limits)
+        case = vega_with(wanted)
+        mine = [r for r in case.limits if r.sense == ">="]
+        assert [r.metric for r in mine] == list(metric.names)
         [first, *_] = case.limits
         assert unit_of(metric.stem).from_si(first.limit) == pytest.approx(2.0)
 
@@ -103,6 +115,8 @@ def test_a_limit_from_above_may_be_below_zero_where_the_metric_may():
     assert limit.limit == -0.5
     with pytest.raises(ValueError, match="G_L1_deg: at_most must be >= 0, got -1"):
         vega_limited(quantity="G_L1_deg", at_most=-1)
+    with pytest.raises(ValueError, match="G_L1_deg: at_least must be > 0, got 0"):
+        vega_limited(quantity="G_L1_deg", at_least=0)
 
 
 def row_of(metric: Metric) -> str:
@@ -113,4 +127,12 @@ def row_of(metric: Metric) -> str:
 def test_the_page_lists_every_metric():
     text = PAGE.read_text(encoding="utf-8")
     listed = re.findall(r"^\| `.*$", text, re.M)
-    assert listed == [row_of(metric) for metric in registered_metrics()]
+    metrics = [row_of(metric) for metric in registered_metrics()]
+    assert listed == [*metrics, *map(row_of_quantity, QUANTITIES.values())]
+
+
+def row_of_quantity(quantity: Quantity) -> str:
+    axes = f"{', '.join(quantity.signal.axes)}"
+    limits = "of its magnitude" if quantity.two_sided else "of its value"
+    name, words = with_unit(quantity.name), quantity.signal.words
+    return f"| `{name}` | {axes} | {words} | {limits} |"

@@ -8,7 +8,7 @@ told in `drakesep.systems.batch.integrator`.
 import functools
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeAlias
@@ -33,7 +33,9 @@ from drakesep.analysis.engines.jax.compiled import (
 )
 from drakesep.analysis.engines.jax.metrics_fold import MetricsFold
 from drakesep.analysis.engines.jax.sampled_runs import SampledRun
+from drakesep.analysis.metrics.of_run import metric_named
 from drakesep.analysis.metrics.registry import registered_metrics
+from drakesep.analysis.metrics.requirements import Limits
 from drakesep.systems.arrays import Array
 from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.integrator import (
@@ -44,7 +46,7 @@ from drakesep.systems.batch.integrator import (
 from drakesep.systems.batch.lanes import Lanes
 from drakesep.systems.batch.motion import MotionFold
 from drakesep.systems.batch.row_checks import check_rows
-from drakesep.systems.checks import InputError, check_positive
+from drakesep.systems.checks import InputError, check_positive, unknown
 from drakesep.systems.model.parameters import (
     check_read,
     declarations,
@@ -111,6 +113,7 @@ class Batch:
         separation: that is flown.
         names: (n_p,) of the parameters that vary.
         nominal: (n_p,) their values in the separation.
+        metrics: (n_m,) names of what it tells.
         chunk: rows that are flown together.
         workers: threads that fly chunks.
     """
@@ -120,7 +123,8 @@ class Batch:
         separation: Separation,
         names: Sequence[str],
         *,
-        deviation_limits: Sequence[float] = (math.inf,) * 3,
+        deviation_limits: Limits = (math.inf,) * 3,
+        metrics: Iterable[str] = (),
         tolerance: float = TOLERANCE,
         max_steps: int = MAX_STEPS,
         chunk: int | None = None,
@@ -132,7 +136,10 @@ class Batch:
             separation: to be flown and varied.
             names: (n_p,) parameters that vary; see `drakesep.systems.model.parameters`.
             deviation_limits: (3,) limits of roll, pitch and yaw, rad, for the time
-                until which all stay within theirs; infinite where there is none.
+                until which all stay within theirs; infinite where there is none; or
+                those of several pairs, see `Limits`.
+            metrics: names of others to tell beside those that are registered, if steps
+                tell them; see `drakesep.analysis.metrics.quantities`.
             tolerance: of the error estimates of all steps of a run together, in SI.
             max_steps: after which a row has failed.
             chunk: rows that are flown together; what suits the machine if None.
@@ -140,7 +147,7 @@ class Batch:
 
         Raises:
             ValueError: a parameter is unknown, named twice or none that the equations
-                read, or a number is not positive.
+                read, a metric is unknown, or a number is not positive.
         """
         if not isinstance(separation, Separation):
             raise InputError(
@@ -149,7 +156,7 @@ class Batch:
             )
         nominal = parameters(separation)
         check_names(names, nominal)
-        check_limits(deviation_limits)
+        check_limits(deviation_limits, separation.pairs)
         check_released(separation)
         check_free(separation)
         check_positive("tolerance", tolerance)
@@ -181,9 +188,13 @@ class Batch:
         declared = declarations(separation)
         timed = any(declared[name].kind == "time" for name in names)
         self._integrator_of_slopes = state(one_by_one=timed)
-        self._fold = MetricsFold(
-            self._equations, deviation_limits, registered_metrics()
-        )
+        told = dict.fromkeys([*registered_metrics(), *map(metric_named, metrics)])
+        known = ["", *(pair.B for pair in separation.pairs)]
+        for metric in told:
+            if metric.of_steps and metric.pair not in known:
+                raise InputError(unknown("body that leaves", metric.pair, known))
+        self._fold = MetricsFold(self._equations, deviation_limits, tuple(told))
+        self.metrics = self._fold.names
         compiled = functools.partial(
             jax.jit, compiler_options=compiler_options(platform)
         )

@@ -1,6 +1,6 @@
 """Tells a search the objectives by the batch engine."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent import futures
 
 import numpy as np
@@ -11,6 +11,7 @@ from drakesep.analysis.engines.jax.batch import Batch, BatchResult
 from drakesep.analysis.engines.run_evaluator import RunEvaluator
 from drakesep.analysis.metrics.objectives import Limits, MetricObjective, Objective
 from drakesep.systems.arrays import Array
+from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run
 
 
@@ -34,11 +35,15 @@ class BatchEvaluator:
         """Prepare.
 
         Args:
-            batch: that flies; it must have the same limits.
+            batch: that flies; it must have the same limits, and tell the metrics that
+                the objectives read.
             objectives: to be told.
             limits: (3,) of the deviations, as `metrics_of_run` takes them.
             derivatives: whether to use those of the batch engine: differences cost less
                 where runs take many steps.
+
+        Raises:
+            ValueError: the batch does not tell a metric.
         """
         self._derivatives = derivatives
         self._preparing: list[futures.Future[BatchResult]] = []
@@ -50,6 +55,12 @@ class BatchEvaluator:
             for k, objective in enumerate(self.objectives)
             if isinstance(objective, MetricObjective)
         }
+        for objective in self._by_metrics.values():
+            for name in sorted(objective.reads.difference(batch.metrics)):
+                raise InputError(
+                    f"{objective.name}: needs a batch that tells {name}: make it with "
+                    f"metrics=[{name!r}]"
+                )
         self._of_runs = RunEvaluator(batch.runs, batch.names, objectives, limits)
 
     def exact(self, k: int) -> bool:
@@ -76,7 +87,7 @@ class BatchEvaluator:
         failures: dict[int, str] = {}
         if by_metrics:
             result = self._batch.run(rows, on_progress=on_progress)
-            metrics = result.metrics.to_numpy()
+            metrics = _by_name(result)
             for k in by_metrics:
                 values[:, k] = self._by_metrics[k].of_metrics(metrics)
             failures |= result.failures
@@ -95,9 +106,7 @@ class BatchEvaluator:
         if by_metrics.any():
             index = np.flatnonzero(by_metrics)
             result = self._batch.run(rows[index])
-            told = self._tell(
-                result.metrics.to_numpy(), [which[i] for i in index.tolist()]
-            )
+            told = self._tell(result, [which[i] for i in index.tolist()])
             parts.append((index, Evaluated(told, dict(result.failures))))
         if not by_metrics.all():
             index = np.flatnonzero(~by_metrics)
@@ -145,21 +154,32 @@ class BatchEvaluator:
         self.wait()
         result = self._batch.jacobian(rows)
         assert result.jacobian is not None
-        metrics = result.metrics.to_numpy()
-        weights = np.stack(
-            [self._by_metrics[k].weights(metrics[i]) for i, k in enumerate(which)]
-        )
-        # A metric of weight 0 counts for nothing, even where its slope is undefined.
-        terms = np.where(weights[..., None] == 0.0, 0.0, result.jacobian)
-        slopes = np.einsum("nm,nmp->np", weights, terms)
-        values = self._tell(metrics, which)
-        return Evaluated(values, dict(result.failures)), slopes
+        slopes = np.zeros((len(rows), len(self.names)))
+        places = {name: m for m, name in enumerate(result.metrics)}
+        for i, (k, metrics) in enumerate(zip(which, _row_by_row(result), strict=True)):
+            for name, weight in self._by_metrics[k].weights(metrics).items():
+                if weight != 0.0:  # else its slope may be undefined
+                    slopes[i] += weight * result.jacobian[i, places[name]]
+        return Evaluated(self._tell(result, which), dict(result.failures)), slopes
 
-    def _tell(self, metrics: Array, which: Sequence[int]) -> Array:
+    def _tell(self, result: BatchResult, which: Sequence[int]) -> Array:
         """Return (n,) one objective at each row, those of an objective at once."""
-        asked = np.asarray(which)
-        values = np.empty(len(metrics))
+        asked, metrics = np.asarray(which), _by_name(result)
+        values = np.empty(len(asked))
         for k in np.unique(asked).tolist():
             mine = asked == k
-            values[mine] = self._by_metrics[k].of_metrics(metrics[mine])
+            some = {name: column[mine] for name, column in metrics.items()}
+            values[mine] = self._by_metrics[k].of_metrics(some)
         return values
+
+
+def _by_name(result: BatchResult) -> dict[str, Array]:
+    """Return the metrics (n,) of a batch."""
+    return {str(name): column.to_numpy() for name, column in result.metrics.items()}
+
+
+def _row_by_row(result: BatchResult) -> Iterator[dict[str, Array]]:
+    """Yield the metrics of each row of a batch."""
+    names = list(map(str, result.metrics))
+    for row in result.metrics.to_numpy():
+        yield dict(zip(names, row, strict=True))

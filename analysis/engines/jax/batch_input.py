@@ -5,8 +5,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from drakesep.analysis.metrics.requirements import Limits
 from drakesep.systems.checks import InputError, unknown
-from drakesep.systems.model.separation import Separation
+from drakesep.systems.model.separation import Pair, Separation
 
 
 def check_names(names: Sequence[str], known: Mapping[str, float]) -> None:
@@ -20,12 +21,21 @@ def check_names(names: Sequence[str], known: Mapping[str, float]) -> None:
         raise InputError(f"parameters must differ, got {', '.join(names)}")
 
 
-def check_limits(limits: Sequence[float]) -> None:
-    """Raise InputError unless there are three limits above zero, rad."""
-    if not np.shape(limits) == (3,) or not all(limit > 0.0 for limit in limits):
-        raise InputError(
-            f"deviation limits must be three above 0, in rad, got {limits}"
-        )
+def check_limits(limits: Limits, pairs: Sequence[Pair]) -> None:
+    """Raise InputError unless there are three limits of zero or more, rad.
+
+    Args:
+        limits: of the first pair, or of several by their B's name.
+        pairs: that there are.
+    """
+    if isinstance(limits, Mapping):
+        known = ["", *(pair.B for pair in pairs[1:])]
+        for name, mine in limits.items():
+            if name not in known:
+                raise InputError(unknown("body with deviation limits", name, known))
+            check_limits(mine, pairs)
+    elif not np.shape(limits) == (3,) or not all(limit >= 0.0 for limit in limits):
+        raise InputError(f"deviation limits must be three, >= 0, in rad, got {limits}")
 
 
 def check_released(separation: Separation) -> None:

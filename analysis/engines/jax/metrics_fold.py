@@ -9,10 +9,17 @@ ends of strokes at once) it is a generalised one, between those of both sides.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 
+from drakesep.analysis.engines.jax.step_parts import (
+    Component,
+    Components,
+    Part,
+    components_of,
+)
 from drakesep.analysis.engines.jax.step_signals import (
     Rows,
     StepSignals,
@@ -21,26 +28,26 @@ from drakesep.analysis.engines.jax.step_signals import (
 )
 from drakesep.analysis.metrics.metric import (
     ANGLE,
+    WHOLE_RUN,
     Combined,
     Functional,
     Metric,
     Moment,
-    Signal,
+    Outer,
+    When,
     Window,
 )
+from drakesep.analysis.metrics.requirements import Limits, limits_of
 from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.integrator import Step
 from drakesep.systems.batch.lanes import BatchParameters, Lanes, pick
-from drakesep.systems.equations import relative_motion as motion_laws
+from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.equations.relative_motion import RelativeMotion
 
 
 _ROUND_OFF = 1e-13
 """By which two values of the same may differ, as a part of them."""
 
-Component: TypeAlias = tuple[str, int]
-"""A field of `RelativeMotion`, and which of its components."""
-When: TypeAlias = Window | Moment
 
 _EXTREMES = (Functional.SMALLEST, Functional.LARGEST)
 _GATHERED: Mapping[Functional, tuple[Functional, ...]] = {
@@ -71,6 +78,7 @@ class _Gathered(NamedTuple):
     """What is gathered of some components at the same time of the run."""
 
     functional: Functional
+    pair: str
     when: When
     components: tuple[Component, ...]
 
@@ -78,10 +86,13 @@ class _Gathered(NamedTuple):
 class Found(NamedTuple):
     """What has been found so far."""
 
-    times: Mapping[str, Lanes]
+    times: tuple[Lanes, ...]
     """(n,) when each moment was, s; infinite before it."""
     values: tuple[Lanes, ...]
     """(c, n) of the components of what is gathered."""
+    angles: Lanes
+    """(a, n) of the components that are angles, at the end of the last step, without
+    jumps; NaN before the first."""
 
 
 class MetricsFold:
@@ -94,39 +105,62 @@ class MetricsFold:
     def __init__(
         self,
         equations: BatchEquations,
-        deviation_limits: Sequence[float],
+        deviation_limits: Limits,
         metrics: Sequence[Metric],
     ):
         """Prepare.
 
         Args:
             equations: of the separation.
-            deviation_limits: (3,) of roll, pitch and yaw, rad; infinite for none.
-            metrics: to be told; those that are not of every run are left out.
+            deviation_limits: of roll, pitch and yaw, rad; infinite for none.
+            metrics: to be told; those that steps do not tell are left out, and those
+                that look at a time that no run reaches.
         """
         self._equations = equations
         self._duration = equations.separation.duration
-        limits = zip(_components_of(ANGLE), deviation_limits, strict=True)
-        self._limits = {c: limit for c, limit in limits if limit < math.inf}
-        self._metrics = [metric for metric in metrics if metric.of_every_run]
-        self.names = tuple(name for m in self._metrics for name in m.names)
-        self._moments = [
-            moment
-            for moment in Moment
-            if moment is not Moment.END
-            and any(metric.when is moment for metric in self._metrics)
+        pairs = equations.separation.pairs
+        self._pairs = {"": pairs[0], **{pair.B: pair for pair in pairs}}
+        self._limits = {
+            component: limit
+            for name in self._pairs
+            for component, limit in zip(
+                components_of(name, ANGLE),
+                limits_of(deviation_limits, name),
+                strict=True,
+            )
+            if limit < math.inf
+        }
+        self._metrics = [
+            metric
+            for metric in metrics
+            if metric.of_steps and metric.reached(self._duration)
         ]
+        self.names = tuple(name for m in self._metrics for name in m.names)
+        self._moments: list[tuple[str, Moment]] = list(
+            dict.fromkeys(
+                (metric.pair, metric.when)
+                for metric in self._metrics
+                if isinstance(metric.when, Moment) and metric.when is not Moment.END
+            )
+        )
         gathered = self._all_gathered()
         # Of these polynomials are made.
         self._components = list(
             dict.fromkeys(
                 component
                 for one in gathered
-                if isinstance(one.when, Window)
+                if not isinstance(one.when, Moment)
                 for component in one.components
             )
         )
         self._gathered = [self._in_order(one) for one in gathered]
+        turning = {
+            component
+            for metric in self._metrics
+            if metric.signal is not None and metric.signal.turns
+            for component in components_of(metric.pair, metric.signal)
+        }
+        self._angles = [c for c in self._components if c in turning]
 
     def _in_order(self, gathered: _Gathered) -> _Gathered:
         """Return the same with its components in the order of the polynomials."""
@@ -137,10 +171,11 @@ class MetricsFold:
 
     def _all_gathered(self) -> list[_Gathered]:
         """Return what is to be gathered, the same of several metrics once."""
-        components: dict[tuple[Functional, When], dict[Component, None]] = {}
+        components: dict[tuple[Functional, str, When], dict[Component, None]] = {}
         for metric in self._metrics:
             for functional in _GATHERED[metric.functional]:
-                mine = components.setdefault((functional, metric.when), {})
+                key = functional, metric.pair, metric.when
+                mine = components.setdefault(key, {})
                 mine |= dict.fromkeys(self._looked_at(metric))
         return [
             _Gathered(*key, tuple(mine)) for key, mine in components.items() if mine
@@ -148,7 +183,9 @@ class MetricsFold:
 
     def _looked_at(self, metric: Metric) -> list[Component]:
         """Return the components that a metric looks at: of limited ones, only those."""
-        every = [] if metric.signal is None else _components_of(metric.signal)
+        if metric.signal is None:
+            return []
+        every = components_of(metric.pair, metric.signal)
         if metric.functional is Functional.TIME_WITHIN:
             return [component for component in every if component in self._limits]
         return every
@@ -157,55 +194,125 @@ class MetricsFold:
         """Return what there is before the first step."""
         _, n = params.mass.shape
         return Found(
-            {moment.name: jnp.full(n, jnp.inf) for moment in self._moments},
+            tuple(jnp.full(n, jnp.inf) for _ in self._moments),
             tuple(
                 jnp.full((len(g.components), n), _BEFORE_ANY[g.functional])
                 for g in self._gathered
             ),
+            jnp.full((len(self._angles), n), jnp.nan),
         )
 
     def add(self, found: Found, params: BatchParameters, step: Step) -> Found:
         """Return what there is after a step."""
-        a, b = self._equations.pair
-        bodies = step.bodies
-        motion = motion_laws.relative_motion(
-            pick(bodies, a), pick(bodies, b), *self._equations.mated_place(params), jnp
-        )
-        signals = StepSignals([_smooth(motion, one) for one in self._components])
+        told = self._components_at(params, step)
+        smooth = {c: told.lanes(c) for c in self._components}
+        for component, before in zip(self._angles, found.angles, strict=True):
+            smooth[component] = unwrapped(smooth[component], before)
+        angles = [smooth[component][-1] for component in self._angles]
+        looked_at = self._parts(list(smooth.values()), step)
         begins = {
-            moment: _begun(moment, step) & jnp.isinf(found.times[moment.name])
-            for moment in self._moments
+            key: self._begun(*key, step) & jnp.isinf(before)
+            for key, before in zip(self._moments, found.times, strict=True)
         }
         values = []
         for gathered, before in zip(self._gathered, found.values, strict=True):
-            if isinstance(gathered.when, Moment):
-                now = self._at(gathered, motion)
+            if isinstance(gathered.when, Window):
+                part = looked_at[gathered.pair, gathered.when]
+                values.append(self._over(gathered, before, part))
+            elif isinstance(gathered.when, Moment):
+                now = self._at(gathered, told)
                 if gathered.when is not Moment.END:  # else it is the last that was
-                    now = jnp.where(begins[gathered.when], now, before)
+                    begin = begins[gathered.pair, gathered.when]
+                    now = jnp.where(begin, now, before)
                 values.append(now)
             else:
-                values.append(self._over(gathered, before, signals, step))
-        times = {
-            moment.name: jnp.where(begins[moment], step.start, found.times[moment.name])
-            for moment in self._moments
-        }
-        return Found(times, tuple(values))
+                values.append(self._at_time(gathered, before, looked_at))
+        times = tuple(
+            jnp.where(begins[key], step.start, before)
+            for key, before in zip(self._moments, found.times, strict=True)
+        )
+        return Found(
+            times, tuple(values), jnp.stack(angles) if angles else found.angles
+        )
 
-    def _at(self, gathered: _Gathered, motion: RelativeMotion) -> Lanes:
+    def _components_at(self, params: BatchParameters, step: Step) -> Components:
+        """Return the components of the motions of a step."""
+        equations = self._equations
+
+        def told(name: str) -> tuple[RelativeMotion, PairFacts]:
+            pair = self._pairs[name]
+            _, b = equations.bodies_of(pair)
+            facts = PairFacts.of(equations.separation, pair)
+            motion = equations.relative_motion(pair, step.bodies, params)
+            return motion, facts._replace(I_BBcm_B=pick(params.I_BBcm_B, b))
+
+        return Components(told)
+
+    def _begun(self, name: str, moment: Moment, step: Step) -> Lanes:
+        """Return (n,) whether a moment was at or before the start of a step."""
+        if moment is Moment.START:
+            return step.length >= 0.0
+        if moment is Moment.END:
+            return step.length < 0.0
+        began, ended = self._equations.progress(self._pairs[name].B, step.mode)
+        return began if moment is Moment.RELEASE else ended
+
+    def _parts(
+        self, smooth: Sequence[Lanes], step: Step
+    ) -> dict[tuple[str, When], Part]:
+        """Return the parts of a step that are looked at, with their signals."""
+        if not smooth:
+            return {}
+        whole = Part(step.start, step.length, StepSignals(smooth), step.length >= 0.0)
+        parts: dict[tuple[str, When], Part] = {("", WHOLE_RUN): whole}
+        for gathered in self._gathered:
+            key = gathered.pair, gathered.when
+            if isinstance(gathered.when, Window) and key not in parts:
+                parts[key] = self._part(whole, gathered.pair, gathered.when, step)
+        return parts
+
+    def _part(self, whole: Part, name: str, window: Window, step: Step) -> Part:
+        """Return what lies in a window: steps end where moments are."""
+        inside = whole.inside
+        start, end = window.start, window.end
+        if isinstance(start, Moment):
+            inside &= self._begun(name, start, step)
+        if isinstance(end, Moment):
+            inside &= ~self._begun(name, end, step)
+        return whole._replace(inside=inside).between(
+            None if isinstance(start, Moment) else start,
+            None if isinstance(end, Moment) else end,
+        )
+
+    def _at(self, gathered: _Gathered, told: Components) -> Lanes:
         """Return (c, n) components at the start of a step, or at its end."""
         node = -1 if gathered.when is Moment.END else 0
-        return jnp.stack([_component(motion, c)[node] for c in gathered.components])
+        return jnp.stack([told.lanes(c)[node] for c in gathered.components])
 
-    def _over(
-        self, gathered: _Gathered, before: Lanes, signals: StepSignals, step: Step
+    def _at_time(
+        self,
+        gathered: _Gathered,
+        before: Lanes,
+        parts: Mapping[tuple[str, When], Part],
     ) -> Lanes:
-        """Return (c, n) what is gathered over some time, after a step."""
-        assert isinstance(gathered.when, Window)
+        """Return (c, n) components at a time in seconds, once a step holds it."""
+        whole = parts["", WHOLE_RUN]
+        assert isinstance(gathered.when, float)
+        theta, holds = whole.fraction(gathered.when)
         which = rows([self._components.index(c) for c in gathered.components])
-        inside = _inside(gathered.when, step)
+        now = whole.signals.at(theta[None])[0, which]
+        turn = 2.0 * jnp.pi
+        turns = np.array([c in self._angles for c in gathered.components])[:, None]
+        now = jnp.where(turns, now - turn * jnp.round(now / turn), now)
+        return jnp.where(holds, now, before)
+
+    def _over(self, gathered: _Gathered, before: Lanes, part: Part) -> Lanes:
+        """Return (c, n) what is gathered over some time, after a step."""
+        which = rows([self._components.index(c) for c in gathered.components])
+        signals = part.signals
         # Where events coincide, steps of no length lie between them: what stands there
         # has been seen, and moves with the time of another event.
-        moving = inside & (step.length > 0.0)
+        moving = part.inside & (part.length > 0.0)
         match gathered.functional:
             case Functional.SMALLEST:
                 return -_larger(-before, -signals.lowest[which], moving)
@@ -216,20 +323,19 @@ class MetricsFold:
             case Functional.INTEGRAL_OF_SQUARE:
                 mean = signals.mean_square(which)
             case _:
-                return self._within_until(gathered, which, before, signals, step)
-        return before + jnp.where(inside, step.length * mean, 0.0)
+                return self._within_until(gathered, which, before, part)
+        return before + jnp.where(part.inside, part.length * mean, 0.0)
 
     def _within_until(
         self,
         gathered: _Gathered,
         which: Rows,
         before: Lanes,
-        signals: StepSignals,
-        step: Step,
+        part: Part,
     ) -> Lanes:
         limits = jnp.array([self._limits[c] for c in gathered.components])
-        beyond, theta = signals.first_beyond(which, limits)
-        times = jnp.where(beyond, step.start + theta * step.length, jnp.inf)
+        beyond, theta = part.signals.first_beyond(which, limits)
+        times = jnp.where(beyond, part.start + theta * part.length, jnp.inf)
         return jnp.where(jnp.isfinite(before), before, times)
 
     def finish(self, found: Found) -> Lanes:
@@ -257,49 +363,17 @@ class MetricsFold:
         whole = jnp.full((1, found.values[0].shape[-1]), self._duration)
         if metric.functional is Functional.TIME:
             assert isinstance(metric.when, Moment)
-            time = found.times.get(metric.when.name)
+            times = dict(zip(self._moments, found.times, strict=True))
+            time = times.get((metric.pair, metric.when))
             each = whole if time is None else time[None]
         elif metric.functional is Functional.TIME_WITHIN:
             limited = self._looked_at(metric)
             each = jnp.minimum(of(metric.functional), whole) if limited else whole
         else:
             each = _derived(metric.functional, of)
+            assert metric.signal is not None
+            each = _outer(metric.signal.outer, each)
         return metric.sign * _combined(metric.combined, each)
-
-
-def _components_of(signal: Signal) -> list[Component]:
-    return [(signal.quantity, i) for i in signal.components]
-
-
-def _component(motion: RelativeMotion, component: Component) -> Lanes:
-    """Return a component (8, n) of the motion, at the nodes."""
-    quantity, i = component
-    lanes: Lanes = getattr(motion, quantity)[i]
-    return lanes
-
-
-def _smooth(motion: RelativeMotion, component: Component) -> Lanes:
-    """Return a component (8, n) of the motion without jumps, at the nodes."""
-    lanes = _component(motion, component)
-    return unwrapped(lanes) if component[0] == ANGLE.quantity else lanes
-
-
-def _begun(moment: Moment, step: Step) -> Lanes:
-    """Return (n,) whether a moment was at or before the start of a step."""
-    match moment:
-        case Moment.START:
-            return step.length >= 0.0
-        case Moment.RELEASE:
-            return step.separating
-        case Moment.SEPARATION:
-            return step.separated
-        case Moment.END:
-            return jnp.zeros_like(step.separated)
-
-
-def _inside(window: Window, step: Step) -> Lanes:
-    """Return (n,) whether a step is in a window: steps end where moments are."""
-    return _begun(window.start, step) & ~_begun(window.end, step)
 
 
 def _larger(before: Lanes, value: Lanes, when: Lanes) -> Lanes:
@@ -321,6 +395,18 @@ def _derived(functional: Functional, of: Callable[[Functional], Lanes]) -> Lanes
             return jnp.maximum(0.0, jnp.maximum(lowest, -highest))
         case _:
             return of(functional)
+
+
+def _outer(outer: Outer, each: Lanes) -> Lanes:
+    """Return what is made of signals; its derivative at zero, a kink, is zero."""
+    match outer:
+        case Outer.ITSELF:
+            return each
+        case Outer.ROOT:
+            return _root(each)
+        case Outer.CONE:
+            inner = jnp.minimum(_root(each), 1.0 - _ROUND_OFF)
+            return 2.0 * jnp.arcsin(inner)
 
 
 def _combined(combined: Combined, each: Lanes) -> Lanes:

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 from drakesep.systems.arrays import Array
 from drakesep.systems.batch.integrator import FinalState
-from drakesep.systems.batch.motion import columns_of, trajectory_of
+from drakesep.systems.batch.motion import motions_of, trajectory_of
 from drakesep.systems.model.parameters import with_values
-from drakesep.systems.model.run import Motion, Run, RunStatus
+from drakesep.systems.model.run import Run, RunStatus
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.sampling import find_breaks, sample_times
 
@@ -64,10 +64,12 @@ class SampledRun:
     def run(self, signals: Array) -> Run:
         """Return the run, from the signals (T, ..., n) at the times of all."""
         mine = signals[: len(self.times), :, self.row]
+        motions = motions_of(self.separation, self.times, mine)
         return Run(
             separation=self.separation,
             status=RunStatus.COMPLETED,
-            motion=Motion(time=self.times, **columns_of(mine)),
+            motion=motions.pop(self.separation.B),
+            others=motions,
             trajectory=trajectory_of(self.separation, self.times, mine),
             breaks=find_breaks(self.separation, self.releases, self.stroke_ends),
             releases=self.releases,

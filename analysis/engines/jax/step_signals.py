@@ -48,7 +48,28 @@ class StepSignals:
             signals: s of them, (8, n) at the nodes of `lobatto`.
         """
         self._at_nodes = jnp.stack(signals, axis=1)
-        self._pieces = pieces(self._at_nodes)
+
+    @functools.cached_property
+    def _pieces(self) -> Pieces:
+        return pieces(self._at_nodes)
+
+    def at(self, theta: Lanes) -> Lanes:
+        """Return the values (k, s, n) at fractions (k, n) of the step."""
+        return polynomial(self._coefficients[:, None], 2.0 * theta[:, None] - 1.0)
+
+    def part(self, start: Lanes, end: Lanes) -> "StepSignals":
+        """Return the signals on a part of the step, as steps of their own.
+
+        Args:
+            start: (n,) fraction of the step.
+            end: (n,) fraction of the step.
+        """
+        at = self.at(start + (end - start) * lobatto.THETA[:, None])
+        return StepSignals(list(jnp.moveaxis(at, 1, 0)))
+
+    @functools.cached_property
+    def _coefficients(self) -> Lanes:
+        return jnp.tensordot(lobatto.COEFFICIENTS, self._at_nodes, 1)
 
     @functools.cached_property
     def lowest(self) -> Lanes:
@@ -110,8 +131,14 @@ class StepSignals:
         return beyond.any(axis=0), theta
 
 
-def unwrapped(angle: Lanes) -> Lanes:
-    """Return an angle (8, n) at the nodes without its jumps by a whole turn."""
-    changes = jnp.diff(angle, axis=0)
+def unwrapped(angle: Lanes, before: Lanes) -> Lanes:
+    """Return an angle (8, n) at the nodes without its jumps by a whole turn.
+
+    Args:
+        angle: within half a turn.
+        before: (n,) the same without jumps, where the step begins; NaN: as it is.
+    """
+    before = jnp.where(jnp.isnan(before), angle[0], before)
+    changes = jnp.diff(angle, axis=0, prepend=before[None])
     turns = 2.0 * jnp.pi * jnp.cumsum(jnp.round(changes / (2.0 * jnp.pi)), axis=0)
-    return jnp.concatenate([angle[:1], angle[1:] - turns])
+    return angle - turns

@@ -4,21 +4,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-import numpy as np
-
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.engines.jax.batch import TOLERANCE
-from drakesep.analysis.metrics.objectives import OBJECTIVES, MetricObjective, Objective
-from drakesep.analysis.metrics.registry import METRICS
+from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.search.judge import WorstCase
 from drakesep.analysis.search.problem import Candidate, SearchProgress
 from drakesep.analysis.search.sqp import SearchStatus
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.studies.worst_case.session import Session
 from drakesep.systems.model.run import Run
-from drakesep.tables.labelled_run import LabelledRun, measured, nominal_of
+from drakesep.tables.labelled_run import (
+    LabelledRun,
+    clearance_told,
+    measured,
+    nominal_of,
+)
 from drakesep.tables.roles import (
     CONFIRMED,
     Ending,
@@ -74,7 +76,7 @@ def _search_end(study: WorstCases, end: Candidate, run: Run) -> LabelledRun:
     """Return the run at which the search from the nominal has ended."""
     assert end.ascent is not None
     name = study.objectives[end.objective].name
-    labelled = measured(SearchEnd(end.search, name), run, study.case.deviation_limits)
+    labelled = measured(SearchEnd(end.search, name), run, study.case)
     outcome = Outcome(_ENDINGS[end.ascent.status], end.ascent.message)
     return replace(
         labelled,
@@ -91,7 +93,7 @@ def _confirmed(study: WorstCases, found: WorstCase, run: Run) -> LabelledRun:
         measured(
             Worst(found.name),
             run,
-            study.case.deviation_limits,
+            study.case,
             study.clearance if objective is study.clearance else None,
         ),
         evaluations=sum(searched.points for searched in study.searched),
@@ -111,12 +113,9 @@ def _confirmed(study: WorstCases, found: WorstCase, run: Run) -> LabelledRun:
 
 
 def _value(study: WorstCases, objective: Objective, labelled: LabelledRun) -> float:
-    if isinstance(objective, MetricObjective):
-        metrics = np.array([labelled.metrics[name] for name in METRICS])
-        return float(objective.of_metrics(metrics))
-    if objective is study.clearance:
-        return -labelled.metrics[CLEARANCE]
-    return objective.of_run(labelled.run, study.case.deviation_limits)
+    if objective is study.clearance and labelled.nearest is not None:
+        return -labelled.nearest.minimum
+    return objective.of_run(labelled.run, study.case.limits_of_pairs)
 
 
 def _accuracy(case: AnalysisCase) -> float:
@@ -136,7 +135,7 @@ def _nearest_looked_for(
     least = min(one.nearest.minimum for one in runs if one.nearest is not None)
     nearest: LabelledRun | None = None
     looked: dict[int, Clearance | None] = {}
-    told = []
+    measured_runs = []
     for one in runs:
         if one.nearest is None and one.run.motion is not None:
             key = id(one.run)  # of what is worst for several, there is one
@@ -144,13 +143,14 @@ def _nearest_looked_for(
                 looked[key] = clearance.nearer(one.run, least)
             nearer = looked[key]
             if nearer is not None:
-                metrics = {**one.metrics, CLEARANCE: nearer.minimum}
+                told = clearance_told(one.run, nearer, clearance)
+                metrics = {**one.metrics, CLEARANCE: told}
                 one = replace(one, nearest=nearer, metrics=metrics)
                 if nearer.minimum < least:
                     least, nearest = nearer.minimum, one
-        told.append(one)
+        measured_runs.append(one)
     if nearest is None:
-        return told
+        return measured_runs
     why = failed(f"{nearest.label} comes nearer, to {1e3 * least:.3f} mm")
     worst = Worst(clearance.name)
-    return [replace(o, outcome=why) if o.role == worst else o for o in told]
+    return [replace(o, outcome=why) if o.role == worst else o for o in measured_runs]

@@ -141,12 +141,12 @@ def with_references(study: _Study, under_way: Session) -> _Study:
     case, clearance = study.case, study.clearance
     roles: list[Role] = [Nominal(), *map(Published, case.published)]
     flown = [under_way.nominal, *under_way.published]
-    limits, background = case.deviation_limits, under_way.background
+    background = under_way.background
     if clearance is None or not background.is_another:
-        return replace(study, runs=_measured(roles, flown, limits, clearance))
+        return replace(study, runs=_measured(roles, flown, case, clearance))
     # A copy: it is sent while our own is prepared, which warns of doubtful meshes.
     there = copy.copy(clearance)
-    runs = background.submit(_measured, roles, flown, limits, there)
+    runs = background.submit(_measured, roles, flown, case, there)
     clearance.prepare()
     return replace(study, runs=runs.result())
 
@@ -154,11 +154,11 @@ def with_references(study: _Study, under_way: Session) -> _Study:
 def _measured(
     roles: Sequence[Role],
     flown: Sequence[Run],
-    limits: Sequence[float],
+    case: AnalysisCase,
     clearance: LowestClearance | None,
 ) -> tuple[LabelledRun, ...]:
     return tuple(
-        measured(role, run, limits, clearance)
+        measured(role, run, case, clearance)
         for role, run in zip(roles, flown, strict=True)
     )
 

@@ -15,7 +15,7 @@ from drakesep.analysis.engines.evaluator import Evaluator
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
 from drakesep.analysis.engines.run_evaluator import RunEvaluator
-from drakesep.analysis.metrics.objectives import Objective
+from drakesep.analysis.metrics.objectives import MetricObjective, Objective
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import Problem, SearchProgress
 from drakesep.studies.background_process import BackgroundProcess
@@ -147,7 +147,7 @@ def session(
         RuntimeError: the nominal run fails.
     """
     case = plan.case
-    batch = _batch_of(case) if plan.on_batch_engine else None
+    batch = _batch_of(case, plan.objectives) if plan.on_batch_engine else None
     if plan.folder is not None:
         plan.folder.begin(plan.asked)
     nominal, drake = _fly_nominal(case)
@@ -189,9 +189,19 @@ def _fly_nominal(case: AnalysisCase) -> tuple[Run, float]:
     return nominal, time.perf_counter() - began
 
 
-def _batch_of(case: AnalysisCase) -> Batch:
-    limits = case.deviation_limits
-    return Batch(case.separation, case.box.names, deviation_limits=limits)
+def _batch_of(case: AnalysisCase, objectives: Sequence[Objective]) -> Batch:
+    read = {
+        name: None
+        for objective in objectives
+        if isinstance(objective, MetricObjective)
+        for name in sorted(objective.reads)
+    }
+    return Batch(
+        case.separation,
+        case.box.names,
+        deviation_limits=case.limits_of_pairs,
+        metrics=read,
+    )
 
 
 def _on_batch(
@@ -200,7 +210,7 @@ def _on_batch(
     # Derivatives cost 2.5 runs for each parameter, differences one, and compiling them
     # as long as a whole study; where both end is the same.
     evaluator = BatchEvaluator(
-        batch, objectives, case.deviation_limits, derivatives=False
+        batch, objectives, case.limits_of_pairs, derivatives=False
     )
     evaluator.prepare()  # its programs are compiled beside what comes next
     return evaluator
@@ -214,4 +224,4 @@ def _in_drake(
     def fly(rows: Array) -> list[Run]:
         return pool.fly([dict(zip(names, row.tolist(), strict=True)) for row in rows])
 
-    return RunEvaluator(fly, names, objectives, case.deviation_limits)
+    return RunEvaluator(fly, names, objectives, case.limits_of_pairs)

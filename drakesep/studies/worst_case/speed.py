@@ -64,9 +64,7 @@ def measured_speed(
     longest = 0.0
     for objective in objectives:
         if objective.expensive:
-            measure = functools.partial(
-                objective.of_run, nominal, case.deviation_limits
-            )
+            measure = functools.partial(objective.of_run, nominal, case.limits_of_pairs)
             measure()  # prepared
             longest = max(longest, _seconds(measure))
     if batch is None:

@@ -67,23 +67,31 @@ def test_where_it_ends_a_window_its_slope_has_the_windows(more):
     slope = (about.near(closing(1.5 + h)) - about.near(closing(1.5 - h))) / (2.0 * h)
     truth = -(distance(1.5 + h) - distance(1.5 - h)) / (2.0 * h)
     assert slope == pytest.approx(truth, rel=1e-5)
-    # One that is never reached is an error, not a window.
+    # One that is never reached goes on to the end, and is known not to be over.
     far = LowestClearance(run.separation, until_separation=9.0)
-    with pytest.raises(ValueError, match=r"until_separation: .* upper moves 1.5 m"):
-        far.of_run(run, NO_LIMITS)
+    whole = LowestClearance(run.separation)
+    assert far.of_run(run, NO_LIMITS) == whole.of_run(run, NO_LIMITS)
+    assert not far.is_window_ended(run)
+    assert objective.is_window_ended(run) and whole.is_window_ended(run)
+
+
+X = (1.0, 0.0, 0.0)
 
 
 def test_time_apart():
     run = closing(1.5)
     path = RelativePath(run.completed_trajectory, "lower", "upper")
-    assert path.time_apart(0.3) == pytest.approx(0.2, abs=1e-12)
-    assert path.time_apart(2.0) == math.inf
+    assert path.time_apart(0.3, X) == pytest.approx(0.2, abs=1e-12)
+    assert path.time_apart(2.0, X) == math.inf
+    assert path.time_apart(0.3, (-1.0, 0.0, 0.0)) == math.inf
+    aslant = path.time_apart(0.3, (0.6, -0.8, 0.0))
+    assert aslant == pytest.approx(0.3 / (0.6 * 1.5 + 0.8 * 0.8), abs=1e-12)
     # The first of two: B goes out and comes back.
     t = np.linspace(0.0, 1.0, 41)
     p = np.stack([t - t**2, 0.0 * t, 0.0 * t], axis=1)
     v = np.stack([1.0 - 2.0 * t, 0.0 * t, 0.0 * t], axis=1)
     back = RelativePath(trajectory(t, p, v), "lower", "upper")
-    assert back.time_apart(0.16) == pytest.approx(0.2, abs=1e-9)
+    assert back.time_apart(0.16, X) == pytest.approx(0.2, abs=1e-9)
 
 
 def test_places_are_those_of_the_poses():

@@ -22,7 +22,7 @@ from separations import generic_pair, on_axis
 
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.of_run import metrics_of_run
-from drakesep.analysis.metrics.registry import METRICS
+from drakesep.analysis.metrics.registry import METRICS, registered_metrics
 from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.case_file.reader import load_case
 from drakesep.systems import sampling
@@ -69,14 +69,23 @@ def test_vega_against_drake_over_the_whole_box(vega, vega_batch):
 
 
 def test_three_bodies_against_drake(closely_sampled):
-    """Staged releases, joints that hold on, springs by displacement, gravity."""
+    """Staged releases, joints that hold on, springs by displacement, gravity.
+
+    Of the payload, and of the carrier that leaves after it.
+    """
     case = load_case("dual_launch")
     rows = random_rows(case, 4)
-    result = Batch(case.separation, case.box.names).run(rows)
+    every = [metric for metric in registered_metrics() if metric.of_every_run]
+    carriers = [f"carrier.{metric.names[0]}" for metric in every]
+    result = Batch(case.separation, case.box.names, metrics=carriers).run(rows)
+    assert len(result.metrics.columns) == 2 * len(METRICS)
     expected = drake_figures(
         case.separation, case.box.names, rows, NONE, **closely_sampled
     )
-    assert_close(result.metrics.to_numpy(), expected)
+    got, payloads = result.metrics.to_numpy(), len(METRICS)
+    assert_close(got[:, :payloads], expected[:, :payloads])
+    # Until it leaves it swings on its joints, faster than samples of 1 ms follow.
+    assert_close(got[:, payloads:], expected[:, payloads:], relative=1e-6)
 
 
 def staged() -> Separation:
@@ -454,6 +463,19 @@ def test_too_many_steps(vega):
     assert "more than 2 integration steps" in result.failures[0]
 
 
+@pytest.mark.parametrize("roll", [0.0, 0.01])
+def test_a_deviation_limit_of_zero(roll):
+    """Whatever turns is beyond it at once, in both engines."""
+    initial = InitialMotion(rpy_WA=(roll, 0.0, 0.0), w_WA_A=(0.1, 0.0, 0.0))
+    separation, limits = generic_pair(initial=initial), (0.0, math.inf, math.inf)
+    batch = Batch(separation, ["upper.mass"], deviation_limits=limits)
+    told = batch.run([[1200.0]]).metrics["deviation_within_limits_until"]
+    flown = metrics_of_run(Simulation(separation).run(), limits)
+    # Where a crossing is found, by round-off of a step of 1 s.
+    assert told.tolist() == pytest.approx([0.0], abs=1e-15)
+    assert flown["deviation_within_limits_until"] == 0.0
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -463,6 +485,7 @@ def test_too_many_steps(vega):
         ({"names": []}, "must be a list of parameters"),
         ({"deviation_limits": (0.1,)}, "deviation limits must be three"),
         ({"deviation_limits": (0.1, math.nan, 0.1)}, "deviation limits must be three"),
+        ({"deviation_limits": (0.1, -0.1, 0.1)}, "limits must be three, >= 0, in rad"),
         ({"tolerance": 0.0}, "tolerance must be > 0"),
         ({"deviation_limits": 0.1}, "deviation limits must be three"),
         ({"chunk": 0}, "chunk must be a whole number >= 1"),

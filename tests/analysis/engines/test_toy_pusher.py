@@ -44,6 +44,7 @@ class Strut:
     force_max: float
     stroke: float
     seal_drag: float = 0.0
+    axis_A: tuple[float, float, float] = (1.0, 0.0, 0.0)
     tilt_y: float = 0.0
     tilt_z: float = 0.0
 
@@ -85,6 +86,7 @@ class Jet:
 
     name: str
     force_max: float
+    axis_A: tuple[float, float, float] = (1.0, 0.0, 0.0)
     tilt_y: float = 0.0
     tilt_z: float = 0.0
 

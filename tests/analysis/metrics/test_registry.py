@@ -9,19 +9,27 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from runs import made_up_run
-from separations import FREE, generic_pair
+from separations import FREE, coaxial, generic_pair
 from toy_metrics import OTHERS, RELATIVE, RELATIVE_MIN, WHILE_PUSHED, registered
 
 from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
 from drakesep.analysis.metrics.metric import (
+    AFTER_SEPARATION,
     ANGLE,
     RATE,
     Functional,
     Kind,
     Metric,
     Moment,
+    Window,
 )
-from drakesep.analysis.metrics.objectives import OBJECTIVES, ObjectiveName, highest
+from drakesep.analysis.metrics.objectives import (
+    OBJECTIVES,
+    ObjectiveName,
+    highest,
+    lowest,
+)
 from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.analysis.metrics.registry import (
     METRICS,
@@ -35,6 +43,7 @@ from drakesep.systems import sampling
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.separation import InitialMotion
 from drakesep.systems.simulation.simulation import Simulation
 
 
@@ -71,6 +80,86 @@ def test_every_metric_is_the_same_in_both_engines(monkeypatch):
         # As `test_batch` has it; the engines' errors are at most 1e-9 and 1e-8.
         allowed = np.maximum(1e-9, 1e-8 * np.abs(drake))
         assert (np.abs(told[name] - drake) <= allowed).all(), name
+
+
+FROM_ROLL = Metric(
+    stem="roll_at_end",
+    kind=Kind.ANGLE,
+    functional=Functional.VALUE,
+    signal=ANGLE,
+    when=Moment.END,
+)
+MOST_ROLL, LEAST_ROLL, ROLLED = (
+    Metric(
+        stem=stem,
+        kind=Kind.ANGLE,
+        functional=functional,
+        signal=ANGLE,
+        when=AFTER_SEPARATION,
+    )
+    for stem, functional in (
+        ("most_roll", Functional.LARGEST),
+        ("least_roll", Functional.SMALLEST),
+        ("roll_over_time", Functional.INTEGRAL_OF_MAGNITUDE),
+    )
+)
+
+
+@pytest.mark.parametrize("spin", [2.5, -2.5])
+def test_angles_go_on_beyond_half_a_turn(spin):
+    """A stack that spins about its axis: its roll is 3 rad + spin t, by hand."""
+    duration, roll = 4.0, math.copysign(3.0, spin)
+    separation = dataclasses.replace(
+        coaxial(generic_pair(duration=duration, joint=FREE)),
+        initial=InitialMotion(rpy_WA=(roll, 0.0, 0.0), w_WA_A=(spin, 0.0, 0.0)),
+    )
+    turned = roll + spin * duration
+    limits = (4.0, math.inf, math.inf)
+    with registered(MOST_ROLL, LEAST_ROLL, ROLLED, FROM_ROLL):
+        batch = Batch(separation, ["upper.mass"], deviation_limits=limits)
+        told = batch.run([[1200.0]]).metrics.iloc[0]
+        flown = Simulation(separation, Integration(accuracy=1e-9)).run()
+        end = flown.separation_end
+        at_separation = roll + spin * end
+        for metrics in (told, metrics_of_run(flown, limits)):
+            ends = sorted([at_separation, turned])
+            # Both engines' errors of an angle at their tolerances, over 4 s.
+            close = {"abs": 1e-6}
+            assert metrics["least_roll_roll"] == pytest.approx(ends[0], **close)
+            assert metrics["most_roll_roll"] == pytest.approx(ends[1], **close)
+            mean = 0.5 * abs(at_separation + turned)
+            area = mean * (duration - end)
+            assert metrics["roll_over_time_roll"] == pytest.approx(area, abs=4e-6)
+            until = (4.0 - 3.0) / 2.5
+            assert metrics["deviation_within_limits_until"] == pytest.approx(
+                until, **close
+            )
+            within = math.remainder(turned, math.tau)
+            assert metrics["roll_at_end_roll"] == pytest.approx(within, **close)
+            within = math.remainder(at_separation, math.tau)
+            assert metrics["angle_at_separation_roll"] == pytest.approx(within, **close)
+
+
+def test_an_objective_finds_its_metric_where_another_was_forgotten():
+    """In a batch of before: its columns are those of then."""
+    separation = generic_pair(joint=FREE)
+    names, other = ["upper.mass"], dataclasses.replace(RELATIVE, at_least="")
+    rows = np.array([[1200.0]])
+    with registered(RELATIVE_MIN):
+        with registered(other):
+            batch = Batch(separation, names)
+            objective = lowest(RELATIVE_MIN.names[1]) + highest(other.names[0])
+            evaluator = BatchEvaluator(batch, [objective], NONE)
+        with registered(dataclasses.replace(other, stem="one_more")):
+            told = evaluator.all(rows).values[0, 0]
+            value, slopes = evaluator.slopes(rows, [0])
+    metrics = batch.run(rows).metrics.iloc[0]
+    assert told == metrics[other.names[0]] - metrics[RELATIVE_MIN.names[1]]
+    jacobian = dict(zip(metrics.index, batch.jacobian(rows).jacobian[0], strict=True))
+    slope = jacobian[other.names[0]] - jacobian[RELATIVE_MIN.names[1]]
+    # A batch with derivatives goes other steps, within its tolerance of 1e-7.
+    assert value.values[0] == pytest.approx(told, abs=1e-7)
+    assert slopes[0] == pytest.approx(slope, rel=1e-12)
 
 
 # The extreme that breaks a limit.
@@ -235,6 +324,9 @@ def test_the_papers_objectives_are_named_where_types_are():
     assert tuple(OBJECTIVES) == get_args(ObjectiveName)
 
 
+LARGEST = {"functional": Functional.LARGEST, "signal": RATE}
+
+
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
@@ -257,11 +349,34 @@ def test_the_papers_objectives_are_named_where_types_are():
             },
             "limits are those of the angles",
         ),
+        (LARGEST | {"sign": math.nan}, "sign must be 1 or -1, got nan"),
+        (
+            LARGEST | {"when": Window(Moment.END, Moment.RELEASE, "backwards")},
+            "window must be from one moment to a later, got from the end to the f",
+        ),
+        (
+            LARGEST | {"signal": RATE._replace(quantity="speed")},
+            "signal: unknown field 'speed'",
+        ),
+        (
+            LARGEST | {"signal": RATE._replace(components=(0, 1, 3))},
+            "signal: components must be of 0, 1, 2, got",
+        ),
+        (
+            LARGEST | {"signal": RATE._replace(axes=("x", "y"))},
+            "signal: each component must have an axis of its own",
+        ),
     ],
 )
 def test_entries_that_make_no_sense(fields, message):
-    with pytest.raises(InputError, match=f"mine: {message}"):
-        Metric(stem="mine", kind=Kind.RATE, **fields)
+    with pytest.raises(InputError, match=f"(mine|metric): {message}"):
+        Metric(**{"stem": "mine", "kind": Kind.RATE, **fields})
+
+
+def test_a_stem_that_cannot_be_a_name_is_refused():
+    spaced = Metric(stem="my toy", kind=Kind.RATE, **LARGEST)
+    with pytest.raises(InputError, match="stem must be of letters, digits and _, got"):
+        register_metric(spaced)
 
 
 def test_metrics_of_drakesep_stay():

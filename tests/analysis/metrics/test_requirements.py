@@ -4,7 +4,12 @@ import math
 
 import pytest
 
-from drakesep.analysis.metrics.requirements import Requirement, assess, deviation_limits
+from drakesep.analysis.metrics.requirements import (
+    Requirement,
+    Verdict,
+    assess,
+    deviation_limits,
+)
 
 
 AT_MOST = Requirement(metric="deviation_at_separation_pitch", sense="<=", limit=2.0)
@@ -58,6 +63,29 @@ def test_judged_by_the_extreme_that_breaks_the_limit(metric, sense, runs, worst)
     requirement = Requirement(metric=metric, sense=sense, limit=0.5)
     [finding] = assess([requirement], {"nominal": metrics}, "nominal")
     assert (finding.worst, finding.nominal) == (worst, worst)
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+@pytest.mark.parametrize("wrong", [math.nan, None])
+def test_what_a_run_does_not_tell_is_never_met(place, wrong):
+    """Wherever it stands among the runs, and however good the others are."""
+    labels = ["nominal", "a", "b"]
+    runs = {label: {AT_MOST.metric: 1.0} for label in labels}
+    runs[labels[place]] = {} if wrong is None else {AT_MOST.metric: wrong}
+    [finding] = assess([AT_MOST], runs, "nominal")
+    assert finding.verdict is Verdict.NOT_LOOKED_AT
+    assert not finding.met
+    assert finding.run == labels[place]
+    assert math.isnan(finding.worst) and math.isnan(finding.margin)
+
+
+def test_what_is_measured_apart_is_judged_by_the_runs_that_tell_it():
+    clear = Requirement(metric="clearance", sense=">=", limit=0.1)
+    runs = {"nominal": {"clearance": 0.3}, "a": {}, "b": {"clearance": 0.2}}
+    [finding] = assess([clear], runs, "nominal")
+    assert (finding.verdict, finding.worst, finding.run) == (Verdict.MET, 0.2, "b")
+    [finding] = assess([clear], {"nominal": {}, "a": {}}, "nominal")
+    assert finding.verdict is Verdict.NOT_LOOKED_AT
 
 
 def test_exactly_at_the_limit_is_met():

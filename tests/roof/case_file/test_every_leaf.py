@@ -8,6 +8,7 @@ nothing that reads case files or knows units is asked.
 import dataclasses
 import itertools
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import pytest
@@ -53,7 +54,7 @@ ROUND_OFF = 4 * np.finfo(float).eps
 MAIN = """
 name: every_leaf
 description: each of its numbers is unlike all others
-pair: {A: carrier, B: craft}
+pair: {A: carrier, B: craft, direction: [0.7891, 0.5123, 0.338925]}
 bodies:
   carrier:
     mass_kg: 711.5
@@ -120,6 +121,7 @@ attachments:
       angular_damping_N_m_s_rad: 441
     spring:
       name: timed
+      axis: [0.1234, 0.2345, 0.964252]
       law: time
       force_max_N: 1201.5
       stroke_mm: 97
@@ -138,6 +140,7 @@ attachments:
       angular_damping_N_m_s_rad: 0
     spring:
       name: wound
+      axis: [-0.3456, 0.4567, 0.819747]
       law: displacement
       force_max_N: 1303.5
       stroke_mm: 89
@@ -151,6 +154,7 @@ attachments:
     joint: *slack
     spring:
       name: measured
+      axis: [0.5678, -0.6789, 0.465508]
       law: table
       displacements_mm: [0, 20.5, 59]
       forces_N: [307.5, 411.5, 101.75]
@@ -194,6 +198,17 @@ requirements:
   - {quantity: clearance_mm, at_least: 2.125, until_separation_mm: 87.5}
   - {quantity: rate_after_separation_deg_s, at_most: [64, 65, 66]}
   - {quantity: deviation_at_separation_deg, at_least: [0.165, 0.175, 0.185]}
+  - quantity: rate_deg_s
+    when: {at_s: 0.4125}
+    at_most: [67, null, 68]
+    pair: craft
+    id: UM-1
+    source: guide
+  - quantity: rate_deg_s
+    when: {from_s: 0.1725, to_s: 0.5525}
+    at_most: [null, 69, null]
+  - {quantity: joint_force_N, of: bolt, at_most: 90001}
+objectives: paper
 clearance:
   pairs: [[plate, skirt], [ball, nose]]
   touching: [[rod, block], [plate, nose]]
@@ -203,7 +218,6 @@ run:
   integrator: bogacki_shampine3
   accuracy: 3.0e-4
   max_step_s: 0.0175
-objectives: paper
 published:
   - label: theirs
     objectives: [L2, PM]
@@ -302,6 +316,7 @@ def separation_of_main(folder) -> Separation:
         joint=Joint(type="spherical", K_F=230001.0, D_F=2301.0, K_T=33001.0, D_T=441.0),
         spring=Spring(
             name="timed",
+            axis_A=(0.1234, 0.2345, 0.964252),
             force_max=1201.5,
             stroke=0.097,
             design_mass=107.5,
@@ -318,6 +333,7 @@ def separation_of_main(folder) -> Separation:
         joint=slack,
         spring=DisplacementSpring(
             name="wound",
+            axis_A=(-0.3456, 0.4567, 0.819747),
             force_max=1303.5,
             stroke=0.089,
             damping=43.0,
@@ -333,6 +349,7 @@ def separation_of_main(folder) -> Separation:
         joint=slack,
         spring=DisplacementSpring(
             name="measured",
+            axis_A=(0.5678, -0.6789, 0.465508),
             force_max=411.5,
             stroke=0.059,
             damping=19.5,
@@ -372,6 +389,7 @@ def separation_of_main(folder) -> Separation:
         attachments=(hinge, bolt, latch, strap),
         A="carrier",
         B="craft",
+        direction=(0.7891, 0.5123, 0.338925),
         loads=(jet, gust),
         initial=InitialMotion(
             rpy_WA=(21.5 * DEG, -30.5 * DEG, 40.5 * DEG),
@@ -434,13 +452,27 @@ def record_of_main(folder) -> AnalysisCase:
                 )
                 for axis, limit in (("roll", 0.165), ("pitch", 0.175), ("yaw", 0.185))
             ),
+            *(
+                Requirement(
+                    metric=f"rate_at_0.4125_s_{axis}",
+                    sense="<=",
+                    limit=limit * DEG,
+                    id="UM-1",
+                    source="guide",
+                )
+                for axis, limit in (("x", 67), ("z", 68))
+            ),
+            Requirement(
+                metric="rate_from_0.1725_to_0.5525_s_y", sense="<=", limit=69 * DEG
+            ),
+            Requirement(metric="bolt.joint_force", sense="<=", limit=90001.0),
         ),
+        objectives="paper",
         clearance=ClearancePairs(
             pairs=(("plate", "skirt"), ("ball", "nose")),
             touching=(("rod", "block"), ("plate", "nose")),
             until_separation=0.0875,
         ),
-        objectives="paper",
         published=(
             PublishedCase(
                 label="theirs",
@@ -463,7 +495,7 @@ def record_of_main(folder) -> AnalysisCase:
 
 SOLIDS = """
 name: solids
-pair: {A: base, B: brick}
+pairs: [{A: base, B: brick}]
 bodies:
   base: {model: {file: two.urdf, frame: arm}}
   brick:
@@ -586,7 +618,7 @@ def leaves(value, path=""):
             f.name for f in dataclasses.fields(value) if f.name != "tolerance_set"
         ]
         value = {name: getattr(value, name) for name in fields}
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         for key, entry in value.items():
             yield from leaves(entry, f"{path}.{key}")
     elif isinstance(value, (list, tuple)):
@@ -787,7 +819,10 @@ def test_every_quantity_of_a_requirement(folder, key, sense):
                 break
         names = [f"{stem}_{axis}" for axis in axes] or [stem]
         expected += [(n, sense, si * v) for n, v in zip(names, values, strict=True)]
-    limits = read(folder, MAIN).replaced(requirements=sections).limits
+    # Time within limits needs some, which come last.
+    within = {"quantity": "deviation_at_separation_deg", "at_most": [1.0, 1.0, 1.0]}
+    limited = [*sections, within | {"id": "needed"}]
+    limits = read(folder, MAIN).replaced(requirements=limited).limits[:-3]
     got = [(r.metric, r.sense, pytest.approx(r.limit, rel=ROUND_OFF)) for r in limits]
     assert got == expected
     stems = {m.stem for m in registered_metrics()}

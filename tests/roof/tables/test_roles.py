@@ -79,6 +79,28 @@ def test_table_without_roles(runs, tmp_path):
         read_runs(tmp_path / "runs.csv")
 
 
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("a,worst,heavy\n", "a: upper.mass_kg must be a finite number, got heavy"),
+        ("a,worst,\n", "a: upper.mass_kg must be a finite number, got nan"),
+        ("a,worst,inf\n", "a: upper.mass_kg must be a finite number, got inf"),
+        ("a,worst,1\na,worst,2\n", "run 'a' must stand once"),
+    ],
+)
+def test_table_of_runs_that_cannot_be_read(rows, message, tmp_path):
+    (tmp_path / "runs.csv").write_text(f"label,role,upper.mass_kg\n{rows}")
+    with pytest.raises(InputError, match=f"runs.csv: {message}"):
+        read_runs(tmp_path / "runs.csv")
+
+
+def test_odd_rows_matter_to_their_own_run_alone(tmp_path):
+    text = "label,role,upper.mass_kg\n1,worst,1200\na,worst,heavy\n"
+    (tmp_path / "runs.csv").write_text(text)
+    read = read_runs(tmp_path / "runs.csv", ["1"])
+    assert read == {"1": {"upper.mass_kg": 1200.0}}
+
+
 def test_nominal_and_worst_are_told_by_their_roles(runs):
     assert nominal_of(runs) is runs[-1]
     [row] = comparison_table(runs).to_dict("records")

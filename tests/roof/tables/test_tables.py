@@ -31,6 +31,7 @@ REQUIREMENTS = [
     *("requirement", "axis", "unit", "sense", "limit"),
     *("nominal", "worst", "which_run", "margin", "growth_factor", "looked_up_to"),
     *("first_tolerance", "its_growth_factor", "verdict"),
+    *("pair", "id", "source"),
 ]
 
 

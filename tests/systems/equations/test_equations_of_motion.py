@@ -66,6 +66,7 @@ RELEASED = (
             force_max=2000.0,
             stroke=3.0,
             damping=150.0,
+            axis_A=(-0.48, 0.6, 0.64),
             tilt_y=-0.15,
             tilt_z=0.25,
         ),
@@ -73,7 +74,11 @@ RELEASED = (
     (
         0.02,
         DisplacementSpring.from_table(
-            name="table", displacements=TABLE[0], forces=TABLE[1], damping=40.0
+            name="table",
+            displacements=TABLE[0],
+            forces=TABLE[1],
+            damping=40.0,
+            axis_A=(-1.0, 0.0, 0.0),
         ),
     ),
 )
@@ -323,9 +328,14 @@ def spring_push(spring, elapsed, seen: Relative):
 
 
 def push_axis(spring):
-    """In A: about the fixed y axis, then about z."""
+    """In A: about the fixed y axis, then about z; then as x is turned to the axis."""
     tilts = [spring.tilt_y, spring.tilt_z]
-    return Rotation.from_euler("yz", tilts).apply([1.0, 0.0, 0.0])
+    tilted = Rotation.from_euler("yz", tilts).apply([1.0, 0.0, 0.0])
+    x, axis = np.array([1.0, 0.0, 0.0]), np.array(spring.axis_A)
+    normal, angle = np.cross(x, axis), np.arccos(x @ axis)
+    if not normal.any():
+        normal = np.array([0.0, 0.0, 1.0])
+    return Rotation.from_rotvec(angle * normal / np.linalg.norm(normal)).apply(tilted)
 
 
 def load_now(load):
