@@ -18,6 +18,9 @@ from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.parts import Part, Sphere
 
 
+pytestmark = pytest.mark.slow  # compiles programs of its own, for minutes
+
+
 TIME = np.linspace(0.0, 1.0, 401)
 """Between such samples the cubic misses these motions by 1e-9 m."""
 ROUND_OFF = 1e-7

@@ -84,8 +84,11 @@ def test_three_bodies_against_drake(closely_sampled):
     )
     got, payloads = result.metrics.to_numpy(), len(METRICS)
     assert_close(got[:, :payloads], expected[:, :payloads])
-    # Until it leaves it swings on its joints, faster than samples of 1 ms follow.
-    assert_close(got[:, payloads:], expected[:, payloads:], relative=1e-6)
+    # Until it leaves it swings on its joints, faster than samples of 1 ms follow; the
+    # batch at its own tolerance is 1.8e-8 rad from itself at a hundredth of that.
+    assert_close(
+        got[:, payloads:], expected[:, payloads:], relative=1e-6, absolute=3e-8
+    )
 
 
 def staged() -> Separation:

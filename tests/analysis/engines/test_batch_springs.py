@@ -31,6 +31,9 @@ from drakesep.systems.model.springs import LINEAR, DisplacementSpring
 from drakesep.systems.simulation.simulation import Simulation
 
 
+pytestmark = pytest.mark.slow  # compiles programs of its own, for minutes
+
+
 TABLE = ((0.0, 0.75), (0.2, 1.0), (0.5, 0.5), (1.0, 0.2))
 """It rises, has two corners, and pushes to the end of its stroke."""
 

@@ -16,6 +16,9 @@ from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.run import RunStatus
 
 
+pytestmark = pytest.mark.slow  # compiles programs of its own, for minutes
+
+
 NAMES = (
     "upper.mass",
     "upper.inertia_xx",

@@ -27,6 +27,9 @@ from drakesep.systems.model.separation import Separation
 from drakesep.systems.simulation.simulation import Simulation
 
 
+pytestmark = pytest.mark.slow  # compiles programs of its own, for minutes
+
+
 POLAR, AXIAL = np.array([1.0, -1.0, 1.0]), np.array([-1.0, 1.0, -1.0])
 """What a mirror across the plane of x and z makes of a vector's components."""
 ROOM = 3e-7

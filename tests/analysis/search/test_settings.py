@@ -27,6 +27,7 @@ OTHER = {
     "vertices": 7,
     "generations": 5,
     "corners": 48,
+    "flips": 1,
     "seed": 2,
 }
 FELT = {
@@ -35,6 +36,7 @@ FELT = {
     "vertices": {"vertices"},  # one more than there are, or one less
     "samples": {"samples", "seed"},
     "evolution": {"generations", "seed"},
+    "corners": {"seed"},  # of three parameters it sees all corners at once
 }
 """By which settings the points of each search differ."""
 
@@ -113,4 +115,5 @@ def test_vertices_that_cannot_be_afforded_are_told_from_drawn_points():
 
 def test_every_setting_is_here():
     assert set(OTHER) == set(Effort.__annotations__)
-    assert set().union(*FELT.values()) | {"corners"} == set(OTHER)
+    elsewhere = {"corners", "flips"}  # above, and in test_corners
+    assert set().union(*FELT.values()) | elsewhere == set(OTHER)

@@ -111,8 +111,8 @@ def test_exit_code(command, outcome, tmp_path, capsys, monkeypatch):
         capsys, monkeypatch, command, *arguments(command, outcome, tmp_path)
     )
     assert code == CODES[command][outcome], (out, err)
-    # What a study is at, where standard error is no terminal.
-    lines = [line for line in err.splitlines() if not line.endswith(" begins")]
+    # Other lines are what a study plans and is at, where there is no terminal.
+    lines = [line for line in err.splitlines() if line.startswith("drakesep: ")]
     if outcome == GOOD:
         assert not lines
     elif (outcome, command) == (NOT_MET, "verify"):

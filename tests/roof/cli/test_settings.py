@@ -95,7 +95,7 @@ def quick(monkeypatch, batches):
     """A batch is compiled once for all studies, nothing is drawn, and all is here."""
 
     def batch(separation, names, **how):
-        key = separation, names, *how.values()
+        key = separation, names, repr(how)
         if key not in batches:
             batches[key] = Batch(separation, names, **how)
         return batches[key]

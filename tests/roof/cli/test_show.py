@@ -96,11 +96,11 @@ def test_loads(rows):
 
 
 def test_requirements(rows):
-    [[condition, sense, limit]] = rows["longitudinal_speed_after_separation_m_s"]
+    [[condition, sense, limit, *_]] = rows["longitudinal_speed_after_separation_m_s"]
     assert (condition, sense, float(limit)) == ("", ">=", 0.49)
     limits = {"x": 0.66, "y": 1.72, "z": 1.25}
     for axis, expected in limits.items():
-        [[_, sense, limit]] = rows[f"rate_after_separation_{axis}_deg_s"]
+        [[_, sense, limit, *_]] = rows[f"rate_after_separation_{axis}_deg_s"]
         assert (sense, float(limit)) == ("<=", expected)
 
 

@@ -16,6 +16,9 @@ from drakesep.systems.model.integration import Integration
 from drakesep.systems.simulation.simulation import Simulation
 
 
+pytestmark = pytest.mark.slow  # compiles programs of its own, for minutes
+
+
 LIMITS = (math.inf,) * 3
 ON_IT = 2e-3
 """How near to its limit, as a part of what growth from nothing takes it by: a growth is

@@ -493,10 +493,13 @@ def test_accelerations_of_the_batch_engine():
     ]
     with jax.enable_x64(True):
         numbers = equations.params(parameters(SEPARATION), n)
+        none = jnp.full((len(SEPARATION.springs), n), False)
         mode = Mode(
-            jnp.tile(jnp.array(released)[:, None], n),
-            jnp.full((len(SEPARATION.springs), n), False),
-            jnp.zeros(0),
+            released=jnp.tile(jnp.array(released)[:, None], n),
+            spent=none,
+            corners=jnp.full((len(equations.springs.corners), n), False),
+            lifted=none,
+            passed=jnp.zeros(0),
         )
         mode = mode._replace(passed=equations.row_times(numbers, mode) <= NOW)
         now = jnp.full(n, NOW)
