@@ -22,6 +22,9 @@ from separations import inertia_of_points
 from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.lanes import Mode
 from drakesep.systems.diagram.separation_system import SeparationSystem
+from drakesep.systems.equations.pushers import push_displacement, push_place
+from drakesep.systems.equations.relative_motion import body_state
+from drakesep.systems.equations.springs import law_of
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.loads import Load
 from drakesep.systems.model.parameters import parameters
@@ -469,6 +472,22 @@ def test_accelerations_of_all_bodies(seed):
     assert got == pytest.approx(oracle, abs=1e-10 * np.abs(oracle).max())
 
 
+def corners_passed(x):
+    """Whether each corner of a spring's force is passed: which piece of it acts.
+
+    Args:
+        x: (13, m, n) states of the bodies.
+    """
+    passed = []
+    for attachment, spring in SEPARATION.pushing:
+        for part in law_of(spring).corners:
+            a, b = SEPARATION.ends(attachment)
+            A, B = (body_state(x[:, body], 0, 7) for body in (a, b))
+            place = push_place(SEPARATION, attachment, spring)
+            passed.append(push_displacement(A, B, *place)[0] > part * spring.stroke)
+    return passed
+
+
 def test_accelerations_of_the_batch_engine():
     """All random states at once, against the same oracle."""
     equations = BatchEquations(SEPARATION)
@@ -497,7 +516,7 @@ def test_accelerations_of_the_batch_engine():
         mode = Mode(
             released=jnp.tile(jnp.array(released)[:, None], n),
             spent=none,
-            corners=jnp.full((len(equations.springs.corners), n), False),
+            corners=jnp.array(corners_passed(x)).reshape(-1, n),
             lifted=none,
             passed=jnp.zeros(0),
         )
