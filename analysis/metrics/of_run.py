@@ -27,10 +27,10 @@ from drakesep.analysis.metrics.registry import METRICS, find_metric, registered_
 from drakesep.analysis.metrics.requirements import Limits, limits_of
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
-from drakesep.systems.equations.forces_of_run import joint_loads, spring_forces
+from drakesep.systems.equations.forces_of_run import joint_load_over, spring_force_over
 from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.model.run import Run
-from drakesep.systems.model.separation import Separation
+from drakesep.systems.model.separation import Attachment, Separation
 
 
 def metrics_of_run(
@@ -238,13 +238,18 @@ class _Samples:
             field = np.stack(made, axis=1)
         return field[:, list(signal.components)]
 
+    def _held(self, *, springs: bool) -> Attachment:
+        """Return the attachment of the part."""
+        return self._run.separation.owners_of_forces(springs=springs)[self._part]
+
     def _field(self, signal: Signal) -> Array:
         """Return the samples (n, k) of what a signal is made of."""
         match signal.owner:
             case Owner.ATTACHMENT:
-                return joint_loads(self._run)[self._part]
+                return joint_load_over(self._run, self._held(springs=False))
             case Owner.SPRING:
-                return spring_forces(self._run)[self._part][:, None]
+                force = spring_force_over(self._run, self._held(springs=True))
+                return force[:, None]
             case Owner.PAIR:
                 field: Array = getattr(self._motion, signal.quantity)
                 return field

@@ -37,22 +37,30 @@ def joint_loads(run: Run) -> dict[str, Array]:
         run: a completed run.
 
     Returns:
-        By the attachments' names, (n, 6): torque about B's pad, N m, and force, N, on
-        B, in the joint's frame, fixed in A, as the port `joint_loads` has them; zero
-        from the release on.
+        By the attachments' names, what `joint_load_over` returns.
+
+    Raises:
+        RuntimeError: the run failed.
+    """
+    attachments = run.separation.attachments
+    return {each.name: joint_load_over(run, each) for each in attachments}
+
+
+def joint_load_over(run: Run, attachment: Attachment) -> Array:
+    """Return the load of the joint of an attachment at the times of a run.
+
+    Args:
+        run: a completed run.
+        attachment: of its separation.
+
+    Returns:
+        (n, 6): torque about B's pad, N m, and force, N, on B, in the joint's frame,
+        fixed in A, as the port `joint_loads` has them; zero from the release on.
 
     Raises:
         RuntimeError: the run failed.
     """
     time = run.completed_trajectory.time
-    loads = {}
-    for attachment in run.separation.attachments:
-        holds = time < run.releases[attachment.name]
-        loads[attachment.name] = np.where(holds[:, None], _load(run, attachment), 0.0)
-    return loads
-
-
-def _load(run: Run, attachment: Attachment) -> Array:
     separation = run.separation
     joint = held_joint(separation, attachment)
     A, B = (_states(run, name) for name in (attachment.A, attachment.B))
@@ -62,8 +70,8 @@ def _load(run: Run, attachment: Attachment) -> Array:
         turn = rotation_deviation(A, B, mated_orientation(*bodies), motion.w_AB, np)
     _, pull = joint_pull(joint, motion, turn, np)
     torque, force = joint_load(joint, turn, pull)
-    n = len(run.completed_trajectory.time)
-    return np.stack([np.broadcast_to(x, n) for x in (*torque, *force)], axis=1)
+    load = np.stack([np.broadcast_to(x, len(time)) for x in (*torque, *force)], axis=1)
+    return np.where((time < run.releases[attachment.name])[:, None], load, 0.0)
 
 
 def spring_forces(run: Run) -> dict[str, Array]:
@@ -73,19 +81,35 @@ def spring_forces(run: Run) -> dict[str, Array]:
         run: a completed run.
 
     Returns:
-        By the springs' names, (n,) N along their axes, on B; zero before the release,
-        and from the end of the stroke on.
+        By the springs' names, what `spring_force_over` returns.
 
     Raises:
         RuntimeError: the run failed.
     """
+    pushing = run.separation.pushing
+    return {spring.name: spring_force_over(run, each) for each, spring in pushing}
+
+
+def spring_force_over(run: Run, attachment: Attachment) -> Array:
+    """Return the force of the spring of an attachment at the times of a run.
+
+    Args:
+        run: a completed run.
+        attachment: of its separation, with a spring.
+
+    Returns:
+        (n,) N along its axis, on B; zero before the release, and from the end of the
+        stroke on.
+
+    Raises:
+        RuntimeError: the run failed.
+    """
+    spring = attachment.spring
+    assert spring is not None
     time = run.completed_trajectory.time
-    forces = {}
-    for attachment, spring in run.separation.pushing:
-        release, end = run.releases[attachment.name], run.stroke_ends[spring.name]
-        pushes = (release <= time) & (time < end)
-        forces[spring.name] = np.where(pushes, _force(run, attachment, spring), 0.0)
-    return forces
+    release, end = run.releases[attachment.name], run.stroke_ends[spring.name]
+    pushes = (release <= time) & (time < end)
+    return np.where(pushes, _force(run, attachment, spring), 0.0)
 
 
 def _force(run: Run, attachment: Attachment, spring: Pusher) -> Array:
