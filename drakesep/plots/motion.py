@@ -104,9 +104,25 @@ def _figure(
     if limited:
         handles.append(limited[0].get_lines()[-1])
         labels.append("limit")
-    figure.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False)
+    figure.legend(
+        handles,
+        labels,
+        loc="outside lower center",
+        ncols=_columns_of_legend(labels),
+        frameon=False,
+    )
     figure.suptitle(title.format(A=pair.A, B=pair.B).replace("_", " "))
     return figure
+
+
+def _columns_of_legend(labels: Sequence[str]) -> int:
+    """Return in how many columns labels stand beside each other, none of them cut."""
+    longest = max(map(len, labels))
+    return min(5, max(1, _LEGEND // (longest + _HANDLE)))
+
+
+_LEGEND, _HANDLE = 120, 7
+"""Characters that fit below a figure, and those that a line with its gaps takes."""
 
 
 def _reference(runs: Sequence[LabelledRun]) -> Run:

@@ -114,3 +114,16 @@ def test_tornado_has_a_panel_for_each_objective(vega_verification, vega_folder):
         rows["per_tolerance_at_worst"].head(len(bars)).tolist()
     )
     assert is_drawn(vega_folder / "tornado.png")
+
+
+@pytest.mark.parametrize("objective", ["L1", "lowest_longitudinal_speed_after_release"])
+def test_legend_is_not_cut(objective):
+    """Whatever runs are called, it ends within the figure."""
+    run = made_up_run()
+    roles = [Nominal(), *(Worst(f"{objective}_{i}") for i in range(6))]
+    runs = [LabelledRun(role=role, run=run, metrics={}) for role in roles]
+    figure = rotation_figure(runs, [])
+    figure.draw_without_rendering()
+    [legend] = figure.legends
+    extent, whole = legend.get_window_extent(), figure.bbox
+    assert whole.x0 <= extent.x0 and extent.x1 <= whole.x1
