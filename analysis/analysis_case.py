@@ -17,6 +17,7 @@ from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective, lowest, 
 from drakesep.analysis.metrics.of_run import metric_named
 from drakesep.analysis.metrics.registry import (
     DEVIATION,
+    WITHIN,
     find_metric,
     registered_metrics,
 )
@@ -46,9 +47,6 @@ from drakesep.systems.model.separation import Separation
 
 if TYPE_CHECKING:  # imports Drake
     from drakesep.analysis.clearance.objective import LowestClearance
-
-
-_WITHIN = "deviation_within_limits_until"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -187,10 +185,11 @@ class AnalysisCase:
                     f"requirements: {metric} {sense} must stand once, or each time "
                     f"with an id of its own, got {name or 'none'!r} twice"
                 )
+        limits_of_pairs = self.limits_of_pairs
         for requirement in self.requirements:
             with named("requirements"):
                 self._check_owner(requirement)
-                limits = self.limits_of_pairs.get(requirement.pair, NO_LIMITS)
+                limits = limits_of_pairs.get(requirement.pair, NO_LIMITS)
                 _check_limit(requirement, limits)
             if requirement.measured_apart and not self.has_clearance:
                 raise InputError(
@@ -290,7 +289,7 @@ class AnalysisCase:
         if not self.objectives:
             return ()
         return tuple(
-            lowest(f"{pair}.{_WITHIN}" if pair else _WITHIN)
+            lowest(f"{pair}.{WITHIN}" if pair else WITHIN)
             for pair, limits in self.limits_of_pairs.items()
             if any(map(math.isfinite, limits))
         )

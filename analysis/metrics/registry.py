@@ -66,6 +66,8 @@ _PAPER = (
 
 DEVIATION = "deviation_at_separation"
 """Stem of the metric whose limits `TIME_WITHIN` looks at."""
+WITHIN = "deviation_within_limits_until"
+"""Stem of the metric that does."""
 _OTHERS = (
     Metric(
         stem="final_rate",
@@ -81,7 +83,7 @@ _OTHERS = (
     DEVIATION,
     "angle_at_separation",
     Metric(
-        stem="deviation_within_limits_until",
+        stem=WITHIN,
         kind=Kind.TIME,
         functional=Functional.TIME_WITHIN,
         signal=ANGLE,

@@ -51,8 +51,8 @@ def tolerances_in_si(
         CaseError: a name is unknown, a pattern fits none, two patterns fit the same
             parameter, or a share is one of zero.
     """
-    names = {with_unit(name): name for name in parameters(separation)}
     nominal = parameters(separation)
+    names = {with_unit(name): name for name in nominal}
     found: dict[str, tuple[str, float | str]] = {}
     for key, value in dispersions.items():
         for fitting in _fitting(key, names):

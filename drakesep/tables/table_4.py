@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
+from drakesep.analysis.metrics.registry import WITHIN
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.model.parameter_table import XYZ
 from drakesep.systems.model.parameters import ParameterName, parameters
@@ -67,7 +68,7 @@ def table_4(runs: Sequence[LabelledRun], box: ToleranceBox) -> pd.DataFrame:
 
 _CONDITIONS = (
     *(f"final_rate_{axis}" for axis in XYZ),
-    "deviation_within_limits_until",
+    WITHIN,
     "longitudinal_speed_max",
 )
 """Metrics after separation, in the order of the table."""
