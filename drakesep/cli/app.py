@@ -61,7 +61,9 @@ def _print_version(wanted: bool) -> None:
     if wanted:
         from importlib.metadata import version
 
-        print(f"drakesep {version('drakesep')}, Drake {version('drake')}")
+        from drakesep.version import __version__
+
+        print(f"drakesep {__version__}, Drake {version('drake')}")
         raise typer.Exit
 
 

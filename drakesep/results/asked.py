@@ -1,5 +1,6 @@
 """What was asked of a study: enough to ask again."""
 
+import json
 import shlex
 import time
 from collections.abc import Mapping, Sequence, Sized
@@ -96,15 +97,16 @@ class Asked:
         if command is not None:
             where = shlex.quote(str(Path.cwd()))
             return f"cd {where} && {shlex.join(['drakesep', *command])}"
-        if not all(map(_is_plain, self.arguments.values())):
+        try:
+            given = json.loads(json.dumps(dict(self.arguments), default=_data))
+        except TypeError:
             return None
         case = (
             f"drakesep.read_results({str(folder)!r}).case"
             if self.source is None
             else repr(self.source)
         )
-        given = self.plain_arguments.items()
-        call = ", ".join([case, *(f"{name}={value!r}" for name, value in given)])
+        call = ", ".join([case, *(f"{k}={value!r}" for k, value in given.items())])
         function = f"drakesep.{self.study.replace('-', '_')}({call})"
         again = f"import drakesep; {function}.save({str(folder)!r})"
         return shlex.join(["python", "-c", again])
@@ -112,7 +114,9 @@ class Asked:
     @property
     def plain_arguments(self) -> dict[str, Any]:
         """The arguments as JSON has them; of functions and objects their names."""
-        return {name: _plain(value) for name, value in self.arguments.items()}
+        text = json.dumps(dict(self.arguments), default=_data_or_name)
+        plain: dict[str, Any] = json.loads(text)
+        return plain
 
 
 def _meshes(case: AnalysisCase) -> tuple[Path, ...]:
@@ -124,26 +128,22 @@ def _given(value: Any) -> bool:
     return value is not None and not (isinstance(value, Sized) and not len(value))
 
 
-def _plain(value: Any) -> Any:
-    """Return a value as JSON has it; of a function or an object its name."""
+def _data(value: Any) -> Any:
+    """Return what JSON has for data that it does not know.
+
+    Raises:
+        TypeError: it is no data.
+    """
     if isinstance(value, Mapping):
-        return {str(key): _plain(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
+        return dict(value)
     if isinstance(value, np.generic | np.ndarray):
-        return _plain(value.tolist())
-    if _is_plain(value):
-        return value
-    name = getattr(value, "name", None) or getattr(value, "__name__", None)
-    return str(name or type(value).__name__)
+        return value.tolist()
+    raise TypeError(f"must be data, got {value!r}")
 
 
-def _is_plain(value: Any) -> bool:
-    """Return whether JSON and Python have a text for a value."""
-    if isinstance(value, Mapping):
-        return all(map(_is_plain, value.values()))
-    if isinstance(value, list | tuple):
-        return all(map(_is_plain, value))
-    if isinstance(value, np.generic | np.ndarray):
-        return _is_plain(value.tolist())
-    return value is None or isinstance(value, bool | int | float | str)
+def _data_or_name(value: Any) -> Any:
+    try:
+        return _data(value)
+    except TypeError:
+        name = getattr(value, "name", None) or getattr(value, "__name__", None)
+        return str(name or type(value).__name__)

@@ -5,26 +5,21 @@ braces stands for many: ``{label}`` for that of a run, ``{metric}`` for each met
 whose meaning is that of its registry.
 """
 
-import functools
-import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import NamedTuple
 
-import pandas as pd
-
-from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.search.judge import CONFIDENCE
-from drakesep.analysis.search.registry import SEARCHES
-from drakesep.systems.model.parameters import ParameterName
-from drakesep.units import records, split_unit, with_unit
 
 
 SIMULATE, CLEARANCE = "simulate", "clearance"
 WORST_CASE, VERIFY = "worst-case", "verify"
 STUDIES = (SIMULATE, CLEARANCE, WORST_CASE, VERIFY)
 """Those that write a folder."""
+STUDY, CASE = "study.json", "case.json"
+RUNS = "runs"
+"""Folder of what is kept of each run."""
+GEOMETRY = "geometry"
+"""Folder of the meshes, as they were when they were measured."""
 
 
 class Column(NamedTuple):
@@ -60,15 +55,6 @@ class FileKind:
     def of_each_body(self) -> bool:
         """Whether there is one for each body that leaves, but the first."""
         return "{body}" in self.name
-
-
-class FileInFolder(NamedTuple):
-    """A file that is there, and what it holds."""
-
-    name: str
-    what: str
-    row: str
-    columns: tuple[Column, ...]
 
 
 _SAME = "as `unit` says"
@@ -162,7 +148,7 @@ _OF_RUNS = (
         columns=_MOTION,
     ),
     FileKind(
-        name="runs/{label}.csv",
+        name=f"{RUNS}/{{label}}.csv",
         studies=STUDIES,
         what="The motion of every body in W, and what joints and springs do, in SI: "
         "what plots and animations are made of.",
@@ -200,7 +186,7 @@ _OF_RUNS = (
         ),
     ),
     FileKind(
-        name="runs/{label}.json",
+        name=f"{RUNS}/{{label}}.json",
         studies=STUDIES,
         what="What the run is: its role, the parameters that it changes, when "
         "attachments let go and strokes ended, how it ended, its metrics, contacts; "
@@ -516,139 +502,17 @@ _PLOTS = (
 
 _MEMORY = (
     FileKind(
-        name="study.json",
+        name=STUDY,
         studies=STUDIES,
         what="What was asked, with what, and how it ended; this list.",
     ),
     FileKind(
-        name="case.json",
+        name=CASE,
         studies=STUDIES,
         what="The case in SI and radians, with its geometry: exact, and read back by "
         "`drakesep.read_results`.",
     ),
 )
 
-GEOMETRY = "geometry"
-"""Folder of the meshes, as they were when they were measured."""
 FILES = (*_MEMORY, *_OF_ONE_RUN, *_WORST_CASES, *_PLOTS, *_OF_RUNS)
 """All but those of `GEOMETRY`."""
-
-
-def names_of(
-    study: str, labels: Sequence[str], bodies: Sequence[str]
-) -> Iterator[tuple[str, FileKind]]:
-    """Yield the names that files of a study may have, each with its kind.
-
-    Args:
-        study: its name.
-        labels: of its runs.
-        bodies: that leave, but the first.
-    """
-    for kind in FILES:
-        if study in kind.studies:
-            for label in labels if kind.of_each_run else [""]:
-                for body in bodies if kind.of_each_body else [""]:
-                    yield kind.named(label, body), kind
-
-
-def files_in(
-    folder: Path,
-    names: Iterable[tuple[str, FileKind]],
-    ours: Callable[[Path], bool],
-) -> tuple[FileInFolder, ...]:
-    """Return the files of a study that are in a folder, with what they hold.
-
-    Args:
-        folder: of the study.
-        names: that its files may have, each with its kind.
-        ours: whether a file of such a name is the study's.
-    """
-    found = [
-        FileInFolder(name, kind.what, kind.row, _columns_in(folder / name, kind))
-        for name, kind in names
-        if ours(folder / name)
-    ]
-    meshes = sorted(filter(ours, (folder / GEOMETRY).glob("*")))
-    what = "A mesh of the case, as it was when it was measured."
-    found += [FileInFolder(f"{GEOMETRY}/{file.name}", what, "", ()) for file in meshes]
-    return tuple(found)
-
-
-def _columns_in(file: Path, kind: FileKind) -> tuple[Column, ...]:
-    if not kind.columns:
-        return ()
-    names = map(str, pd.read_csv(file, nrows=0))
-    return tuple(described(kind, name) or Column(name, "", "") for name in names)
-
-
-def described(kind: FileKind, name: str) -> Column | None:
-    """Return what a column of a table is; None if that is not known.
-
-    Args:
-        kind: of the file.
-        name: of the column.
-    """
-    for column in kind.columns:
-        if column.name == name:
-            return column
-    for column in kind.columns:
-        tell = _MANY.get(column.name, _as_it_stands)
-        if "{" in column.name and (told := tell(column, name)) is not None:
-            return told
-    return None
-
-
-def _as_it_stands(column: Column, name: str) -> Column | None:
-    """Return a column whose name follows the pattern of another, with its meaning."""
-    return Column(name, *column[1:]) if _pattern(column.name).fullmatch(name) else None
-
-
-@functools.cache
-def _pattern(name: str) -> re.Pattern[str]:
-    parts = re.split(r"(\{\w+\})", name)
-    return re.compile("".join(_PARTS.get(p) or re.escape(p) for p in parts))
-
-
-_NAME = "[A-Za-z0-9][A-Za-z0-9_-]*"
-_PARTS = {
-    **{f"{{{what}}}": _NAME for what in ("body", "attachment", "spring", "part")},
-    "{axis}": "w|x|y|z|roll|pitch|yaw".join(("(?:", ")")),
-    "{side}": "(?:first|second)",
-    "{label}": ".+",
-    "{objective}": ".+",
-}
-
-
-def _of_parameter(column: Column, name: str) -> Column | None:
-    owner, _, quantity = name.rpartition(".")
-    stem, unit = split_unit(quantity)
-    parts = ParameterName.of(f"{owner}.{stem}")
-    tables = [p for record in records() for p in record.PARAMETERS]
-    found = next((p for p in tables if p.stem == parts.stem), None)
-    if not owner or found is None:
-        return None
-    axis = f", {parts.axis}" if parts.axis else ""
-    what = f"{found.label[:1].upper()}{found.label[1:]}{axis} of {owner}."
-    return Column(name, unit.symbol, what)
-
-
-def _of_metric(column: Column, name: str) -> Column | None:
-    stem, unit = split_unit(name)
-    found = find_metric(stem)
-    if found is None or with_unit(stem) != name:
-        return None
-    metric, axis = found
-    words = f"{metric.words[:1].upper()}{metric.words[1:]}"
-    return Column(name, unit.symbol, f"{words}{': ' + axis if axis else ''}.")
-
-
-def _of_search(column: Column, name: str) -> Column | None:
-    return Column(name, *column[1:]) if name in SEARCHES else None
-
-
-_MANY: Mapping[str, Callable[[Column, str], Column | None]] = {
-    "{parameter}": _of_parameter,
-    "{metric}": _of_metric,
-    "{search}": _of_search,
-}
-"""Columns whose meaning is that of a registry."""

@@ -10,11 +10,11 @@ from types import TracebackType
 from typing import Any, Self, TypeAlias
 
 from drakesep.files import PREFIX
-from drakesep.results import catalogue, recorded_runs
 from drakesep.results.asked import Asked
+from drakesep.results.catalogue import GEOMETRY, RUNS, STUDY
+from drakesep.results.listing import files_in, names_of
 from drakesep.results.recorded_case import staged_case
 from drakesep.results.study_record import (
-    STUDY,
     Ended,
     StudyRecord,
     files_as_json,
@@ -146,14 +146,12 @@ class ResultsFolder:
         self._labels |= dict.fromkeys(labels)
         assert self._asked is not None
         bodies = [pair.B for pair in self._asked.case.separation.others]
-        names = catalogue.names_of(self._study, tuple(self._labels), bodies)
-        files = catalogue.files_in(self.path, names, self._is_ours)
+        names = names_of(self._study, tuple(self._labels), bodies)
+        files = files_in(self.path, names, self._is_ours)
         there = {one.name for one in files}
         self._record = replace(
             self._record,
-            runs=[
-                k for k in self._labels if f"{recorded_runs.FOLDER}/{k}.json" in there
-            ],
+            runs=[k for k in self._labels if f"{RUNS}/{k}.json" in there],
             files=files_as_json(files),
         )
         self._record.write(self.path)
@@ -209,7 +207,7 @@ class ResultsFolder:
         self._lock = None
 
     def _homes(self) -> list[Path]:
-        within = (recorded_runs.FOLDER, catalogue.GEOMETRY)
+        within = (RUNS, GEOMETRY)
         return [self.path, *(self.path / name for name in within)]
 
     def _files(self) -> list[Path]:
@@ -280,6 +278,20 @@ def _is_still(lock: int, file: Path) -> bool:
 
 Output: TypeAlias = str | Path | ResultsFolder
 """Where results go: a folder, or one that is open."""
+
+
+@contextlib.contextmanager
+def begun(output: Output | None, asked: Asked) -> Iterator[ResultsFolder | None]:
+    """Give the folder of a study that begins at once; see `results_folder`.
+
+    Args:
+        output: the folder; None: none is written.
+        asked: of the study.
+    """
+    with results_folder(output, asked.study) as folder:
+        if folder is not None:
+            folder.begin(asked)
+        yield folder
 
 
 @contextlib.contextmanager

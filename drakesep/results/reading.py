@@ -7,9 +7,10 @@ from pathlib import Path
 import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.results.catalogue import STUDY
 from drakesep.results.recorded_case import read_case
 from drakesep.results.recorded_runs import read_run
-from drakesep.results.study_record import STUDY, StudyRecord
+from drakesep.results.study_record import StudyRecord
 from drakesep.systems.checks import InputError, unknown
 from drakesep.tables.columns import read_table
 from drakesep.tables.labelled_run import LabelledRun

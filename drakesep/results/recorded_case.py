@@ -11,13 +11,10 @@ from pathlib import Path
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.files import written
 from drakesep.results.case_json import from_json, to_json
-from drakesep.results.catalogue import GEOMETRY
+from drakesep.results.catalogue import CASE, GEOMETRY
 from drakesep.results.provenance import sha256_of
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.parts import Mesh, Part
-
-
-CASE = "case.json"
 
 
 class MeshChanged(UserWarning):

@@ -18,6 +18,7 @@ import pandas as pd
 
 from drakesep.files import write_text
 from drakesep.results.case_json import from_json, to_json
+from drakesep.results.catalogue import RUNS
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.forces_of_run import joint_loads, spring_forces
@@ -30,7 +31,6 @@ from drakesep.tables.columns import read_table, write_csv
 from drakesep.tables.labelled_run import LabelledRun
 
 
-FOLDER = "runs"
 STATE = (
     *(f"orientation_{q}" for q in "wxyz"),
     *(f"position_{axis}_m" for axis in XYZ),
@@ -60,7 +60,7 @@ def save_runs(runs: Iterable[LabelledRun], nominal: Separation, folder: Path) ->
         nominal: the separation that they vary.
         folder: of the results.
     """
-    home = folder / FOLDER
+    home = folder / RUNS
     home.mkdir(exist_ok=True)
     for one in runs:
         write_text(home / f"{one.label}.json", _text(one, nominal))
@@ -117,7 +117,7 @@ def read_run(folder: Path, label: str, nominal: Separation) -> LabelledRun:
     Raises:
         ValueError: there is no such run, or its files are not those of one.
     """
-    file = folder / FOLDER / f"{label}.json"
+    file = folder / RUNS / f"{label}.json"
     table = file.with_suffix(".csv")
     with _of_a_study(file):
         record = json.loads(file.read_text(encoding="utf-8"))

@@ -11,11 +11,11 @@ from typing import Any
 from drakesep.files import write_text
 from drakesep.results import provenance
 from drakesep.results.asked import Asked
-from drakesep.results.catalogue import FileInFolder
+from drakesep.results.catalogue import STUDY
+from drakesep.results.listing import FileInFolder
 from drakesep.systems.checks import InputError
 
 
-STUDY = "study.json"
 _FORMAT = 1
 """Of the file: another number means other keys."""
 

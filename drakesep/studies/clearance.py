@@ -15,7 +15,7 @@ from drakesep.case_file.case import Case
 from drakesep.case_file.values import values_in_si
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import CLEARANCE
-from drakesep.results.folder import Output, ResultsFolder, results_folder
+from drakesep.results.folder import Output, ResultsFolder, begun
 from drakesep.results.recorded_runs import save_runs
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
@@ -148,7 +148,7 @@ class Clearances:
             ValueError: it cannot be written, another study is writing it, or it holds
                 the results of another kind of study.
         """
-        with ResultsFolder(directory, CLEARANCE) as folder:
+        with ResultsFolder(directory, self.asked.study) as folder:
             folder.begin(self.asked)
             self._write(folder)
 
@@ -201,9 +201,7 @@ def clearance(
     flown = with_values(case.separation, changed)
     of = case.clearance
     analysis = ClearanceAnalysis(flown, of.pairs, touching=of.touching)
-    with results_folder(output, CLEARANCE) as folder:
-        if folder is not None:  # what is refused leaves it alone
-            folder.begin(asked)
+    with begun(output, asked) as folder:  # what is refused leaves it alone
         run = Simulation(case.separation, case.integration).run(changed)
         if run.motion is None:
             raise RuntimeError(f"the run failed: {run.message}")

@@ -12,7 +12,7 @@ from drakesep.case_file.case import Case
 from drakesep.case_file.values import values_in_si
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import SIMULATE
-from drakesep.results.folder import Output, ResultsFolder, results_folder
+from drakesep.results.folder import Output, ResultsFolder, begun
 from drakesep.results.recorded_runs import save_runs
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.run import Run
@@ -75,7 +75,7 @@ class Simulated:
             ValueError: it cannot be written, another study is writing it, or it holds
                 the results of another kind of study.
         """
-        with ResultsFolder(directory, SIMULATE) as folder:
+        with ResultsFolder(directory, self.asked.study) as folder:
             folder.begin(self.asked)
             self._write(folder)
 
@@ -122,9 +122,7 @@ def simulate(
     case, values = asked.case, values or {}
     changed = values_in_si(case.separation, values)
     with_values(case.separation, changed)  # what is refused leaves the folder alone
-    with results_folder(output, SIMULATE) as folder:
-        if folder is not None:
-            folder.begin(asked)
+    with begun(output, asked) as folder:
         run = Simulation(case.separation, case.integration).run(changed)
         role = Changed() if values else Nominal()
         labelled = measured(role, run, case)

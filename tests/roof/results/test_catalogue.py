@@ -8,7 +8,8 @@ from one_pair import one_pair
 
 import drakesep
 from drakesep.case_file.reader import builtin_cases
-from drakesep.results.catalogue import FILES, STUDIES, described
+from drakesep.results.catalogue import FILES, STUDIES
+from drakesep.results.listing import described
 from drakesep.units import split_unit
 
 
