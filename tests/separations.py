@@ -17,7 +17,7 @@ from drakesep.systems.model.separation import (
     Orbit,
     Separation,
 )
-from drakesep.systems.model.springs import DisplacementSpring, Spring
+from drakesep.systems.model.springs import LINEAR, DisplacementSpring, Spring
 
 
 FREE = Joint(K_F=0.0, D_F=0.0, K_T=0.0, D_T=0.0)
@@ -170,6 +170,26 @@ def hinged_pair() -> Separation:
         spring=None,
     )
     return dataclasses.replace(pair, attachments=(pushed, hung))
+
+
+def by_displacement(
+    separation: Separation, profile=LINEAR, damping: float = 0.0
+) -> Separation:
+    """The same separation, its springs' forces and strokes by displacement."""
+    attachments = tuple(
+        dataclasses.replace(
+            a,
+            spring=DisplacementSpring(
+                name=a.spring.name,
+                force_max=a.spring.force_max,
+                stroke=a.spring.stroke,
+                damping=damping,
+                profile=profile,
+            ),
+        )
+        for a in separation.attachments
+    )
+    return dataclasses.replace(separation, attachments=attachments)
 
 
 def on_axis(separation: Separation) -> tuple[Body, ...]:

@@ -15,7 +15,7 @@ from batches import (
     random_rows,
 )
 from scipy.optimize import brentq
-from separations import FREE, coaxial, generic_pair
+from separations import FREE, by_displacement, coaxial, generic_pair
 
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.of_run import metrics_of_run
@@ -36,26 +36,6 @@ pytestmark = pytest.mark.slow  # compiles programs of its own, for minutes
 
 TABLE = ((0.0, 0.75), (0.2, 1.0), (0.5, 0.5), (1.0, 0.2))
 """It rises, has two corners, and pushes to the end of its stroke."""
-
-
-def by_displacement(
-    separation: Separation, profile=LINEAR, damping: float = 0.0
-) -> Separation:
-    """The same separation, its springs' forces and strokes by displacement."""
-    attachments = tuple(
-        dataclasses.replace(
-            a,
-            spring=DisplacementSpring(
-                name=a.spring.name,
-                force_max=a.spring.force_max,
-                stroke=a.spring.stroke,
-                damping=damping,
-                profile=profile,
-            ),
-        )
-        for a in separation.attachments
-    )
-    return dataclasses.replace(separation, attachments=attachments)
 
 
 # VEGA and the smallsat: as exact as the engine promises, in a few steps. A push is a

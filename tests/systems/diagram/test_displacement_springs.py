@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from flying import start
-from separations import FREE, GENERIC, coaxial, generic_pair
+from separations import FREE, GENERIC, by_displacement, coaxial, generic_pair
 
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.loads import Load
@@ -17,20 +17,7 @@ from drakesep.systems.simulation.simulation import Simulation
 
 
 def linear_pair(damping=0.0, **options):
-    separation = generic_pair(**options)
-    attachments = tuple(
-        dataclasses.replace(
-            a,
-            spring=DisplacementSpring(
-                name=a.spring.name,
-                force_max=a.spring.force_max,
-                stroke=a.spring.stroke,
-                damping=damping,
-            ),
-        )
-        for a in separation.attachments
-    )
-    return dataclasses.replace(separation, attachments=attachments)
+    return by_displacement(generic_pair(**options), damping=damping)
 
 
 def reduced_mass(separation):
