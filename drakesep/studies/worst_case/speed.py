@@ -11,6 +11,7 @@ import numpy as np
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.objectives import Needs, Objective
+from drakesep.systems.arrays import Array
 from drakesep.systems.model.run import Run
 
 
@@ -28,19 +29,14 @@ class Speed:
     """A run in Drake."""
     call: float = 0.0
     """The least that is flown at once on the batch engine, on one core."""
-    rows: int = 1
-    """Runs in that."""
+    run: float = 0.0
+    """A run on the batch engine among very many, on one core."""
     whole_run: float = 0.0
     """A run on the batch engine with its motion, where an objective needs that."""
     measurement: float = 0.0
     """A measurement of a run, where an objective needs one."""
     cores: int = 1
     """That fly on the batch engine at once."""
-
-    @property
-    def run(self) -> float:
-        """A run on the batch engine among very many, on one core."""
-        return self.call / self.rows
 
 
 def measured_speed(
@@ -70,8 +66,9 @@ def measured_speed(
     if batch is None:
         return Speed(drake=drake, measurement=longest)
     rng = np.random.default_rng(0)
-    rows = case.tolerance_set.rows(case.tolerance_set.draw(batch.chunk, rng))
-    call = _seconds(lambda: batch.run(rows))
+    most = _CHUNKS * batch.workers * batch.chunk
+    rows = case.tolerance_set.rows(case.tolerance_set.draw(most, rng))
+    call = _seconds(lambda: batch.run(rows[: batch.chunk]))
     whole_run = 0.0
     if any(o.needs is Needs.RUN for o in objectives):
         few = rows[:_FEW]
@@ -80,15 +77,32 @@ def measured_speed(
     return Speed(
         drake=drake,
         call=call,
-        rows=batch.chunk,
+        run=_run(batch, rows, call),
         whole_run=whole_run,
         measurement=longest,
         cores=batch.workers,
     )
 
 
+_CHUNKS = 8
+"""For each core, at most, that tell what a run takes among very many."""
 _FEW = 16
 """Runs whose motion is sampled at once."""
+
+
+def _run(batch: Batch, rows: Array, call: float) -> float:
+    """Return what a run takes among very many, on one core, s.
+
+    Args:
+        batch: that flies.
+        rows: (n, n_p) of whole chunks for each core.
+        call: seconds that a chunk alone takes, with what is done once in a call.
+    """
+    for_each = min(_CHUNKS, int(_LONG / call))
+    if not for_each:
+        return call / batch.chunk
+    many = rows[: for_each * batch.workers * batch.chunk]
+    return batch.workers * _seconds(lambda: batch.run(many)) / len(many)
 
 
 def _seconds(work: Callable[[], object]) -> float:

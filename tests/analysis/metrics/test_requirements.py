@@ -98,6 +98,17 @@ def test_deviation_limits():
     assert deviation_limits([AT_MOST, AT_LEAST]) == (math.inf, 2.0, math.inf)
 
 
+def test_of_several_limits_of_a_deviation_the_least_counts():
+    """Whatever their order; a limit from below is none of how far it may go."""
+    several = [
+        Requirement(metric="deviation_at_separation_roll", sense="<=", limit=limit)
+        for limit in (0.3, 0.1, 0.2)
+    ]
+    below = Requirement(metric="deviation_at_separation_roll", sense=">=", limit=0.05)
+    for given in (several, several[::-1], [below, *several]):
+        assert deviation_limits(given) == (0.1, math.inf, math.inf)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

@@ -103,20 +103,21 @@ def test_magnitudes_that_add_up(seed):
     assert found.best(0).value == pytest.approx(expected, abs=CLOSE)
 
 
-def test_two_flips_free_it_from_a_corner():
-    """Worst among its neighbours, unless two parameters change together."""
+def test_flips_of_two_lead_out_of_what_is_worst_among_its_neighbours():
+    """Pairs that must change together: each of 16 starts is such a corner."""
 
-    def trap(u):
-        u = np.sign(u)
-        return (2.0 if u[0] == u[1] == 1.0 else 1.0 if u[0] == u[1] else 0.0) + (
-            0.01 * u[2:].sum()
-        )
+    def alike(u):
+        both = np.sign(u).reshape(5, 2).sum(axis=1) / 2.0
+        return float((np.abs(both) + 0.1 * both).sum())
 
-    start = Candidate(
-        objective=0, u=(-0.5, -0.1, *(1.0,) * 9), value=1.0, search="samples"
-    )
-    found, _ = searched(trap, known=[start])
-    assert found.best(0).value == pytest.approx(2.09)
+    starts = np.repeat(corners(5)[:16], 2, axis=1)
+    assert starts.min(axis=1).max() == -1.0  # not the worst itself
+    known = [
+        Candidate(objective=0, u=tuple(u), value=alike(u), search="samples")
+        for u in starts
+    ]
+    found, _ = searched(alike, names=MANY[:10], known=known, flips=1)
+    assert found.best(0).value == pytest.approx(5.5)
 
 
 def test_no_corner_is_flown_twice_and_few_are_all_flown():

@@ -31,6 +31,24 @@ def test_solid_cylinder():
     assert inertia == pytest.approx((338.4375, across, across, 0, 0, 0), abs=1e-9)
 
 
+@pytest.mark.parametrize("axis", range(3))
+def test_box_turned_about_one_axis(axis):
+    """A product of inertia is the difference of two moments, sin cos of the turn."""
+    sides, mass, turn = np.array([0.3, 0.8, 0.5]), 12.0, 0.4
+    moments = mass * ((sides**2).sum() - sides**2) / 12.0
+    first, second = (axis + 1) % 3, (axis + 2) % 3
+    expected = np.diag(moments)
+    c, s = math.cos(turn), math.sin(turn)
+    expected[first, first] = c**2 * moments[first] + s**2 * moments[second]
+    expected[second, second] = s**2 * moments[first] + c**2 * moments[second]
+    product = (moments[first] - moments[second]) * s * c
+    expected[first, second] = expected[second, first] = product
+    rpy = [0.0, 0.0, 0.0]
+    rpy[axis] = turn
+    found = mass_properties_of_shape("box", sides, mass=mass, rpy_BS=tuple(rpy))
+    assert inertia_matrix(found.I_BBcm_B) == pytest.approx(expected, abs=ROUND_OFF)
+
+
 @pytest.mark.parametrize(
     ("shape", "dimensions", "volume"),
     [
