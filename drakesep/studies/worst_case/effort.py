@@ -34,9 +34,10 @@ _ITERATIONS = 8
 """Of an ascent."""
 _ROUNDS = 1.5
 """Of flips of bounds."""
-_STAGES = 4
-"""In which all tolerances grow, of those in which a limit is passed."""
-_ASCENT, _LIMIT = 2e-3, 2e-2
+_STAGES, _OF_LIMIT, _ROOT_CALLS = 7, 50, 80
+"""Of growth: stages in which all tolerances grow, runs of a limit, and calls in which
+those of all limits are flown."""
+_ASCENT, _LIMIT = 2e-3, 6e-3
 """What the optimiser takes itself for an iteration, and for a limit, s."""
 _MEASUREMENTS, _LOOKS = 8, 0.3
 """Of an ascent by measurements, and of a run that may come nearer than all others."""
@@ -247,8 +248,9 @@ class _Costs:
 
     def _growth(self, settings: SearchSettings, cores: int) -> float:
         limits = self._directions * (self._n + 1)
-        runs = _STAGES * settings.corners + limits * (40 + 4 * self._n)
-        return self._flown(runs, cores, 60) + limits * _LIMIT
+        stages = self._flown(_STAGES * settings.corners, cores)
+        roots = self._flown(_OF_LIMIT * limits, cores, _ROOT_CALLS)
+        return stages + roots + limits * _LIMIT
 
 
 def in_time(seconds: float) -> str:
