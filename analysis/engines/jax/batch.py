@@ -8,7 +8,14 @@ told in `drakesep.systems.batch.integrator`.
 import functools
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import (
+    Callable,
+    Container,
+    Iterable,
+    Iterator,
+    Mapping,
+    Sequence,
+)
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeAlias
@@ -125,6 +132,7 @@ class Batch:
         *,
         deviation_limits: Limits = (math.inf,) * 3,
         metrics: Iterable[str] = (),
+        without: Container[str] = (),
         tolerance: float = TOLERANCE,
         max_steps: int = MAX_STEPS,
         chunk: int | None = None,
@@ -140,6 +148,8 @@ class Batch:
                 those of several pairs, see `Limits`.
             metrics: names of others to tell beside those that are registered, if steps
                 tell them; see `drakesep.analysis.metrics.quantities`.
+            without: stems of registered ones that are not to be told, as nobody asks
+                for them: the paper's four take a fifth of a run.
             tolerance: of the error estimates of all steps of a run together, in SI.
             max_steps: after which a row has failed.
             chunk: rows that are flown together; what suits the machine if None.
@@ -188,7 +198,8 @@ class Batch:
         declared = declarations(separation)
         timed = any(declared[name].kind == "time" for name in names)
         self._integrator_of_slopes = state(one_by_one=timed)
-        told = dict.fromkeys([*registered_metrics(), *map(metric_named, metrics)])
+        usual = [m for m in registered_metrics() if m.stem not in without]
+        told = dict.fromkeys([*usual, *map(metric_named, metrics)])
         known = ["", *(pair.B for pair in separation.pairs)]
         for metric in told:
             if metric.of_steps and metric.pair not in known:

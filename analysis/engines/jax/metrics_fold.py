@@ -345,7 +345,9 @@ class MetricsFold:
             for g, values in zip(self._gathered, found.values, strict=True)
             for component, value in zip(g.components, values, strict=True)
         }
-        return jnp.concatenate([self._told(m, gathered, found) for m in self._metrics])
+        told = [self._told(m, gathered, found) for m in self._metrics]
+        none = jnp.zeros((0, found.angles.shape[-1]))
+        return jnp.concatenate([none, *told])
 
     def _told(
         self,
@@ -360,7 +362,7 @@ class MetricsFold:
                 [gathered[functional, metric.when, c] for c in self._looked_at(metric)]
             )
 
-        whole = jnp.full((1, found.values[0].shape[-1]), self._duration)
+        whole = jnp.full((1, found.angles.shape[-1]), self._duration)
         if metric.functional is Functional.TIME:
             assert isinstance(metric.when, Moment)
             times = dict(zip(self._moments, found.times, strict=True))

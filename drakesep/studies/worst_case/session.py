@@ -16,6 +16,7 @@ from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
 from drakesep.analysis.engines.run_evaluator import RunEvaluator
 from drakesep.analysis.metrics.objectives import MetricObjective, Objective
+from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import Problem, SearchProgress
 from drakesep.studies.background_process import BackgroundProcess
@@ -196,11 +197,15 @@ def _batch_of(case: AnalysisCase, objectives: Sequence[Objective]) -> Batch:
         if isinstance(objective, MetricObjective)
         for name in sorted(objective.reads)
     }
+    # All four or none, so that studies of a case share their programs.
+    of_paper = {m.stem for m in registered_metrics() if m.objective}
+    asked = case.objectives or not of_paper.isdisjoint(read)
     return Batch(
         case.separation,
         case.box.names,
         deviation_limits=case.limits_of_pairs,
         metrics=read,
+        without=() if asked else of_paper,
     )
 
 

@@ -257,6 +257,17 @@ def test_figures_are_those_of_the_sampled_runs(vega, vega_batch):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("left", [[], ["separation_end"]])
+def test_what_is_not_asked_for_is_left_out(vega, vega_batch, left):
+    """What is left is told as before; nothing may be left."""
+    without = {metric.stem for metric in registered_metrics()}.difference(left)
+    batch = Batch(vega.separation, vega.box.names, without=without)
+    rows = vega.box.nominal[None] * [[1.0], [1.0 + 1e-4]]
+    assert list(batch.run(rows).metrics) == list(batch.metrics) == left
+    expected = vega_batch.run(rows).metrics[left]
+    assert_close(batch.run(rows).metrics.to_numpy(), expected.to_numpy())
+
+
 def test_convergence_over_the_whole_box(vega, vega_batch, fine_batch):
     """Ten thousand points against a hundredth of the tolerance."""
     rows = random_rows(vega, 10_000, seed=2)
