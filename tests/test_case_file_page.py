@@ -137,7 +137,7 @@ def keys_given(data: Any, path: str = "") -> Iterator[tuple[str, str]]:
         elif f"{inside}.ENTRY" in SECTIONS:
             for entry in value:
                 yield from keys_given(entry, f"{inside}.ENTRY")
-        elif inside in SECTIONS:
+        elif inside in SECTIONS and isinstance(value, dict):  # else in short
             yield from keys_given(value, inside)
 
 

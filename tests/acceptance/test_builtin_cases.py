@@ -11,7 +11,9 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import FixedOffsetFrame, RevoluteJoint
 from pydrake.systems.framework import DiagramBuilder
 
+from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.case_file.reader import builtin_cases, load_case
+from drakesep.studies.verification import verify
 from drakesep.systems.diagram.on_your_plant import add_separation
 from drakesep.systems.diagram.separation_system import spatial_inertia
 from drakesep.systems.model.run import RunStatus
@@ -28,7 +30,13 @@ def flown():
 
 
 def test_all_fly(flown):
-    assert set(flown) == {"vega", "dual_launch", "fairing", "smallsat"}
+    assert set(flown) == {
+        "vega",
+        "dual_launch",
+        "fairing",
+        "smallsat",
+        "smallsat_trimmed",
+    }
     assert {run.status for run in flown.values()} == {RunStatus.COMPLETED}
 
 
@@ -54,6 +62,49 @@ def test_dual_launch_is_staged(flown):
     assert speed[-1] - speed[between][-1] == pytest.approx(push, rel=1e-2)
     assert run.separation_end < 0.5  # of the payload's separation
     assert max(run.stroke_ends.values()) > 1.5
+
+
+def test_smallsat_by_hand(flown):
+    """By a planar model of six springs, written down apart: to its last digit."""
+    metrics = metrics_of_run(
+        flown["smallsat"], (math.inf,) * 3, ["transverse_rate_after_separation"]
+    )
+    speed = metrics["longitudinal_speed_after_separation"]
+    assert speed == pytest.approx(0.5809, abs=5e-5)
+    for name, expected in (
+        ("rate_after_separation_y", 0.584),
+        ("rate_after_separation_z", 1.186),
+        ("transverse_rate_after_separation", 1.322),
+    ):
+        assert math.degrees(metrics[name]) == pytest.approx(expected, abs=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "met_nominally"), [("smallsat", False), ("smallsat_trimmed", True)]
+)
+def test_smallsats_are_not_met(name, met_nominally):
+    """One already nominally, the other in its worst case alone; by its rate."""
+    study = verify(name, searches=["sqp"], growth=False, workers=1)
+    assert study.verdict == "not met"
+    rows = study.requirements
+    of_rate = rows["requirement"] == "transverse rate after separation"
+    (rate,) = rows[of_rate].itertuples()
+    assert (rate.nominal <= rate.limit) is met_nominally
+    assert rate.worst > rate.limit
+    assert set(rows[~of_rate]["verdict"]) == {"met"}
+
+
+def test_smallsats_differ_by_their_cg():
+    one, other = (load_case(name) for name in ("smallsat", "smallsat_trimmed"))
+    trimmed = one.replaced(
+        name=other.name,
+        description=other.description,
+        bodies=other.bodies,
+    )
+    assert trimmed == other
+    body, lighter = (case.separation.body("smallsat") for case in (one, other))
+    assert dataclasses.replace(body, p_BoBcm_B=lighter.p_BoBcm_B) == lighter
+    assert one.separation.body("upper_stage") == other.separation.body("upper_stage")
 
 
 def test_fairing_against_drakes_own_hinges(flown):
