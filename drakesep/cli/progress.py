@@ -22,9 +22,11 @@ def progress_bar(console: Console) -> Iterator[OnProgress]:
     """Show a bar while a study goes on; give what is to be told of its progress.
 
     Where there is no terminal, lines on standard error say how far it has come. What
-    the study will do is said in any case, before it does.
+    the study will do is said in any case, before it does; nothing on a quiet console.
     """
-    if console.is_terminal:
+    if console.quiet:
+        yield lambda _: None
+    elif console.is_terminal:
         with _bar(console) as tell:
             yield tell
     else:

@@ -2,13 +2,12 @@
 
 from rich.console import Console
 
-from drakesep.cli.console import print_frame
+from drakesep.cli.console import print_frame, print_notes
 from drakesep.studies.clearance import Clearances
 from drakesep.studies.remarks import remarks
 from drakesep.studies.simulate import Simulated
 from drakesep.studies.verification import Verification
 from drakesep.studies.worst_case.result import WorstCases
-from drakesep.systems.model.run import Run
 from drakesep.tables.labelled_run import nominal_of
 from drakesep.tables.run_tables import metrics_table
 
@@ -30,12 +29,7 @@ def print_simulated(console: Console, result: Simulated) -> None:
     print_frame(console, "Metrics of the run", metrics)
     if len(result.contacts):
         print_frame(console, "Parts that touch again", result.contacts)
-    _print_remarks(console, result.run)
-
-
-def _print_remarks(console: Console, run: Run) -> None:
-    for remark in remarks(run):
-        console.print(f"Note: {remark}", markup=False)
+    print_notes(console, remarks(result.run))
 
 
 def print_clearances(console: Console, study: Clearances) -> None:
@@ -69,7 +63,7 @@ def print_worst_cases(console: Console, study: WorstCases) -> None:
     for one in study.runs:
         if not one.outcome.as_wanted:
             console.print(f"{one.label}: {one.status}", markup=False)
-    _print_remarks(console, nominal_of(study.runs).run)
+    print_notes(console, remarks(nominal_of(study.runs).run))
 
 
 def print_requirements(console: Console, study: Verification) -> None:

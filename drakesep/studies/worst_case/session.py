@@ -135,8 +135,8 @@ def session(
 ) -> Iterator[Session]:
     """Fly the nominal and the published runs, and begin to compile what searches fly.
 
-    What the batch engine does not know is refused before anything is flown, and before
-    the results of an earlier study are taken out of the folder.
+    What is refused is refused before anything is flown, and before the results of an
+    earlier study are taken out of the folder.
 
     Args:
         plan: what is asked.
@@ -144,11 +144,11 @@ def session(
         on_progress: called as the study goes on.
 
     Raises:
-        ValueError: the batch engine cannot fly the separation.
+        ValueError: the batch engine cannot fly the separation, or parts overlap.
         RuntimeError: the nominal run fails.
     """
     case = plan.case
-    batch = _batch_of(case, plan.objectives) if plan.on_batch_engine else None
+    batch = checked_batch(plan)
     if plan.folder is not None:
         plan.folder.begin(plan.asked)
     nominal, drake = _fly_nominal(case)
@@ -178,6 +178,18 @@ def session(
         finally:
             under_way.wait_for_drawings()  # what has been begun is not lost
         under_way.check_drawings()
+
+
+def checked_batch(plan: StudyPlan) -> Batch | None:
+    """Return the batch engine of a plan, None if Drake flies alone.
+
+    Raises:
+        ValueError: it cannot fly the separation; or parts overlap while mated that are
+            not said to touch, and are to be measured.
+    """
+    if plan.clearance is not None:
+        plan.clearance.check_apart()
+    return _batch_of(plan.case, plan.objectives) if plan.on_batch_engine else None
 
 
 def _fly_nominal(case: AnalysisCase) -> tuple[Run, float]:
