@@ -13,6 +13,9 @@ from .studies.clearance import Clearances as Clearances
 from .studies.clearance import clearance as clearance
 from .studies.simulate import Simulated as Simulated
 from .studies.simulate import simulate as simulate
+from .studies.sweep import Sweep as Sweep
+from .studies.sweep import SweepProgress as SweepProgress
+from .studies.sweep import sweep as sweep
 from .studies.verification import Verification as Verification
 from .studies.verification import verify as verify
 from .studies.worst_case.plan import Progress as Progress

@@ -25,6 +25,7 @@ CODES = {
     "show": {GOOD: 0, BAD_FILE: 2, INTERRUPTED: 130},
     "new": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
     "simulate": OF_STUDY,
+    "sweep": {**OF_STUDY, OTHER_RUN_FAILED: 1},
     "clearance": {**OF_STUDY, NOT_MET: 1},
     "animate": {**OF_STUDY, OTHER_RUN_FAILED: 1},
     "worst-case": {**OF_STUDY, OTHER_RUN_FAILED: 1},
@@ -34,6 +35,7 @@ CODES = {
 SETTINGS = {
     "new": ("--from", "vga"),
     "simulate": ("--set", "upper.mass_kg=heavy"),
+    "sweep": ("--engine", "steam"),
     "clearance": ("--set", "upper.mas_kg=1200"),
     "animate": ("--run", "worst_L1"),
     "worst-case": ("--objective", "L3"),
@@ -82,6 +84,9 @@ def arguments(command, outcome, folder):
         output = output / "page.html"
     more = [*SEARCH, "--objective", "PM"] if command == "worst-case" else []
     more = [*SEARCH] if command == "verify" else more
+    if command == "sweep":
+        other = outcome == OTHER_RUN_FAILED
+        more = ["s2.stroke_mm=110,5000" if other else "upper.mass_kg=1180:1220:3"]
     setting = SETTINGS[command] if outcome == BAD_SETTING else ()
     return [case, "-o", output, *more, *setting]
 

@@ -11,6 +11,7 @@ from drakesep.cli.case_commands import cases, new, show
 from drakesep.cli.report import BAD_INPUT, TERMINATED, print_json, say_error
 from drakesep.cli.run_commands import animate, clearance, simulate
 from drakesep.cli.search_commands import verify, worst_case
+from drakesep.cli.sweep_command import sweep
 
 
 app = typer.Typer(
@@ -45,7 +46,12 @@ def options(
     """How badly can a launch vehicle separation go, and is that within limits?"""
 
 
-for command in (cases, show, new, simulate, clearance, animate, worst_case, verify):
+_COMMANDS = (
+    *(cases, show, new),
+    *(simulate, sweep, clearance, animate),
+    *(worst_case, verify),
+)
+for command in _COMMANDS:
     app.command(command.__name__.replace("_", "-"))(command)
 
 

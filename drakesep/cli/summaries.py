@@ -15,6 +15,7 @@ from drakesep.case_file.case import Case
 from drakesep.studies.clearance import Clearances
 from drakesep.studies.remarks import remarks
 from drakesep.studies.simulate import Simulated
+from drakesep.studies.sweep import Sweep
 from drakesep.studies.verification import Verification
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.systems.model.parameters import parameters
@@ -94,6 +95,16 @@ class SimulateSummary(StudySummary):
 
 
 @dataclass(frozen=True, kw_only=True)
+class SweepSummary(StudySummary):
+    """Of `sweep`."""
+
+    engine: str
+    """`drake` or `batch`: that has flown the variants."""
+    variants: list[Row]
+    """Rows of sweep.csv."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class ClearanceSummary(StudySummary):
     """Of `clearance`."""
 
@@ -136,6 +147,7 @@ SUMMARIES: dict[str, type[Any]] = {
     "new": NewSummary,
     "show": ShowSummary,
     "simulate": SimulateSummary,
+    "sweep": SweepSummary,
     "clearance": ClearanceSummary,
     "animate": AnimateSummary,
     "worst-case": WorstCaseSummary,
@@ -201,6 +213,18 @@ def of_simulated(result: Simulated, folder: Path) -> SimulateSummary:
         status=result.labelled.status,
         metrics=dict(in_units(result.labelled.metrics)),
         contacts=_rows(result.contacts) if result.completed else [],
+    )
+
+
+def of_sweep(study: Sweep, folder: Path) -> SweepSummary:
+    """Return the summary of variants."""
+    return SweepSummary(
+        case=study.case.name,
+        folder=str(folder),
+        verdict=None,
+        notes=[],
+        engine=study.engine,
+        variants=_rows(study.table),
     )
 
 

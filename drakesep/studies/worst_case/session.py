@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Protocol, TypeVar
 
 from drakesep.analysis.analysis_case import AnalysisCase
-from drakesep.analysis.engines.drake_pool import DrakePool
+from drakesep.analysis.engines.drake_pool import WORKERS_START, DrakePool
 from drakesep.analysis.engines.evaluator import Evaluator
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
@@ -34,9 +34,6 @@ class _HasTables(Protocol):
 
 
 _Study = TypeVar("_Study", bound=_HasTables)
-
-_WORKERS_START = 4.0
-"""What workers must save to be worth their start, s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,7 +150,7 @@ def session(
         plan.folder.begin(plan.asked)
     nominal, drake = _fly_nominal(case)
     several = drake * (len(case.published) + len(plan.objectives))
-    few = batch is not None and several < _WORKERS_START and plan.workers is None
+    few = batch is not None and several < WORKERS_START and plan.workers is None
     workers = 1 if few else plan.workers
     with DrakePool(case.separation, case.integration, workers=workers) as pool:
         published = pool.fly([published.values for published in case.published])

@@ -24,6 +24,10 @@ from drakesep.cli.app import app
 LAST = {
     (NOT_MET, "clearance"): "drakesep: there is contact; see clearance_summary.csv",
     (RUN_FAILED, "simulate"): "drakesep: failed: ",
+    (RUN_FAILED, "sweep"): "drakesep: 3 of 3 variants failed; first number 1: ",
+    (OTHER_RUN_FAILED, "sweep"): (
+        "drakesep: 1 of 2 variants failed; first number 2: s2 has not reached its"
+    ),
     (RUN_FAILED, "clearance"): "drakesep: the run failed: ",
     (RUN_FAILED, "animate"): "drakesep: the run failed: ",
     (RUN_FAILED, "worst-case"): "drakesep: the nominal run failed: ",
@@ -33,6 +37,7 @@ LAST = {
     (OTHER_RUN_FAILED, "verify"): "drakesep: a run or a search failed; see status",
 }
 """With which the one line begins; a verdict is told on standard output."""
+WRITES_ON_THE_WAY = ("sweep", "worst-case", "verify")
 
 
 @pytest.mark.parametrize(
@@ -57,7 +62,7 @@ def test_exit_code(command, outcome, tmp_path, capsys, monkeypatch):
     elif outcome == INTERRUPTED:
         # Nothing is to be said of those that write nothing before their end.
         told = f"drakesep: interrupted; what was done is in {tmp_path / 'out'}"
-        assert lines == ([told] if command in ("worst-case", "verify") else [])
+        assert lines == ([told] if command in WRITES_ON_THE_WAY else [])
     else:
         assert len(lines) == 1, err
         assert lines[0].startswith(LAST.get((outcome, command), "drakesep: "))
