@@ -72,6 +72,7 @@ class Report:
         self.console = _console(quiet=self._quiet or self._as_json)
         self.answer = _console(quiet=self._as_json)
         self.aside = _console(quiet=self._quiet, stderr=self._as_json)
+        self._shown_before = warnings.showwarning
         warnings.showwarning = self._show_warning
         return self
 
@@ -98,7 +99,7 @@ class Report:
         trace: TracebackType | None,
     ) -> None:
         """Say what has gone wrong, and the summary; exit unless all is well."""
-        warnings.showwarning = _WARN
+        warnings.showwarning = self._shown_before
         if error is None:
             code, message = self._code, ""
         else:
@@ -127,7 +128,6 @@ class Report:
             print(f"drakesep: warning: {message}", file=sys.stderr)
 
 
-_WARN = warnings.showwarning
 _ENDED = {INTERRUPTED: "interrupted", TERMINATED: "terminated"}
 """What a JSON object says of an end that a person knows of."""
 

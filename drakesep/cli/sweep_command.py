@@ -22,7 +22,7 @@ def sweep(
     swept: Annotated[
         list[str],
         typer.Argument(
-            metavar="NAME=VALUES...",
+            metavar="NAME=VALUES",
             help="A parameter and its values, FROM:TO:N or with commas between; of "
             "several parameters, all combinations are flown. `show` lists the names.",
         ),

@@ -38,7 +38,7 @@ def check_verifiable(case: Case) -> list[str]:
         ValueError: `verify` refuses it, whatever its options; with the same message.
     """
     if not case.limits:
-        return ["There is no requirement: `verify` has nothing to look at."]
+        return ["There is no requirement: `verify` refuses it until there is one."]
     why = refusal(case)
     if why and refusal(case, [DRAKE]):
         raise InputError(why)

@@ -207,3 +207,17 @@ def test_an_error_of_ours_keeps_its_traceback(capsys):
     ):
         1 / 0  # noqa: B018
     assert capsys.readouterr().out == ""
+
+
+def test_a_study_that_is_terminated_says_so(capsys):
+    with pytest.raises(SystemExit), Report("verify", quiet=False, as_json=True):
+        raise SystemExit(143)  # as SIGTERM does
+    told = json.loads(capsys.readouterr().out)
+    assert (told["exit_code"], told["error"]) == (143, "terminated")
+
+
+def test_another_exit_is_left_alone(capsys):
+    """Such as that of a console whose reader has left."""
+    with pytest.raises(SystemExit), Report("show", quiet=False, as_json=True):
+        raise SystemExit(1)
+    assert capsys.readouterr().out == ""
