@@ -62,19 +62,15 @@ class InDrake:
         """
         self._case, self._clearance = case, clearance
         self._pool = DrakePool(case.separation, case.integration, workers=1)
-        if workers is None and self._takes(count) < WORKERS_START:
+        began = time.perf_counter()
+        [self._nominal] = self._pool.fly([{}])
+        if workers is None and count * (time.perf_counter() - began) < WORKERS_START:
             workers = 1
         self.workers = workers or os.cpu_count() or 1
         if self.workers > 1:
             flown = case.separation, case.integration
             self._pool = DrakePool(*flown, workers=self.workers)
         self.fewest, self.together = 1, 8 * self.workers
-
-    def _takes(self, count: int) -> float:
-        """Return what so many runs take in this process, s."""
-        began = time.perf_counter()
-        self._pool.fly([{}])
-        return count * (time.perf_counter() - began)
 
     def __enter__(self) -> Self:
         return self
@@ -88,7 +84,8 @@ class InDrake:
         self._pool.__exit__(kind, error, trace)
 
     def prepare(self) -> None:
-        """Nothing is to be done."""
+        """Measure a run: the first takes several times as long as others."""
+        _measured(self._case, {}, self._nominal, self._clearance)
 
     def fly(self, values: Sequence[Values]) -> list[Variant]:
         """Return the variants of some values; one that cannot be flown has failed."""
