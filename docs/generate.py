@@ -15,10 +15,12 @@ from metric_table import table_of_metrics, table_of_quantities
 from parameter_table import table_of_parameters
 from port_tables import tables_of_ports
 from result_tables import table_of_study, tables_of_results
+from summary_tables import tables_of_summaries
 
 
 DOCS = Path(__file__).parent
 TABLES: Mapping[str, Mapping[str, Callable[[], str]]] = {
+    "command_line.md": {"summaries": tables_of_summaries},
     "case_file.md": {"keys": keys_of_case_files},
     "metrics.md": {"metrics": table_of_metrics, "quantities": table_of_quantities},
     "parameters.md": {"parameters": table_of_parameters},

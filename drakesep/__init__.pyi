@@ -1,6 +1,7 @@
 from .analysis.analysis_case import AnalysisCase as AnalysisCase
 from .case_file.case import Case as Case
 from .case_file.errors import CaseError as CaseError
+from .case_file.new_case import new_case as new_case
 from .case_file.objectives import case_objectives as case_objectives
 from .case_file.reader import builtin_cases as builtin_cases
 from .case_file.reader import load_case as load_case
@@ -12,6 +13,9 @@ from .studies.clearance import Clearances as Clearances
 from .studies.clearance import clearance as clearance
 from .studies.simulate import Simulated as Simulated
 from .studies.simulate import simulate as simulate
+from .studies.sweep import Sweep as Sweep
+from .studies.sweep import SweepProgress as SweepProgress
+from .studies.sweep import sweep as sweep
 from .studies.verification import Verification as Verification
 from .studies.verification import verify as verify
 from .studies.worst_case.plan import Progress as Progress

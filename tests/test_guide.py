@@ -29,7 +29,8 @@ def blocks(page, language):
     return re.findall(rf"^```{language}\n(.*?)^```", text, re.M | re.S)
 
 
-PAGES = (GUIDE, WORST_CASES, CLEARANCE, METRICS_PAGE)
+COMMAND_LINE = DOCS / "command_line.md"
+PAGES = (GUIDE, WORST_CASES, CLEARANCE, METRICS_PAGE, COMMAND_LINE)
 BLOCKS = [b for page in PAGES for b in blocks(page, "python")]
 
 
@@ -65,6 +66,17 @@ def test_case_file_of_the_readme(tmp_path, monkeypatch, capsys):
     assert abs(motion["rate_z_deg_s"].iloc[-1]) == pytest.approx(
         math.degrees(p * 0.005 / 140.0), rel=0.1
     )
+
+
+def test_variants_of_the_command_line(capsys):
+    """Springs of Eq. 5 give the same impulse, so that speeds go with 1/mu."""
+    printed = run(containing("drakesep.sweep"), capsys)
+    (_, light, fast), (_, nominal, speed), (_, heavy, slow) = zip(
+        *[iter(printed)] * 3, strict=True
+    )
+    for mass, v in ((light, fast), (heavy, slow)):
+        ratio = (1.0 / 750.0 + 1.0 / mass) / (1.0 / 750.0 + 1.0 / nominal)
+        assert v / speed == pytest.approx(ratio, rel=1e-5)  # as they are printed
 
 
 def test_body_of_a_shape(capsys):

@@ -91,6 +91,10 @@ class LowestClearance(LargestOfParts):
                 self._separation, self._pairs, touching=self._touching
             )
 
+    def check_apart(self) -> None:
+        """Raise InputError if parts overlap while mated that are not said to touch."""
+        self._analysis.check_apart()
+
     @property
     def _analysis(self) -> ClearanceAnalysis:
         self.prepare()

@@ -12,12 +12,13 @@ from drakesep.analysis.clearance.of_pair import Clearance, smallest, smallest_be
 from drakesep.analysis.clearance.part_distance import PartDistance
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, check_finite
+from drakesep.systems.equations.motion_of_run import mated_trajectory
 from drakesep.systems.geometry.convex_pieces import mesh_of
 from drakesep.systems.geometry.distance import Nearest, Proximity
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.part_pairs import Names, owners_of, part_pairs
 from drakesep.systems.model.parts import Mesh, Part
-from drakesep.systems.model.run import Run
+from drakesep.systems.model.run import Run, Trajectory
 from drakesep.systems.model.separation import Body, Separation
 
 
@@ -91,6 +92,15 @@ class ClearanceAnalysis:
         again = functools.partial(ClearanceAnalysis, touching=touching)
         return again, (separation, pairs)
 
+    def check_apart(self) -> None:
+        """Raise InputError if parts overlap while mated that are not said to touch.
+
+        As every measurement of a run does: here it is known before one is flown.
+        """
+        for parts in self._along(mated_trajectory(self.separation)):
+            if frozenset(parts.names) not in self._touching:
+                _check_apart(parts)
+
     def of(self, run: Run, *, until: float | None = None) -> list[Clearance]:
         """Return how near each pair comes in a run.
 
@@ -105,7 +115,7 @@ class ClearanceAnalysis:
         end = _end(run, until)
         return [
             smallest(parts, self._start_before(end, parts), end)
-            for parts in self._along(run)
+            for parts in self._along(run.completed_trajectory)
         ]
 
     def smallest(
@@ -127,7 +137,7 @@ class ClearanceAnalysis:
         """
         end = _end(run, until)
         # That pairs are not the nearest is sooner shown once that one is known.
-        along = self._along(run)
+        along = self._along(run.completed_trajectory)
         if math.isinf(than):
             along = _first(_nearest_of(along, 0.5 * end)[0], along)
         best: Clearance | None = None
@@ -159,7 +169,7 @@ class ClearanceAnalysis:
             RuntimeError: the run failed.
         """
         asked = self.names if of is None else of
-        along = {parts.names: parts for parts in self._along(run)}
+        along = {parts.names: parts for parts in self._along(run.completed_trajectory)}
         return np.array(
             [
                 [along[names].at(t).distance for t in np.asarray(times).tolist()]
@@ -174,7 +184,7 @@ class ClearanceAnalysis:
             RuntimeError: the run failed.
         """
         bodies = dict(zip(self.names, self.bodies, strict=True))
-        along = self._along(run)
+        along = self._along(run.completed_trajectory)
         starts = {parts.names: self._start(parts) for parts in along}
         found = []
         for t in times:
@@ -196,12 +206,11 @@ class ClearanceAnalysis:
         bodies = dict(zip(self.names, self.bodies, strict=True))
         return [
             [NearestPair(parts.names, bodies[parts.names], parts.at(t)) for t in times]
-            for parts in self._along(run)
+            for parts in self._along(run.completed_trajectory)
             if frozenset(parts.names) not in self._touching
         ]
 
-    def _along(self, run: Run) -> list[PartDistance]:
-        trajectory = run.completed_trajectory
+    def _along(self, trajectory: Trajectory) -> list[PartDistance]:
         paths = {ends: RelativePath(trajectory, *ends) for ends in self._proximities}
         return [
             PartDistance(self._proximities[ends], names, paths[ends])
@@ -217,15 +226,20 @@ class ClearanceAnalysis:
         """Return from when a pair is measured, s; infinite if it never parts."""
         if frozenset(parts.names) in self._touching:
             return _parted(parts)
-        if parts.overlap(0.0):
-            first, second = parts.names
-            distance = 1e3 * parts.at(0.0).distance
-            raise InputError(
-                f"geometry: {first} and {second} must be apart while mated, or be "
-                f"listed as touching; got a distance of {distance:.3f} mm, or one "
-                "inside the other"
-            )
+        _check_apart(parts)
         return 0.0
+
+
+def _check_apart(parts: PartDistance) -> None:
+    """Raise InputError if parts overlap at the start."""
+    if parts.overlap(0.0):
+        first, second = parts.names
+        distance = 1e3 * parts.at(0.0).distance
+        raise InputError(
+            f"geometry: {first} and {second} must be apart while mated, or be "
+            f"listed as touching; got a distance of {distance:.3f} mm, or one "
+            "inside the other"
+        )
 
 
 def _parted(parts: PartDistance) -> float:

@@ -16,6 +16,10 @@ from drakesep.systems.model.separation import Separation
 from drakesep.systems.simulation.simulation import Simulation
 
 
+WORKERS_START = 4.0
+"""What workers must save to be worth their start, s."""
+
+
 class DrakePool:
     """Flies variations of one separation, spread over processes.
 

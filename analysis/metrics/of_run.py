@@ -59,12 +59,25 @@ def metrics_of_run(
     """
     samples = _samples_of(run)
     values: dict[str, float] = {}
-    metrics = [metric for metric in registered_metrics() if metric.of_every_run]
-    metrics += [m.of(pair.B) for pair in run.separation.others for m in metrics]
-    for metric in dict.fromkeys([*metrics, *map(metric_named, also)]):
+    for metric in metrics_of(run.separation, also):
         limits = limits_of(deviation_limits, metric.pair)
         values |= _values(metric, samples(metric), limits)
     return values
+
+
+def metrics_of(separation: Separation, also: Iterable[str] = ()) -> list[Metric]:
+    """Return the metrics that are told of every run of a separation.
+
+    Args:
+        separation: with the bodies that leave.
+        also: names of others, that are not registered.
+
+    Raises:
+        ValueError: there is no such metric of every run.
+    """
+    metrics = [metric for metric in registered_metrics() if metric.of_every_run]
+    metrics += [m.of(pair.B) for pair in separation.others for m in metrics]
+    return [*dict.fromkeys([*metrics, *map(metric_named, also)])]
 
 
 def metric_of_run(run: Run, name: str, deviation_limits: Limits) -> float:

@@ -102,6 +102,12 @@ def print_case(console: Console, case: Case) -> None:
         print_frame(console, "Requirements", _requirements(case))
 
 
+def print_notes(console: Console, notes: Iterable[str]) -> None:
+    """Print what should be known, a line each."""
+    for note in notes:
+        console.print(f"Note: {note}", markup=False)
+
+
 def _leaving(pair: Pair) -> str:
     text = f"{pair.B} leaves {pair.A}"
     if pair.direction == X_AXIS:

@@ -4,12 +4,15 @@ import contextlib
 import sys
 import time
 from collections.abc import Callable, Iterator
+from typing import NamedTuple, TypeAlias
 
 from rich import progress as rich_progress
 from rich.console import Console
 
+from drakesep.studies.sweep import SweepProgress
 from drakesep.studies.worst_case.effort import in_time
-from drakesep.studies.worst_case.plan import PLAN, OnProgress, Progress
+from drakesep.studies.worst_case.pace import Remaining
+from drakesep.studies.worst_case.plan import PLAN, Progress
 from drakesep.tables.columns import shown, unit_of_objective
 
 
@@ -17,14 +20,30 @@ _PACE = 10.0
 """Seconds after which a log gets another line, if no tenth of the study was done."""
 
 
+class _Standing(NamedTuple):
+    """Where a study stands, as it is shown."""
+
+    step: str
+    planned: str
+    """What it will do, as it begins; else empty."""
+    described: str
+    remaining: Remaining
+
+
+AnyProgress: TypeAlias = Progress | SweepProgress
+Tell: TypeAlias = Callable[[AnyProgress], None]
+
+
 @contextlib.contextmanager
-def progress_bar(console: Console) -> Iterator[OnProgress]:
+def progress_bar(console: Console) -> Iterator[Tell]:
     """Show a bar while a study goes on; give what is to be told of its progress.
 
     Where there is no terminal, lines on standard error say how far it has come. What
-    the study will do is said in any case, before it does.
+    the study will do is said in any case, before it does; nothing on a quiet console.
     """
-    if console.is_terminal:
+    if console.quiet:
+        yield lambda _: None
+    elif console.is_terminal:
         with _bar(console) as tell:
             yield tell
     else:
@@ -32,7 +51,7 @@ def progress_bar(console: Console) -> Iterator[OnProgress]:
 
 
 @contextlib.contextmanager
-def _bar(console: Console) -> Iterator[OnProgress]:
+def _bar(console: Console) -> Iterator[Tell]:
     bar = rich_progress.Progress(
         rich_progress.TextColumn("{task.description}"),
         rich_progress.BarColumn(),
@@ -43,15 +62,16 @@ def _bar(console: Console) -> Iterator[OnProgress]:
     )
     task = bar.add_task("compiling", total=None, left="")
 
-    def tell(progress: Progress) -> None:
-        if progress.search.search == PLAN:
-            console.print(_planned(progress), markup=False, highlight=False)
+    def tell(progress: AnyProgress) -> None:
+        standing = _standing(progress)
+        if standing.planned:
+            console.print(standing.planned, markup=False, highlight=False)
         bar.update(
             task,
             total=1.0,
-            completed=progress.remaining.share,
-            description=_described(progress),
-            left=f"{in_time(progress.remaining.seconds)} left",
+            completed=standing.remaining.share,
+            description=standing.described,
+            left=f"{in_time(standing.remaining.seconds)} left",
         )
 
     with bar:
@@ -76,19 +96,20 @@ class _Log:
         self._step = ""
         self._share, self._when = 0.0, clock()
 
-    def __call__(self, progress: Progress) -> None:
+    def __call__(self, progress: AnyProgress) -> None:
         """Say how far a study has come, if it has come far enough since last time."""
-        step, share = progress.search.search, progress.remaining.share
+        standing = _standing(progress)
+        step, share = standing.step, standing.remaining.share
         now = self._clock()
-        if step == PLAN:
-            self._say(_planned(progress))
+        if standing.planned:
+            self._say(standing.planned)
         elif (
             step != self._step
             or _tenths(share) > _tenths(self._share)
             or now >= self._when + _PACE
         ):
-            left = in_time(progress.remaining.seconds)
-            self._say(f"{share:4.0%}, {left} left: {_described(progress)}")
+            left = in_time(standing.remaining.seconds)
+            self._say(f"{share:4.0%}, {left} left: {standing.described}")
         else:
             return
         self._step, self._share, self._when = step, share, now
@@ -98,9 +119,15 @@ def _tenths(share: float) -> int:
     return int(10.0 * share + 1e-9)
 
 
-def _planned(progress: Progress) -> str:
-    text = str(progress.effort)
-    return text[0].upper() + text[1:]
+def _standing(progress: AnyProgress) -> _Standing:
+    if isinstance(progress, SweepProgress):
+        step, begins, plan = "sweep", progress.done == 0, str(progress)
+        described = f"{progress.done} of {progress.total} variants"
+    else:
+        step, plan = progress.search.search, str(progress.effort)
+        begins, described = step == PLAN, _described(progress)
+    planned = plan[0].upper() + plan[1:] if begins else ""
+    return _Standing(step, planned, described, progress.remaining)
 
 
 def _described(progress: Progress) -> str:

@@ -2,17 +2,20 @@
 
 from rich.console import Console
 
-from drakesep.cli.console import print_frame
+from drakesep.cli.console import print_frame, print_notes
 from drakesep.studies.clearance import Clearances
 from drakesep.studies.remarks import remarks
 from drakesep.studies.simulate import Simulated
+from drakesep.studies.sweep import Sweep
 from drakesep.studies.verification import Verification
 from drakesep.studies.worst_case.result import WorstCases
-from drakesep.systems.model.run import Run
 from drakesep.tables.labelled_run import nominal_of
 from drakesep.tables.run_tables import metrics_table
+from drakesep.units import with_unit
 
 
+_VARIANTS = 50
+"""Rows of a sweep that are printed."""
 # Columns that are printed; the others are in the file.
 _CLEARANCE = (
     *("first", "second", "clearance_mm", "time_s", "separation_mm"),
@@ -30,12 +33,7 @@ def print_simulated(console: Console, result: Simulated) -> None:
     print_frame(console, "Metrics of the run", metrics)
     if len(result.contacts):
         print_frame(console, "Parts that touch again", result.contacts)
-    _print_remarks(console, result.run)
-
-
-def _print_remarks(console: Console, run: Run) -> None:
-    for remark in remarks(run):
-        console.print(f"Note: {remark}", markup=False)
+    print_notes(console, remarks(result.run))
 
 
 def print_clearances(console: Console, study: Clearances) -> None:
@@ -43,6 +41,23 @@ def print_clearances(console: Console, study: Clearances) -> None:
     summary = study.summary
     shown = [name for name in _CLEARANCE if name in summary]
     print_frame(console, "Smallest clearances of the run", summary[shown])
+
+
+def print_sweep(console: Console, study: Sweep) -> None:
+    """Print the variants, with what is required of them."""
+    table = study.table
+    required = [with_unit(r.judged_by) for r in study.case.requirements]
+    shown = ["variant", *study.values, *required, "verdict"]
+    if not required:
+        shown = [str(name) for name in table if name not in ("verdict", "violated")]
+    if not study.completed:
+        shown.append("status")
+    known = [name for name in dict.fromkeys(shown) if name in table]
+    title = "Variants, one run each, without tolerances"
+    if len(table) > _VARIANTS:
+        title += f": the first {_VARIANTS} of {len(table)}; all are in sweep.csv"
+    first = table[known].head(_VARIANTS)
+    print_frame(console, title, first, index=1 + len(study.values))
 
 
 def print_worst_cases(console: Console, study: WorstCases) -> None:
@@ -69,7 +84,7 @@ def print_worst_cases(console: Console, study: WorstCases) -> None:
     for one in study.runs:
         if not one.outcome.as_wanted:
             console.print(f"{one.label}: {one.status}", markup=False)
-    _print_remarks(console, nominal_of(study.runs).run)
+    print_notes(console, remarks(nominal_of(study.runs).run))
 
 
 def print_requirements(console: Console, study: Verification) -> None:

@@ -13,7 +13,9 @@ from drakesep.analysis.search.judge import CONFIDENCE
 
 SIMULATE, CLEARANCE = "simulate", "clearance"
 WORST_CASE, VERIFY = "worst-case", "verify"
-STUDIES = (SIMULATE, CLEARANCE, WORST_CASE, VERIFY)
+SWEEP = "sweep"
+_OF_KEPT_RUNS = (SIMULATE, CLEARANCE, WORST_CASE, VERIFY)
+STUDIES = (*_OF_KEPT_RUNS, SWEEP)
 """Those that write a folder."""
 STUDY, CASE = "study.json", "case.json"
 RUNS = "runs"
@@ -149,7 +151,7 @@ _OF_RUNS = (
     ),
     FileKind(
         name=f"{RUNS}/{{label}}.csv",
-        studies=STUDIES,
+        studies=_OF_KEPT_RUNS,
         what="The motion of every body in W, and what joints and springs do, in SI: "
         "what plots and animations are made of.",
         row="sample time",
@@ -187,7 +189,7 @@ _OF_RUNS = (
     ),
     FileKind(
         name=f"{RUNS}/{{label}}.json",
-        studies=STUDIES,
+        studies=_OF_KEPT_RUNS,
         what="What the run is: its role, the parameters that it changes, when "
         "attachments let go and strokes ended, how it ended, its metrics, contacts; "
         "all in SI.",
@@ -262,6 +264,23 @@ _OF_ONE_RUN = (
             _TIME,
             Column("separation_mm", "mm", "How far B's origin has moved along A's x."),
             Column("{part}_to_{part}_mm", "mm", "Distance of the two parts."),
+        ),
+    ),
+)
+
+_VARIANTS = (
+    FileKind(
+        name="sweep.csv",
+        studies=(SWEEP,),
+        what="Variants of the case, one run each, and how they fare.",
+        row="variant",
+        columns=(
+            Column("variant", "", "Its number, from 1."),
+            Column("{parameter}", "in the name", "Value of the parameter."),
+            Column("{metric}", "in the name", "The metric of the run, see metrics.md."),
+            Column("verdict", "", "`met`, `not met` or `not looked at`; of this run."),
+            Column("violated", "", "Limits that are not met."),
+            Column("status", "", "`completed`, or `failed` with the reason."),
         ),
     ),
 )
@@ -491,6 +510,12 @@ _PLOTS = (
         what="The distance of the pair that comes nearest, nominal and worst.",
     ),
     FileKind(
+        name="sweep.png",
+        studies=(SWEEP,),
+        what="What is required over the parameter, with its limits, where one is "
+        "swept.",
+    ),
+    FileKind(
         name="clearance.png", studies=(CLEARANCE,), what="clearance.csv as a plot."
     ),
     FileKind(
@@ -514,5 +539,5 @@ _MEMORY = (
     ),
 )
 
-FILES = (*_MEMORY, *_OF_ONE_RUN, *_WORST_CASES, *_PLOTS, *_OF_RUNS)
+FILES = (*_MEMORY, *_OF_ONE_RUN, *_VARIANTS, *_WORST_CASES, *_PLOTS, *_OF_RUNS)
 """All but those of `GEOMETRY`."""

@@ -1,1 +1,1 @@
-"""What a user asks for: simulate, animate, clearance, worst case, verify."""
+"""What a user asks for: simulate, sweep, animate, clearance, worst case, verify."""

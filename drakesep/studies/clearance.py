@@ -201,6 +201,7 @@ def clearance(
     flown = with_values(case.separation, changed)
     of = case.clearance
     analysis = ClearanceAnalysis(flown, of.pairs, touching=of.touching)
+    analysis.check_apart()
     with begun(output, asked) as folder:  # what is refused leaves it alone
         run = Simulation(case.separation, case.integration).run(changed)
         if run.motion is None:

@@ -148,24 +148,14 @@ def verify(
         },
         seed=SearchSettings(**effort).seed,
     )
-    case = asked.case
-    if not case.requirements:
-        raise InputError("requirements: a case to verify must have some, got none")
-    chosen = choose_objectives(case, None, objectives)
+    plan = planned(asked, objectives, searches)
     with contextlib.ExitStack() as stack:
         folder = stack.enter_context(results_folder(output, VERIFY))
-        plan = StudyPlan(
-            asked=asked,
-            # Without dispersions, the nominal and the published runs are all there is.
-            objectives=chosen if case.tolerances else (),
-            searches=WantedSearches.named(searches),
-            effort=effort,
-            growth=growth,
-            workers=workers,
-            folder=folder,
+        plan = replace(
+            plan, effort=effort, growth=growth, workers=workers, folder=folder
         )
         study = Verification(
-            asked=asked, objectives=plan.objectives, clearance=the_clearance(chosen)
+            asked=asked, objectives=plan.objectives, clearance=plan.clearance
         )
         if background is None:
             own = BackgroundProcess(workers if plan.on_batch_engine else 1)
@@ -177,3 +167,29 @@ def verify(
                 study = replace(study, growths=growths, single_growths=single_growths)
             study = under_way.write_down(study)
         return ended(study, folder)
+
+
+def planned(
+    asked: Asked, objectives: Wanted = (), searches: Sequence[str] | None = None
+) -> StudyPlan:
+    """Return what is asked of a study that verifies a case.
+
+    Args:
+        asked: the study.
+        objectives: as `verify` takes them.
+        searches: as `verify` takes them.
+
+    Raises:
+        ValueError: the case has no requirement, or an objective or search is wrong.
+    """
+    case = asked.case
+    if not case.requirements:
+        raise InputError("requirements: a case to verify must have some, got none")
+    chosen = choose_objectives(case, None, objectives)
+    return StudyPlan(
+        asked=asked,
+        # Without dispersions, the nominal and the published runs are all there is.
+        objectives=chosen if case.tolerances else (),
+        searches=WantedSearches.named(searches),
+        clearance=the_clearance(chosen),
+    )

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.clearance.objective import LowestClearance
 from drakesep.analysis.metrics.objectives import Objective
 from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.analysis.search.expensive_objectives import check_expensive
@@ -37,6 +38,8 @@ class StudyPlan:
     """Whether to find how far tolerances may grow; None: if there is time."""
     workers: int | None = None
     """Processes that fly Drake; one per core if None; with 1, the caller's does all."""
+    clearance: LowestClearance | None = None
+    """That tells how near nominal and published runs come; None if not asked."""
     folder: ResultsFolder | None = None
     """That receives tables and plots as the study goes on."""
 

@@ -91,11 +91,10 @@ def worst_case(
             searches=WantedSearches.named(searches),
             effort=effort,
             workers=workers,
+            clearance=the_clearance(chosen),
             folder=folder,
         )
-        study = WorstCases(
-            asked=asked, objectives=chosen, clearance=the_clearance(chosen)
-        )
+        study = WorstCases(asked=asked, objectives=chosen, clearance=plan.clearance)
         with (
             BackgroundProcess(workers=1) as none,  # what little is drawn, is drawn here
             session(plan, none, on_progress) as under_way,

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Protocol, TypeVar
 
 from drakesep.analysis.analysis_case import AnalysisCase
-from drakesep.analysis.engines.drake_pool import DrakePool
+from drakesep.analysis.engines.drake_pool import WORKERS_START, DrakePool
 from drakesep.analysis.engines.evaluator import Evaluator
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
@@ -34,9 +34,6 @@ class _HasTables(Protocol):
 
 
 _Study = TypeVar("_Study", bound=_HasTables)
-
-_WORKERS_START = 4.0
-"""What workers must save to be worth their start, s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,8 +132,8 @@ def session(
 ) -> Iterator[Session]:
     """Fly the nominal and the published runs, and begin to compile what searches fly.
 
-    What the batch engine does not know is refused before anything is flown, and before
-    the results of an earlier study are taken out of the folder.
+    What is refused is refused before anything is flown, and before the results of an
+    earlier study are taken out of the folder.
 
     Args:
         plan: what is asked.
@@ -144,16 +141,16 @@ def session(
         on_progress: called as the study goes on.
 
     Raises:
-        ValueError: the batch engine cannot fly the separation.
+        ValueError: the batch engine cannot fly the separation, or parts overlap.
         RuntimeError: the nominal run fails.
     """
     case = plan.case
-    batch = _batch_of(case, plan.objectives) if plan.on_batch_engine else None
+    batch = checked_batch(plan)
     if plan.folder is not None:
         plan.folder.begin(plan.asked)
     nominal, drake = _fly_nominal(case)
     several = drake * (len(case.published) + len(plan.objectives))
-    few = batch is not None and several < _WORKERS_START and plan.workers is None
+    few = batch is not None and several < WORKERS_START and plan.workers is None
     workers = 1 if few else plan.workers
     with DrakePool(case.separation, case.integration, workers=workers) as pool:
         published = pool.fly([published.values for published in case.published])
@@ -178,6 +175,18 @@ def session(
         finally:
             under_way.wait_for_drawings()  # what has been begun is not lost
         under_way.check_drawings()
+
+
+def checked_batch(plan: StudyPlan) -> Batch | None:
+    """Return the batch engine of a plan, None if Drake flies alone.
+
+    Raises:
+        ValueError: it cannot fly the separation; or parts overlap while mated that are
+            not said to touch, and are to be measured.
+    """
+    if plan.clearance is not None:
+        plan.clearance.check_apart()
+    return _batch_of(plan.case, plan.objectives) if plan.on_batch_engine else None
 
 
 def _fly_nominal(case: AnalysisCase) -> tuple[Run, float]:

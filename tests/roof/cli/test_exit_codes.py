@@ -7,47 +7,27 @@ asked cannot be done. 130: interrupted.
 import pytest
 import typer
 from command_line import run
-from small_case import small_case, write_case
+from outcomes import (
+    CODES,
+    GOOD,
+    INTERRUPTED,
+    NOT_MET,
+    OTHER_RUN_FAILED,
+    RUN_FAILED,
+    arguments,
+    interrupt,
+)
 
 from drakesep.cli.app import app
-from drakesep.systems.simulation.simulation import Simulation
 
 
-GOOD, NOT_MET, RUN_FAILED, OTHER_RUN_FAILED, BAD_FILE, BAD_SETTING, NO_FOLDER = (
-    *("good", "not met", "run failed", "another run failed"),
-    *("bad file", "bad setting", "folder in the way"),
-)
-INTERRUPTED = "interrupted"
-SEARCH = ("--search", "drake", "--workers", "1")
-"""Drake alone: no program to compile."""
-OF_STUDY = {
-    GOOD: 0,
-    RUN_FAILED: 1,
-    BAD_FILE: 2,
-    BAD_SETTING: 2,
-    NO_FOLDER: 2,
-    INTERRUPTED: 130,
-}
-CODES = {
-    "cases": {GOOD: 0, INTERRUPTED: 130},
-    "show": {GOOD: 0, BAD_FILE: 2, INTERRUPTED: 130},
-    "simulate": OF_STUDY,
-    "clearance": {**OF_STUDY, NOT_MET: 1},
-    "animate": {**OF_STUDY, OTHER_RUN_FAILED: 1},
-    "worst-case": {**OF_STUDY, OTHER_RUN_FAILED: 1},
-    "verify": {**OF_STUDY, NOT_MET: 1, OTHER_RUN_FAILED: 1},
-}
-"""What else there is does not come about: no requirement is asked of `simulate`."""
-SETTINGS = {
-    "simulate": ("--set", "upper.mass_kg=heavy"),
-    "clearance": ("--set", "upper.mas_kg=1200"),
-    "animate": ("--run", "worst_L1"),
-    "worst-case": ("--objective", "L3"),
-    "verify": ("--samples", "0"),
-}
 LAST = {
     (NOT_MET, "clearance"): "drakesep: there is contact; see clearance_summary.csv",
     (RUN_FAILED, "simulate"): "drakesep: failed: ",
+    (RUN_FAILED, "sweep"): "drakesep: 3 of 3 variants failed; first number 1: ",
+    (OTHER_RUN_FAILED, "sweep"): (
+        "drakesep: 1 of 2 variants failed; first number 2: s2 has not reached its"
+    ),
     (RUN_FAILED, "clearance"): "drakesep: the run failed: ",
     (RUN_FAILED, "animate"): "drakesep: the run failed: ",
     (RUN_FAILED, "worst-case"): "drakesep: the nominal run failed: ",
@@ -57,46 +37,7 @@ LAST = {
     (OTHER_RUN_FAILED, "verify"): "drakesep: a run or a search failed; see status",
 }
 """With which the one line begins; a verdict is told on standard output."""
-
-
-def case_for(outcome, command):
-    """The small case, so that it comes to the outcome."""
-    if outcome == BAD_FILE:
-        return small_case(pair={"A": "lower", "B": "uper"})
-    data = small_case(dispersions={"upper.mass_kg": 20.0}, published=None)
-    data["requirements"] = data["requirements"][:1]
-    if outcome == NOT_MET:
-        data["requirements"][0]["at_least"] = 5.0
-        data["bodies"]["lower"]["geometry"]["post"]["position_mm"][1] = 300.0
-    if outcome == RUN_FAILED:  # no step can follow such joints
-        for attachment in data["attachments"].values():
-            attachment["joint"] = dict.fromkeys(attachment["joint"], 1e30)
-            attachment["release_time_s"] = 0.3
-    if outcome == OTHER_RUN_FAILED:
-        spring = data["attachments"]["two"]["spring"]
-        del spring["design_mass_kg"]
-        spring["law"] = "displacement"
-        [published] = small_case()["published"]
-        published["values"] = {"s2.stroke_mm": 5000.0}
-        data["published"] = [published]
-    return data
-
-
-def arguments(command, outcome, folder):
-    if command == "cases":
-        return []
-    case = write_case(folder, case_for(outcome, command))
-    if command == "show":
-        return [case]
-    output = folder / "out"
-    if outcome == NO_FOLDER:
-        output.write_text("")
-    if command == "animate":
-        output = output / "page.html"
-    more = [*SEARCH, "--objective", "PM"] if command == "worst-case" else []
-    more = [*SEARCH] if command == "verify" else more
-    setting = SETTINGS[command] if outcome == BAD_SETTING else ()
-    return [case, "-o", output, *more, *setting]
+WRITES_ON_THE_WAY = ("sweep", "worst-case", "verify")
 
 
 @pytest.mark.parametrize(
@@ -121,21 +62,10 @@ def test_exit_code(command, outcome, tmp_path, capsys, monkeypatch):
     elif outcome == INTERRUPTED:
         # Nothing is to be said of those that write nothing before their end.
         told = f"drakesep: interrupted; what was done is in {tmp_path / 'out'}"
-        assert lines == ([told] if command in ("worst-case", "verify") else [])
+        assert lines == ([told] if command in WRITES_ON_THE_WAY else [])
     else:
         assert len(lines) == 1, err
         assert lines[0].startswith(LAST.get((outcome, command), "drakesep: "))
-
-
-def interrupt(monkeypatch):
-    """Ctrl-C as the first run flies, or as a case is read where none flies."""
-
-    def stop(*_, **__):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Simulation, "run", stop)
-    monkeypatch.setattr("drakesep.cli.console.print_cases", stop)
-    monkeypatch.setattr("drakesep.cli.console.print_case", stop)
 
 
 def test_every_command_is_here():

@@ -35,12 +35,14 @@ OF_SEARCH = {
 OPTIONS = {
     "cases": {},
     "show": {},
+    "new": {},  # test_new.py
     "simulate": {
         "--set": (
             ["upper.mass_kg=1180", "two.position_y_mm=-390"],
             {"values": {"upper.mass_kg": 1180.0, "two.position_y_mm": -390.0}},
         )
     },
+    "sweep": {"--engine": ("batch", {"engine": "batch"})},
     "clearance": {
         "--set": (
             ["upper.mass_kg=1180", "two.position_y_mm=-390"],
@@ -67,13 +69,18 @@ OPTIONS = {
 }
 """Of each command: an option, its value, and the same argument in Python."""
 ELSEWHERE = {
+    "new": {"--from", "--output", "-o"},
     "animate": {"--output", "-o", "--runs", "--run"},
     "simulate": {"--output", "-o"},
+    "sweep": {"--output", "-o", "--workers"},
     "clearance": {"--output", "-o"},
     "worst-case": {"--output", "-o", "--workers", "--flips"},
     "verify": {"--output", "-o", "--workers", "--flips", "--corners"},
 }
 """Tested below."""
+SWEPT = {"upper.mass_kg": [1180.0, 1200.0, 1220.0]}
+OF_ALL = {"--quiet", "--json"}
+"""Tested in test_report.py."""
 
 
 @pytest.fixture(scope="module")
@@ -101,8 +108,10 @@ def quick(monkeypatch, batches):
         return batches[key]
 
     monkeypatch.setattr("drakesep.studies.worst_case.session.Batch", batch)
+    monkeypatch.setattr("drakesep.studies.variant_engines.Batch", batch)
     monkeypatch.setattr(Session, "draw", lambda *_: None)
-    for module in ("motion.save_motion", "clearance_plots.save_clearance"):
+    drawn = ("motion.save_motion", "clearance_plots.save_clearance", "sweep.save_sweep")
+    for module in drawn:
         monkeypatch.setattr(f"drakesep.plots.{module}", lambda *_, **__: None)
     monkeypatch.setattr("drakesep.plots.swept_volume.save_swept", lambda *_: None)
     monkeypatch.setattr(
@@ -136,7 +145,8 @@ def options_of(command):
 
 @pytest.mark.parametrize("command", OPTIONS)
 def test_every_option_is_here(command):
-    assert set(OPTIONS[command]) | ELSEWHERE.get(command, set()) == options_of(command)
+    here = set(OPTIONS[command]) | ELSEWHERE.get(command, set()) | OF_ALL
+    assert here == options_of(command)
 
 
 def in_words(option, value):
@@ -161,6 +171,9 @@ def called(command, case, folder, arguments):
         study = getattr(drakesep, command)(case, **arguments)
         study.save(folder)
         return
+    if command == "sweep":
+        drakesep.sweep(case, SWEPT, output=folder, **arguments)
+        return
     options = {**HARD, "growth": False, **arguments}
     if command == "worst-case":
         del options["growth"]
@@ -173,6 +186,8 @@ def called(command, case, folder, arguments):
 def typed(command, case, folder, option, value):
     """The words of a command line that ask for the same."""
     words = [command, case, "-o", folder, *in_words(option, value)]
+    if command == "sweep":
+        words.insert(2, "upper.mass_kg=1180:1220:3")
     if command in ("worst-case", "verify"):
         words += [*hard_in_words(without=[option]), "--workers", 1]
     if command == "worst-case" and option != "--objective":
@@ -265,13 +280,16 @@ def test_what_two_parameters_do_not_show(
     assert plan["searches"] == ["corners"]
 
 
-@pytest.mark.parametrize("command", ["simulate", "clearance", "worst-case", "verify"])
+@pytest.mark.parametrize(
+    "command", ["simulate", "sweep", "clearance", "worst-case", "verify"]
+)
 def test_output(command, case, tmp_path, monkeypatch, drakesep_):
     """Where it says, or in results beside the caller, by the names of both."""
     monkeypatch.chdir(tmp_path)
     words = ["--search", "samples", *hard_in_words(), "--workers", 1]
     words = words if command in ("worst-case", "verify") else []
     words += ["--objective", "L1"] if command == "worst-case" else []
+    words += ["upper.mass_kg=1180,1220"] if command == "sweep" else []
     words += ["--no-growth"] if command == "verify" else []
     for option in ("--output", "-o"):
         drakesep_(command, case, *words, option, tmp_path / option)
@@ -299,7 +317,7 @@ def test_workers(command, workers, case, tmp_path, monkeypatch, drakesep_):
 
 
 @pytest.mark.parametrize(
-    "command", ["simulate", "clearance", "animate", "worst-case", "verify"]
+    "command", ["simulate", "sweep", "clearance", "animate", "worst-case", "verify"]
 )
 def test_every_run_is_integrated_as_the_case_says(
     command, tmp_path, monkeypatch, drakesep_
@@ -321,10 +339,27 @@ def test_every_run_is_integrated_as_the_case_says(
     output = tmp_path / "page.html" if command == "animate" else tmp_path
     words = ["--search", "drake", "--workers", 1]
     words = words if command in ("worst-case", "verify") else []
+    words += ["upper.mass_kg=1180,1220"] if command == "sweep" else []
     words += ["--objective", "PM"] if command == "worst-case" else []
     drakesep_(command, write_case(tmp_path, data), "-o", output, *words)
     assert told
     assert all(integration == wanted for integration in told)
+
+
+@pytest.mark.parametrize(("workers", "asked"), [(None, [1]), (1, [1]), (2, [1, 2])])
+def test_workers_of_a_sweep(workers, asked, case, tmp_path, monkeypatch, drakesep_):
+    """The first pool, in this process, tells how long a run takes."""
+    told = []
+
+    class Noted(DrakePool):
+        def __init__(self, separation, integration=None, *, workers=None):
+            told.append(workers)
+            super().__init__(separation, integration, workers=1)
+
+    monkeypatch.setattr("drakesep.studies.variant_engines.DrakePool", Noted)
+    words = [] if workers is None else ["--workers", workers]
+    drakesep_("sweep", case, "upper.mass_kg=1180,1220", "-o", tmp_path, *words)
+    assert told == asked
 
 
 def test_runs_of_an_animation(case, tmp_path, monkeypatch, drakesep_):

@@ -19,6 +19,7 @@ def studies(case, folder):
     drakesep.simulate(case, output=folder / "simulate")
     drakesep.clearance(case, output=folder / "clearance")
     drakesep.verify(case, output=folder / "verify", growth=True, corners=1, **quick)
+    drakesep.sweep(case, {"payload.mass_kg": [1880]}, output=folder / "sweep")
     chosen = ["PM", "lowest_clearance"]
     drakesep.worst_case(case, chosen, output=folder / "worst-case", **quick)
 

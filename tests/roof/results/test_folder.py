@@ -293,11 +293,12 @@ def test_what_no_text_holds_has_no_command():
 
 
 def test_refused_study_makes_no_folder(tmp_path):
-    from drakesep.cli import app  # as the command line opens it, before the check
+    # As the command line opens it, before the check.
+    from drakesep.cli.results_folder import results_folder
 
     with (
         pytest.raises(ValueError, match="mas_kg"),
-        app._results(tmp_path / "new", "vega", "simulate") as folder,
+        results_folder(tmp_path / "new", "vega", "simulate") as folder,
     ):
         drakesep.simulate("vega", {"payload.mas_kg": 1.0}, output=folder)
     assert not (tmp_path / "new").exists()

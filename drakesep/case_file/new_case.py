@@ -1,0 +1,52 @@
+"""New case files: a small one with comments to start from, or a built-in one."""
+
+import re
+from pathlib import Path
+
+from drakesep.case_file.reader import builtin_cases
+from drakesep.systems.checks import InputError, unknown
+
+
+_TEMPLATE = Path(__file__).with_name("new_case.yaml")
+"""Its name of a case stands wherever the new one does."""
+
+
+def new_case(name: str, *, like: str | None = None, file: Path | None = None) -> Path:
+    """Write a case file to start from; what is there is never overwritten.
+
+    Args:
+        name: of the case, of letters, digits, _ and -.
+        like: name of the built-in case that it begins as; a small one with comments if
+            None.
+        file: to be written; NAME.yaml if None.
+
+    Returns:
+        The file.
+
+    Raises:
+        ValueError: the name is not made of these, or that of a built-in case; there is
+            no such built-in case; or the file is there.
+    """
+    builtin = builtin_cases()
+    if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", name):
+        raise InputError(
+            f"name: must be made of letters, digits, _ and -, got {name!r}"
+        )
+    if name in builtin:
+        raise InputError(f"name: must not be that of a built-in case, got {name!r}")
+    if like is not None and like not in builtin:
+        raise InputError(unknown("built-in case", like, builtin))
+    file = Path(f"{name}.yaml") if file is None else file
+    if like is None:
+        text = _TEMPLATE.read_text(encoding="utf-8").replace("new_case", name)
+    else:
+        text = builtin[like].read_text(encoding="utf-8")
+        text = re.sub(r"^name: .*$", f"name: {name}", text, count=1, flags=re.M)
+    try:
+        with file.open("x", encoding="utf-8") as stream:
+            stream.write(text)
+    except FileExistsError:
+        raise InputError(
+            f"output: must be a file that is not there yet, got {file}"
+        ) from None
+    return file

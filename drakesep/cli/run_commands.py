@@ -1,0 +1,176 @@
+"""Commands that fly single runs: simulate, clearance, animate."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from drakesep.cli.options import (
+    CaseArgument,
+    ChangesOption,
+    JsonOption,
+    OutputOption,
+    QuietOption,
+    parse_changes,
+)
+from drakesep.cli.report import Report
+from drakesep.cli.results_folder import results_folder, say_where
+from drakesep.systems.checks import InputError
+
+
+def simulate(
+    case: CaseArgument,
+    changes: ChangesOption = None,
+    output: OutputOption = None,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Fly a case once: motion.csv, summary.csv, plots; contacts.csv if any."""
+    with Report("simulate", quiet=quiet, as_json=as_json) as report:
+        values = parse_changes(changes or [])
+        from drakesep.case_file.reader import load_case
+        from drakesep.cli.results import print_simulated
+        from drakesep.cli.summaries import of_simulated
+        from drakesep.studies import simulate
+
+        loaded = load_case(case)
+        report.add(case=loaded.name)
+        with (
+            results_folder(output, loaded.name, "simulate") as folder,
+            report.aside.status("flying"),
+        ):
+            result = simulate.simulate(loaded, values, output=folder)
+        report.add(**vars(of_simulated(result, folder.path)))
+        if not result.completed:
+            report.fail(result.labelled.status)
+        print_simulated(report.console, result)
+        say_where(report.console, folder)
+
+
+def clearance(
+    case: CaseArgument,
+    changes: ChangesOption = None,
+    output: OutputOption = None,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Measure how near bodies come: clearance_summary.csv, clearance.csv, a plot.
+
+    Exits with 1 if anything touches.
+    """
+    with Report("clearance", quiet=quiet, as_json=as_json) as report:
+        values = parse_changes(changes or [])
+        from drakesep.case_file.reader import load_case
+        from drakesep.cli.results import print_clearances
+        from drakesep.cli.summaries import of_clearances
+        from drakesep.studies import clearance
+
+        loaded = load_case(case)
+        report.add(case=loaded.name)
+        with (
+            results_folder(output, loaded.name, "clearance") as folder,
+            report.aside.status("flying and measuring"),
+        ):
+            study = clearance.clearance(loaded, values, output=folder)
+        report.add(**vars(of_clearances(study, folder.path)))
+        print_clearances(report.console, study)
+        say_where(report.console, folder)
+        if not study.clear:
+            report.fail("there is contact; see clearance_summary.csv")
+
+
+def animate(
+    case: Annotated[
+        str,
+        typer.Argument(
+            help="A case file, the name of a built-in case, or a folder of results."
+        ),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="The page; results/CASE/animate.html if not given, or of a folder "
+            "FOLDER.html beside it.",
+        ),
+    ] = None,
+    runs: Annotated[
+        Path | None,
+        typer.Option(
+            help="worst_cases.csv of a study, whose runs are shown; those published "
+            "with the case if not given."
+        ),
+    ] = None,
+    labels: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--run",
+            help="Label of a run of that table; can be repeated; if not given, all "
+            "worst cases of the paper's objectives and of the clearance, or all worst "
+            "cases if there are none of these objectives.",
+        ),
+    ] = None,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Animate the nominal run and worst cases in one HTML page, for a browser.
+
+    Of a folder of results, the runs that it keeps: nothing is flown.
+    """
+    with Report("animate", quiet=quiet, as_json=as_json) as report:
+        from drakesep.case_file.reader import builtin_cases
+
+        if Path(case).is_dir() and case not in builtin_cases():
+            _animate_folder(report, Path(case), labels, output, runs)
+        else:
+            _animate_case(report, case, labels, output, runs)
+
+
+def _animate_case(
+    report: Report,
+    case: str,
+    labels: list[str] | None,
+    output: Path | None,
+    runs: Path | None,
+) -> None:
+    from drakesep.case_file.reader import load_case
+    from drakesep.studies import animate
+    from drakesep.tables.run_tables import read_runs
+
+    loaded = load_case(case)
+    report.add(case=loaded.name)
+    if labels and runs is None:
+        raise InputError("--run: needs --runs, the table that has it")
+    chosen = None if runs is None else read_runs(runs, labels)
+    file = output or Path("results") / loaded.name / "animate.html"
+    with report.aside.status("flying and measuring"):
+        shown = animate.animate(loaded, chosen, output=file)
+    _say_animated(report, file, shown)
+
+
+def _animate_folder(
+    report: Report,
+    folder: Path,
+    labels: list[str] | None,
+    output: Path | None,
+    runs: Path | None,
+) -> None:
+    from drakesep.results.reading import read_results
+    from drakesep.studies import animate
+
+    if runs is not None:
+        raise InputError(f"--runs: {folder} has its own runs; name them with --run")
+    file = output or folder.parent / f"{folder.resolve().name}.html"
+    with report.aside.status("measuring"):
+        results = read_results(folder)
+        report.add(case=results.case.name)
+        shown = animate.animate_results(results, labels, output=file)
+    _say_animated(report, file, shown)
+
+
+def _say_animated(report: Report, file: Path, shown: list[str]) -> None:
+    report.add(file=str(file.absolute()), runs=shown)
+    say = report.console.print
+    say(f"The animation is {file}: open it in a browser", markup=False)
+    say(f"It shows {', '.join(shown)}", markup=False)

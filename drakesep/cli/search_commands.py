@@ -1,0 +1,197 @@
+"""Commands that search worst cases: worst-case, verify."""
+
+import contextlib
+from typing import TYPE_CHECKING, Annotated, cast
+
+import typer
+
+from drakesep.cli.options import (
+    CaseArgument,
+    JsonOption,
+    OutputOption,
+    QuietOption,
+    WorkersOption,
+)
+from drakesep.cli.report import Report
+from drakesep.cli.results_folder import interruptible, results_folder, say_where
+
+
+if TYPE_CHECKING:
+    from drakesep.analysis.search.effort import Effort
+
+
+SearchOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--search",
+        help="sqp, multistart, vertices, corners, samples, evolution, in their order; "
+        "or drake alone; can be repeated. If not given: samples, vertices, sqp, "
+        "multistart; corners where there are too many vertices.",
+    ),
+]
+StartsOption = Annotated[
+    int | None,
+    typer.Option(help="Of the ascent from many starts, for each objective."),
+]
+SamplesOption = Annotated[int | None, typer.Option(help="Drawn at random.")]
+VerticesOption = Annotated[int | None, typer.Option(help="That may be flown at most.")]
+FlipsOption = Annotated[
+    int | None,
+    typer.Option(
+        help="Corners that may be flown for each objective, where all are too many."
+    ),
+]
+SeedOption = Annotated[
+    int | None, typer.Option(min=0, help="Of what is drawn at random.")
+]
+_OBJECTIVE = (
+    "L1, L2, Linf, PM, one of a requirement, or highest_ or lowest_ and a metric"
+)
+_WHAT_FAILED = "a run or a search failed; see status in worst_cases.csv"
+
+
+def worst_case(
+    case: CaseArgument,
+    objectives: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--objective",
+            help=f"{_OBJECTIVE}; can be repeated. If not given: those of the case's "
+            "requirements, and L1 to PM if it says `objectives: paper`.",
+        ),
+    ] = None,
+    search: SearchOption = None,
+    starts: StartsOption = None,
+    samples: SamplesOption = None,
+    vertices: VerticesOption = None,
+    flips: FlipsOption = None,
+    seed: SeedOption = None,
+    output: OutputOption = None,
+    workers: WorkersOption = None,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Find the worst cases: worst_cases.csv, evidence.csv, plots and more."""
+    with Report("worst-case", quiet=quiet, as_json=as_json) as report:
+        from drakesep.case_file.reader import load_case
+        from drakesep.cli.progress import progress_bar
+        from drakesep.cli.results import print_worst_cases
+        from drakesep.cli.summaries import of_worst_cases
+        from drakesep.studies.worst_case import procedure
+
+        loaded = load_case(case)
+        report.add(case=loaded.name)
+        folder = results_folder(output, loaded.name, "worst-case")
+        with (
+            interruptible(folder),
+            folder,
+            progress_bar(report.aside) as on_progress,
+        ):
+            study = procedure.worst_case(
+                loaded,
+                objectives,
+                searches=search,
+                output=folder,
+                workers=workers,
+                on_progress=on_progress,
+                **_given(
+                    starts=starts,
+                    samples=samples,
+                    vertices=vertices,
+                    flips=flips,
+                    seed=seed,
+                ),
+            )
+        report.add(**vars(of_worst_cases(study, folder.path)))
+        print_worst_cases(report.console, study)
+        say_where(report.console, folder)
+        if not study.completed:
+            report.fail(_WHAT_FAILED)
+
+
+def verify(
+    case: CaseArgument,
+    objectives: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--objective",
+            help=f"Searched beside those of the case: {_OBJECTIVE}; can be repeated.",
+        ),
+    ] = None,
+    search: SearchOption = None,
+    starts: StartsOption = None,
+    samples: SamplesOption = None,
+    vertices: VerticesOption = None,
+    flips: FlipsOption = None,
+    seed: SeedOption = None,
+    growth: Annotated[
+        bool | None,
+        typer.Option(
+            "--growth/--no-growth",
+            help="Find how far tolerances may grow; if not given, where a study with "
+            "it takes less than ten minutes.",
+        ),
+    ] = None,
+    corners: Annotated[
+        int | None,
+        typer.Option(help="Drawn at random, to look how far tolerances may grow."),
+    ] = None,
+    output: OutputOption = None,
+    workers: WorkersOption = None,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Find the worst cases and hold them against the requirements.
+
+    Exits with 1 if a requirement is not met.
+    """
+    with Report("verify", quiet=quiet, as_json=as_json) as report:
+        from drakesep.case_file.reader import load_case
+        from drakesep.studies.background_process import BackgroundProcess
+        from drakesep.studies.worst_case.searches import WantedSearches
+
+        loaded = load_case(case)
+        report.add(case=loaded.name)
+        folder = results_folder(output, loaded.name, "verify")
+        alone = WantedSearches.named(search).drake_alone or not loaded.dispersions
+        # Started now, to import what it draws with while we import the engines.
+        with BackgroundProcess(1 if alone else workers) as background:
+            from drakesep.cli.progress import progress_bar
+            from drakesep.studies import verification
+
+            with interruptible(folder), folder, contextlib.ExitStack() as stack:
+                stack.callback(background.end)  # before the folder is left
+                on_progress = stack.enter_context(progress_bar(report.aside))
+                study = verification.verify(
+                    loaded,
+                    objectives=objectives or (),
+                    searches=search,
+                    growth=growth,
+                    output=folder,
+                    workers=workers,
+                    on_progress=on_progress,
+                    background=background,
+                    **_given(
+                        starts=starts,
+                        samples=samples,
+                        vertices=vertices,
+                        flips=flips,
+                        corners=corners,
+                        seed=seed,
+                    ),
+                )
+        from drakesep.cli.results import print_requirements, print_verdict
+        from drakesep.cli.summaries import of_verification
+
+        report.add(**vars(of_verification(study, folder.path)))
+        print_requirements(report.console, study)
+        say_where(report.console, folder)
+        if not study.completed:
+            report.fail(_WHAT_FAILED)
+        print_verdict(report.console, study)
+        if not study.passed:
+            report.not_well()
+
+
+def _given(**effort: int | None) -> "Effort":
+    return cast("Effort", {k: v for k, v in effort.items() if v is not None})

@@ -1,0 +1,264 @@
+"""What `--json` says of what a command has done: of each, the keys and their meaning.
+
+Rows of tables are objects by the columns of the CSV files, whose meaning is that of
+`drakesep.results.catalogue`.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import pandas as pd
+
+from drakesep.case_file.case import Case
+from drakesep.studies.clearance import Clearances
+from drakesep.studies.remarks import remarks
+from drakesep.studies.simulate import Simulated
+from drakesep.studies.sweep import Sweep
+from drakesep.studies.verification import Verification
+from drakesep.studies.worst_case.result import WorstCases
+from drakesep.systems.model.parameters import parameters
+from drakesep.tables.columns import in_units
+from drakesep.tables.labelled_run import nominal_of
+from drakesep.units import unit_of, with_unit
+
+
+Row: TypeAlias = dict[str, Any]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CasesSummary:
+    """Of `cases`."""
+
+    cases: list[Row]
+    """`case` and `description` of each."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewSummary:
+    """Of `new`."""
+
+    case: str
+    """Its name."""
+    file: str
+    """That has been written."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShowSummary:
+    """Of `show`."""
+
+    case: str
+    """Its name."""
+    description: str
+    """A line."""
+    pairs: list[Row]
+    """`A`, `B` and `direction` of each."""
+    bodies: list[str]
+    """Their names."""
+    attachments: list[Row]
+    """`attachment`, `A`, `B`, `joint` and `spring` of each; null: it has no spring."""
+    parameters: list[Row]
+    """`parameter`, `value` and `tolerance` of each, in the unit of its name; a
+    tolerance of null: it is not dispersed."""
+    requirements: list[Row]
+    """`quantity`, `condition`, `sense`, `limit` and `id` of each limit."""
+    notes: list[str]
+    """What should be known of it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudySummary:
+    """Of every study."""
+
+    case: str
+    """Its name."""
+    folder: str
+    """That has the results."""
+    verdict: str | None
+    """`met` or `not met`, `clear` or `contact`; null: the study gives none."""
+    notes: list[str]
+    """What should be known of the nominal run, or of the one that was flown."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimulateSummary(StudySummary):
+    """Of `simulate`."""
+
+    status: str
+    """How the run ended."""
+    metrics: dict[str, float | None]
+    """Of the run, by names with units; null: not a number."""
+    contacts: list[Row]
+    """Rows of contacts.csv."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepSummary(StudySummary):
+    """Of `sweep`."""
+
+    engine: str
+    """`drake` or `batch`: that has flown the variants."""
+    variants: list[Row]
+    """Rows of sweep.csv."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClearanceSummary(StudySummary):
+    """Of `clearance`."""
+
+    clearances: list[Row]
+    """Rows of clearance_summary.csv."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorstCaseSummary(StudySummary):
+    """Of `worst-case`."""
+
+    worst_cases: list[Row]
+    """Rows of evidence.csv."""
+    runs: list[Row]
+    """Rows of worst_cases.csv."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class VerifySummary(WorstCaseSummary):
+    """Of `verify`."""
+
+    requirements: list[Row]
+    """Rows of requirements.csv."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AnimateSummary:
+    """Of `animate`."""
+
+    case: str
+    """Its name."""
+    file: str
+    """The page."""
+    runs: list[str]
+    """Labels of what it shows."""
+
+
+SUMMARIES: dict[str, type[Any]] = {
+    "cases": CasesSummary,
+    "new": NewSummary,
+    "show": ShowSummary,
+    "simulate": SimulateSummary,
+    "sweep": SweepSummary,
+    "clearance": ClearanceSummary,
+    "animate": AnimateSummary,
+    "worst-case": WorstCaseSummary,
+    "verify": VerifySummary,
+}
+"""By commands."""
+
+
+def of_cases(cases: Iterable[Case]) -> CasesSummary:
+    """Return the summary of built-in cases."""
+    rows = [{"case": one.name, "description": one.description} for one in cases]
+    return CasesSummary(cases=rows)
+
+
+def of_case(case: Case) -> ShowSummary:
+    """Return the summary of a case; without notes."""
+    separation = case.separation
+    tolerances = in_units({d.name: d.tolerance for d in case.box.dispersions})
+    values = in_units(parameters(separation))
+    return ShowSummary(
+        case=case.name,
+        description=case.description,
+        pairs=[
+            {"A": pair.A, "B": pair.B, "direction": pair.direction}
+            for pair in separation.pairs
+        ],
+        bodies=[body.name for body in separation.bodies],
+        attachments=[
+            {
+                "attachment": one.name,
+                "A": one.A,
+                "B": one.B,
+                "joint": one.joint.type,
+                "spring": one.spring.name if one.spring else None,
+            }
+            for one in separation.attachments
+        ],
+        parameters=[
+            {"parameter": name, "value": value, "tolerance": tolerances.get(name)}
+            for name, value in values.items()
+        ],
+        requirements=[
+            {
+                "quantity": with_unit(one.metric),
+                "condition": one.condition,
+                "sense": one.sense,
+                "limit": unit_of(one.metric).from_si(one.limit),
+                "id": one.id,
+            }
+            for one in case.limits
+        ],
+        notes=[],
+    )
+
+
+def of_simulated(result: Simulated, folder: Path) -> SimulateSummary:
+    """Return the summary of a run."""
+    return SimulateSummary(
+        case=result.case.name,
+        folder=str(folder),
+        verdict=None,
+        notes=remarks(result.run),
+        status=result.labelled.status,
+        metrics=dict(in_units(result.labelled.metrics)),
+        contacts=_rows(result.contacts) if result.completed else [],
+    )
+
+
+def of_sweep(study: Sweep, folder: Path) -> SweepSummary:
+    """Return the summary of variants."""
+    return SweepSummary(
+        case=study.case.name,
+        folder=str(folder),
+        verdict=None,
+        notes=[],
+        engine=study.engine,
+        variants=_rows(study.table),
+    )
+
+
+def of_clearances(study: Clearances, folder: Path) -> ClearanceSummary:
+    """Return the summary of how near parts come."""
+    return ClearanceSummary(
+        case=study.case.name,
+        folder=str(folder),
+        verdict="clear" if study.clear else "contact",
+        notes=remarks(study.run),
+        clearances=_rows(study.summary),
+    )
+
+
+def of_worst_cases(study: WorstCases, folder: Path) -> WorstCaseSummary:
+    """Return the summary of worst cases."""
+    return WorstCaseSummary(
+        case=study.case.name,
+        folder=str(folder),
+        verdict=study.verdict,
+        notes=remarks(nominal_of(study.runs).run),
+        worst_cases=_rows(study.evidence) if study.worst else [],
+        runs=_rows(study.table),
+    )
+
+
+def of_verification(study: Verification, folder: Path) -> VerifySummary:
+    """Return the summary of a verdict."""
+    return VerifySummary(
+        **vars(of_worst_cases(study, folder)), requirements=_rows(study.requirements)
+    )
+
+
+def _rows(frame: pd.DataFrame) -> list[Row]:
+    """Return the rows of a table; None where it is empty."""
+    filled = frame.astype(object).where(frame.notna(), None)
+    return [{str(k): x for k, x in row.items()} for row in filled.to_dict("records")]

@@ -1,0 +1,110 @@
+"""The command that flies variants: sweep."""
+
+from typing import Annotated
+
+import typer
+
+from drakesep.cli.options import (
+    CaseArgument,
+    JsonOption,
+    OutputOption,
+    QuietOption,
+    WorkersOption,
+    number,
+)
+from drakesep.cli.report import Report
+from drakesep.cli.results_folder import interruptible, results_folder, say_where
+from drakesep.systems.checks import InputError
+
+
+def sweep(
+    case: CaseArgument,
+    swept: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="NAME=VALUES",
+            help="A parameter and its values, FROM:TO:N or with commas between; of "
+            "several parameters, all combinations are flown. `show` lists the names.",
+        ),
+    ],
+    engine: Annotated[
+        str | None,
+        typer.Option(
+            help="drake or batch. If not given: Drake for at most 100 variants, and "
+            "for what the batch engine cannot fly."
+        ),
+    ] = None,
+    output: OutputOption = None,
+    workers: WorkersOption = None,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Fly variants, one run each: sweep.csv; a plot, if one parameter varies.
+
+    Exits with 1 if a run failed.
+    """
+    with Report("sweep", quiet=quiet, as_json=as_json) as report:
+        values = parse_swept(swept)
+        from drakesep.case_file.reader import load_case
+        from drakesep.cli.progress import progress_bar
+        from drakesep.cli.results import print_sweep
+        from drakesep.cli.summaries import of_sweep
+        from drakesep.studies import sweep
+
+        loaded = load_case(case)
+        report.add(case=loaded.name)
+        folder = results_folder(output, loaded.name, "sweep")
+        with (
+            interruptible(folder),
+            folder,
+            progress_bar(report.aside) as on_progress,
+        ):
+            study = sweep.sweep(
+                loaded,
+                values,
+                engine=sweep.engine_named(engine),
+                output=folder,
+                workers=workers,
+                on_progress=on_progress,
+            )
+        report.add(**vars(of_sweep(study, folder.path)))
+        print_sweep(report.console, study)
+        say_where(report.console, folder)
+        if not study.completed:
+            report.fail(study.failure)
+
+
+def parse_swept(texts: list[str]) -> dict[str, list[float]]:
+    """Return values by parameter name, from NAME=FROM:TO:N or NAME=1,2,3.
+
+    Raises:
+        ValueError: one is neither, or a name stands twice.
+    """
+    values: dict[str, list[float]] = {}
+    for text in texts:
+        name, equals, said = text.partition("=")
+        if not equals:
+            raise InputError(
+                f"{text}: must be NAME=FROM:TO:N or NAME=VALUE,VALUE,..., got no ="
+            )
+        if name in values:
+            raise InputError(f"{name}: must stand once, got it twice")
+        if ":" in said:
+            values[name] = _between(name, said)
+        else:
+            values[name] = [number(name, one) for one in said.split(",")]
+    return values
+
+
+def _between(name: str, said: str) -> list[float]:
+    """Return evenly spaced values, the ends among them, from FROM:TO:N."""
+    parts = said.split(":")
+    if len(parts) != 3:
+        raise InputError(f"{name}: must be FROM:TO:N, got {said!r}")
+    first, last = (number(name, part) for part in parts[:2])
+    if not parts[2].isdecimal() or int(parts[2]) < 2:
+        raise InputError(
+            f"{name}: N must be a whole number of 2 or more, got {parts[2]!r}"
+        )
+    steps = int(parts[2]) - 1
+    return [*(first + (last - first) * k / steps for k in range(steps)), last]

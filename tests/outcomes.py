@@ -1,0 +1,103 @@
+"""Every command by every outcome: what is asked of it, and its exit code."""
+
+from small_case import small_case, write_case
+
+from drakesep.systems.simulation.simulation import Simulation
+
+
+GOOD, NOT_MET, RUN_FAILED, OTHER_RUN_FAILED, BAD_FILE, BAD_SETTING, NO_FOLDER = (
+    *("good", "not met", "run failed", "another run failed"),
+    *("bad file", "bad setting", "folder in the way"),
+)
+INTERRUPTED = "interrupted"
+SEARCH = ("--search", "drake", "--workers", "1")
+"""Drake alone: no program to compile."""
+OF_STUDY = {
+    GOOD: 0,
+    RUN_FAILED: 1,
+    BAD_FILE: 2,
+    BAD_SETTING: 2,
+    NO_FOLDER: 2,
+    INTERRUPTED: 130,
+}
+CODES = {
+    "cases": {GOOD: 0, INTERRUPTED: 130},
+    "show": {GOOD: 0, BAD_FILE: 2, INTERRUPTED: 130},
+    "new": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
+    "simulate": OF_STUDY,
+    "sweep": {**OF_STUDY, OTHER_RUN_FAILED: 1},
+    "clearance": {**OF_STUDY, NOT_MET: 1},
+    "animate": {**OF_STUDY, OTHER_RUN_FAILED: 1},
+    "worst-case": {**OF_STUDY, OTHER_RUN_FAILED: 1},
+    "verify": {**OF_STUDY, NOT_MET: 1, OTHER_RUN_FAILED: 1},
+}
+"""What else there is does not come about: no requirement is asked of `simulate`."""
+SETTINGS = {
+    "new": ("--from", "vga"),
+    "simulate": ("--set", "upper.mass_kg=heavy"),
+    "sweep": ("--engine", "steam"),
+    "clearance": ("--set", "upper.mas_kg=1200"),
+    "animate": ("--run", "worst_L1"),
+    "worst-case": ("--objective", "L3"),
+    "verify": ("--samples", "0"),
+}
+
+
+def case_for(outcome, command):
+    """The small case, so that it comes to the outcome."""
+    if outcome == BAD_FILE:
+        return small_case(pair={"A": "lower", "B": "uper"})
+    data = small_case(dispersions={"upper.mass_kg": 20.0}, published=None)
+    data["requirements"] = data["requirements"][:1]
+    if outcome == NOT_MET:
+        data["requirements"][0]["at_least"] = 5.0
+        data["bodies"]["lower"]["geometry"]["post"]["position_mm"][1] = 300.0
+    if outcome == RUN_FAILED:  # no step can follow such joints
+        for attachment in data["attachments"].values():
+            attachment["joint"] = dict.fromkeys(attachment["joint"], 1e30)
+            attachment["release_time_s"] = 0.3
+    if outcome == OTHER_RUN_FAILED:
+        spring = data["attachments"]["two"]["spring"]
+        del spring["design_mass_kg"]
+        spring["law"] = "displacement"
+        [published] = small_case()["published"]
+        published["values"] = {"s2.stroke_mm": 5000.0}
+        data["published"] = [published]
+    return data
+
+
+def arguments(command, outcome, folder):
+    if command == "cases":
+        return []
+    if command == "new":
+        if outcome == NO_FOLDER:
+            (folder / "out").write_text("")
+        setting = SETTINGS[command] if outcome == BAD_SETTING else ()
+        return ["small", "-o", folder / "out", *setting]
+    case = write_case(folder, case_for(outcome, command))
+    if command == "show":
+        return [case]
+    output = folder / "out"
+    if outcome == NO_FOLDER:
+        output.write_text("")
+    if command == "animate":
+        output = output / "page.html"
+    more = [*SEARCH, "--objective", "PM"] if command == "worst-case" else []
+    more = [*SEARCH] if command == "verify" else more
+    if command == "sweep":
+        other = outcome == OTHER_RUN_FAILED
+        more = ["s2.stroke_mm=110,5000" if other else "upper.mass_kg=1180:1220:3"]
+    setting = SETTINGS[command] if outcome == BAD_SETTING else ()
+    return [case, "-o", output, *more, *setting]
+
+
+def interrupt(monkeypatch):
+    """Ctrl-C as the first run flies, or as a case is read where none flies."""
+
+    def stop(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Simulation, "run", stop)
+    monkeypatch.setattr("drakesep.cli.console.print_cases", stop)
+    monkeypatch.setattr("drakesep.cli.console.print_case", stop)
+    monkeypatch.setattr("drakesep.case_file.new_case.new_case", stop)
