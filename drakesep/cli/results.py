@@ -96,10 +96,10 @@ def print_requirements(console: Console, study: Verification) -> None:
 
 def print_verdict(console: Console, study: Verification) -> None:
     """Print whether every requirement is met, and what was not looked at."""
-    if study.case.has_clearance and study.clearance is None:
+    if study.case.has_clearance and not study.clearances:
         console.print(
-            "There is geometry, and no requirement of clearance_mm: whether anything "
-            "touches was not looked at."
+            "There is geometry, and no requirement of clearance_mm or no_contact: "
+            "whether anything touches was not looked at."
         )
     if study.worst and not study.growths:
         console.print("How far tolerances may grow was not looked for: see --growth.")

@@ -72,7 +72,12 @@ _RUN = (
     _ROLE,
     Column("{parameter}", "in the name", "Value of the parameter in the run."),
     Column("{metric}", "in the name", "The metric of the run, see metrics.md."),
-    Column("nearest", "", "The parts that come nearest, if that was measured."),
+    Column(
+        "nearest",
+        "",
+        "The parts that come nearest, if that was measured; of several clearances the "
+        "nearest.",
+    ),
     Column("nearest_time_s", "s", "When they do."),
     Column("iterations", "", "Of the search that ended there; empty if none did."),
     Column(
@@ -428,7 +433,7 @@ _WORST_CASES = (
             Column("requirement", "", "Its quantity, and when it holds."),
             Column("axis", "", "Empty if it has none."),
             _UNIT,
-            Column("sense", "", "`<=` or `>=`."),
+            Column("sense", "", "`<=` or `>=`; `>` of no contact."),
             Column("limit", _SAME, "That is required."),
             Column("nominal", _SAME, "In the nominal run."),
             Column("worst", _SAME, "Nearest to the limit, or farthest beyond."),

@@ -12,7 +12,7 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.requirements import Finding, assess
 from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.case_file.case import Case
-from drakesep.case_file.objectives import Wanted, choose_objectives, the_clearance
+from drakesep.case_file.objectives import Wanted, choose_objectives, clearances_of
 from drakesep.plots.pictures import Pictures
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import VERIFY
@@ -155,7 +155,7 @@ def verify(
             plan, effort=effort, growth=growth, workers=workers, folder=folder
         )
         study = Verification(
-            asked=asked, objectives=plan.objectives, clearance=plan.clearance
+            asked=asked, objectives=plan.objectives, clearances=plan.clearances
         )
         if background is None:
             own = BackgroundProcess(workers if plan.on_batch_engine else 1)
@@ -191,5 +191,5 @@ def planned(
         # Without dispersions, the nominal and the published runs are all there is.
         objectives=chosen if case.tolerances else (),
         searches=WantedSearches.named(searches),
-        clearance=the_clearance(chosen),
+        clearances=clearances_of(chosen),
     )

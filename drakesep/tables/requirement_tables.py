@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from drakesep.analysis.metrics.clearances import CLEARANCE, NO_CONTACT
 from drakesep.analysis.metrics.requirements import Finding, Requirement, Verdict
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.units import unit_of, with_unit
@@ -36,13 +37,11 @@ def requirements_table(
     for finding in findings:
         requirement = finding.requirement
         unit = unit_of(requirement.metric)
-        stem, axis = requirement.quantity
+        _, axis = requirement.quantity
         growth = of_all.get(requirement)
         rows.append(
             {
-                "requirement": f"{stem} {requirement.condition}".replace(
-                    "_", " "
-                ).strip(),
+                "requirement": f"{_named(requirement)} {requirement.condition}".strip(),
                 "axis": axis,
                 "unit": unit.symbol,
                 "sense": requirement.sense,
@@ -61,6 +60,14 @@ def requirements_table(
             }
         )
     return pd.DataFrame(rows)
+
+
+def _named(requirement: Requirement) -> str:
+    """Return what is limited, in words: its quantity, or that nothing touches."""
+    stem, _ = requirement.quantity
+    if requirement.sense == ">":
+        stem = stem.replace(CLEARANCE, NO_CONTACT, 1)
+    return stem.replace("_", " ")
 
 
 def _first_tolerance(

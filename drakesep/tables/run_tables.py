@@ -77,10 +77,11 @@ def runs_table(runs: Iterable[LabelledRun], names: Sequence[str]) -> pd.DataFram
     return frame.astype({"iterations": "Int64", "evaluations": "Int64"})
 
 
-def _nearest_pair(nearest: Clearance | None) -> dict[str, object]:
+def _nearest_pair(measured: Mapping[str, Clearance]) -> dict[str, object]:
     """Return which parts come nearest in a run, and when, if that was asked for."""
-    if nearest is None:
+    if not measured:
         return {}
+    nearest = min(measured.values(), key=lambda one: one.minimum)
     return {"nearest": nearest.pair, **in_units({"nearest_time": nearest.time})}
 
 
@@ -149,8 +150,8 @@ def shown_first(worst: Sequence[str]) -> list[str]:
     of_paper = {label_of(Worst(name)) for name in OBJECTIVES}
     if of_paper.isdisjoint(worst):
         return list(worst)
-    shown = {*of_paper, label_of(Worst(LOWEST))}
-    return [label for label in worst if label in shown]
+    lowest = label_of(Worst(LOWEST))
+    return [label for label in worst if label in of_paper or lowest in label]
 
 
 def metrics_table(metrics: Mapping[str, float]) -> pd.DataFrame:

@@ -20,7 +20,7 @@ from drakesep.analysis.search.judge import find_worst_cases
 from drakesep.analysis.search.problem import Problem, Searched
 from drakesep.analysis.search.sqp import Start, slopes_at
 from drakesep.case_file.case import Case
-from drakesep.case_file.objectives import Wanted, choose_objectives, the_clearance
+from drakesep.case_file.objectives import Wanted, choose_objectives, clearances_of
 from drakesep.plots.pictures import Tornado
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import WORST_CASE
@@ -91,10 +91,10 @@ def worst_case(
             searches=WantedSearches.named(searches),
             effort=effort,
             workers=workers,
-            clearance=the_clearance(chosen),
+            clearances=clearances_of(chosen),
             folder=folder,
         )
-        study = WorstCases(asked=asked, objectives=chosen, clearance=plan.clearance)
+        study = WorstCases(asked=asked, objectives=chosen, clearances=plan.clearances)
         with (
             BackgroundProcess(workers=1) as none,  # what little is drawn, is drawn here
             session(plan, none, on_progress) as under_way,
@@ -137,16 +137,17 @@ def _record(runs: Sequence[LabelledRun], under_way: Session) -> None:
 
 def with_references(study: _Study, under_way: Session) -> _Study:
     """Return a study with its nominal and published runs, and their metrics."""
-    case, clearance = study.case, study.clearance
+    case, clearances = study.case, [*study.clearances.values()]
     roles: list[Role] = [Nominal(), *map(Published, case.published)]
     flown = [under_way.nominal, *under_way.published]
     background = under_way.background
-    if clearance is None or not background.is_another:
-        return replace(study, runs=_measured(roles, flown, case, clearance))
-    # A copy: it is sent while our own is prepared, which warns of doubtful meshes.
-    there = copy.copy(clearance)
+    if not clearances or not background.is_another:
+        return replace(study, runs=_measured(roles, flown, case, clearances))
+    # Copies: they are sent while our own are prepared, which warn of doubtful meshes.
+    there = [copy.copy(clearance) for clearance in clearances]
     runs = background.submit(_measured, roles, flown, case, there)
-    clearance.prepare()
+    for clearance in clearances:
+        clearance.prepare()
     return replace(study, runs=runs.result())
 
 
@@ -154,10 +155,10 @@ def _measured(
     roles: Sequence[Role],
     flown: Sequence[Run],
     case: AnalysisCase,
-    clearance: LowestClearance | None,
+    clearances: Sequence[LowestClearance],
 ) -> tuple[LabelledRun, ...]:
     return tuple(
-        measured(role, run, case, clearance)
+        measured(role, run, case, clearances)
         for role, run in zip(roles, flown, strict=True)
     )
 

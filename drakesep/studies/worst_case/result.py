@@ -1,6 +1,7 @@
 """The worst cases of a case: what was flown and found, and why to believe it."""
 
 import functools
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -50,8 +51,8 @@ class WorstCases:
     """The worst case of each objective, with its evidence."""
     nominal_slopes: Array | None = field(default=None, repr=False)
     """(m, n) of the objectives at the nominal, with the scaled parameters."""
-    clearance: LowestClearance | None = field(default=None, repr=False)
-    """That tells how near the nominal and published runs come; None if not asked."""
+    clearances: Mapping[str, LowestClearance] = field(default_factory=dict, repr=False)
+    """That tell how near the nominal and published runs come, by their metrics."""
 
     @property
     def case(self) -> AnalysisCase:
@@ -212,12 +213,10 @@ class WorstCases:
     @property
     def pictures(self) -> Pictures:
         """What shows the runs."""
-        clearances = [r.limit for r in self.case.requirements if r.measured_apart]
         return Pictures(
             runs=[o for o in self._shown if o.run.motion is not None],
             limits=self.case.requirements,
             approaches=self._approaches,
-            clearance_limit=clearances[0] if clearances else None,
         )
 
     @property
@@ -238,17 +237,16 @@ class WorstCases:
 
     @functools.cached_property
     def _approaches(self) -> list[Approach]:
-        """Of the nominal run and of the worst clearance, if it was looked for."""
-        if self.clearance is None:
-            return []
+        """Of the nominal run and of the worst of each clearance that was looked for."""
         approaches = []
-        for one in self.runs:
-            found = one.nearest
-            if found is None or isinstance(one.role, Published):
-                continue
-            x, distances = self.clearance.approach(one.run, found)
-            pair = found.pair.replace("_", " ")
-            approaches.append(Approach(one.label, pair, x, distances))
+        for metric, clearance in self.clearances.items():
+            for one in self.runs:
+                found = one.nearest.get(metric)
+                if found is None or isinstance(one.role, Published):
+                    continue
+                x, distances = clearance.approach(one.run, found)
+                pair = found.pair.replace("_", " ")
+                approaches.append(Approach(metric, one.label, pair, x, distances))
         return approaches
 
 
