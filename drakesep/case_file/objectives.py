@@ -45,25 +45,25 @@ def choose_objectives(
     """
     own = case_objectives(case)
     known = {**OBJECTIVES, **own}
-    listed = [*(own if wanted is None else _listed(wanted)), *_listed(also)]
+    every = [*(own if wanted is None else listed(wanted)), *listed(also)]
     if case.has_clearance and LOWEST not in known:
         known[LOWEST] = case.lowest_clearance()
-    for name in listed:
+    for name in every:
         if isinstance(name, str) and name not in known and _of_clearance(name):
             known[name] = case.lowest_clearance(name.removeprefix(_LOWEST))
-    if not listed and wanted is None:
+    if not every and wanted is None:
         raise InputError(
             f"objectives: {case.name} has no requirement and no 'objectives: paper': "
             f"must be given, such as {', '.join(OBJECTIVES)}, or highest_ or lowest_ "
             "and a metric; got none"
         )
-    if not listed:
+    if not every:
         raise InputError("objectives: must be one or more, got none")
     each = (
         known[objective]
         if isinstance(objective, str) and objective in known
         else as_objective(objective, known)
-        for objective in dict.fromkeys(listed)
+        for objective in dict.fromkeys(every)
     )
     chosen = list(dict.fromkeys(each))
     names = [objective.name for objective in chosen]
@@ -82,7 +82,8 @@ def choose_objectives(
     return tuple(chosen)
 
 
-def _listed(wanted: Wanted) -> Sequence[AnyObjective]:
+def listed(wanted: Wanted) -> Sequence[AnyObjective]:
+    """Return what is wanted as several, if it is one."""
     return [wanted] if isinstance(wanted, str) or callable(wanted) else wanted
 
 

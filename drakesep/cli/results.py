@@ -22,7 +22,8 @@ _CLEARANCE = (
     *("contact_time_s", "closing_speed_m_s", "status"),
 )
 _EVIDENCE = (
-    *("objective", "unit", "worst", "difference", "found_by", "sqp", "vertices"),
+    *("objective", "unit", "worst", "difference", "found_by", "run_by_run"),
+    *("sqp", "vertices"),
     *("samples", "starts", "ended_there", "at_bounds", "optimality_residual"),
 )
 

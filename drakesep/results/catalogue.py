@@ -79,6 +79,7 @@ _RUN = (
         "nearest.",
     ),
     Column("nearest_time_s", "s", "When they do."),
+    Column("{function}", "in the name", "A function of the run that is required."),
     Column("iterations", "", "Of the search that ended there; empty if none did."),
     Column(
         "evaluations",
@@ -328,6 +329,13 @@ _WORST_CASES = (
             Column("in_drake", _SAME, "In the run that Drake flew there."),
             Column("difference", _SAME, "Of the two."),
             Column("found_by", "", "The search that found it."),
+            Column(
+                "flown_by",
+                "",
+                "What told it to the searches: `batch`, by its metrics; or whole runs, "
+                "`batch, run by run` or `Drake, run by run`.",
+            ),
+            Column("run_by_run", "", "How many whole runs that took; 0 by metrics."),
             Column("{search}", _SAME, "The worst that this search found."),
             Column("starts", "", "Of the ascents."),
             Column("ended_there", "", "How many of them ended at the worst case."),

@@ -1,13 +1,15 @@
 """Runs of a study under their labels, with their metrics."""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from drakesep.analysis.analysis_case import AnalysisCase, PublishedCase
 from drakesep.analysis.clearance.objective import LowestClearance
 from drakesep.analysis.clearance.of_pair import Clearance
+from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.of_run import metrics_of_run
+from drakesep.systems.checks import named
 from drakesep.systems.model.run import Run
 from drakesep.tables.roles import (
     COMPLETED,
@@ -29,6 +31,8 @@ class LabelledRun:
     run: Run
     metrics: Mapping[str, float]
     """Its metrics in SI, by name; empty if the run failed."""
+    of_functions: Mapping[str, float] = field(default_factory=dict)
+    """What functions tell of it that are required, by their names, in their units."""
     outcome: Outcome = COMPLETED
     """How it ended, or the search that found it."""
     iterations: int | None = None
@@ -82,6 +86,18 @@ def measured(
     for one in clearances:
         metrics[one.metric] = clearance_told(run, nearest[one.metric], one)
     return LabelledRun(role=role, run=run, metrics=metrics, nearest=nearest)
+
+
+def told_by(functions: Iterable[FunctionRequirement], one: LabelledRun) -> LabelledRun:
+    """Return a run with what functions tell of it, unless it failed.
+
+    Raises:
+        ValueError: a function gives no finite number.
+    """
+    if one.run.motion is None:
+        return one
+    with named(one.label):
+        return replace(one, of_functions={f.name: f.of(one.run) for f in functions})
 
 
 def clearance_told(run: Run, nearest: Clearance, by: LowestClearance) -> float:

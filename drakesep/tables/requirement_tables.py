@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from drakesep.analysis.metrics.clearances import CLEARANCE, NO_CONTACT
+from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.requirements import Finding, Requirement, Verdict
 from drakesep.analysis.tolerances.box import ToleranceBox
-from drakesep.units import unit_of, with_unit
+from drakesep.units import Unit, unit_of, with_unit
 
 
 if TYPE_CHECKING:  # JAX comes with them
@@ -22,6 +23,7 @@ def requirements_table(
     single_growths: "Sequence[tuple[Requirement, Growth]]" = (),
     box: ToleranceBox | None = None,
     first: str = "",
+    functions: Sequence[FunctionRequirement] = (),
 ) -> pd.DataFrame:
     """Return a row for each requirement and axis, with its margins and verdict.
 
@@ -31,12 +33,15 @@ def requirements_table(
         single_growths: of single tolerances.
         box: the tolerances, if they grow.
         first: name of the body that leaves in the first pair.
+        functions: that are required, some of the findings are of them.
     """
     of_all = dict(growths)
+    own = {function.name: Unit("", function.unit) for function in functions}
     rows = []
     for finding in findings:
         requirement = finding.requirement
-        unit = unit_of(requirement.metric)
+        of_function = requirement.metric in own
+        unit = own[requirement.metric] if of_function else unit_of(requirement.metric)
         _, axis = requirement.quantity
         growth = of_all.get(requirement)
         rows.append(
@@ -54,7 +59,7 @@ def requirements_table(
                 "looked_up_to": math.nan if growth is None else growth.most,
                 **_first_tolerance(finding, single_growths, box),
                 "verdict": finding.verdict.value,
-                "pair": requirement.pair or first,
+                "pair": "" if of_function else requirement.pair or first,
                 "id": requirement.id,
                 "source": requirement.source,
             }

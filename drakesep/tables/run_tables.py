@@ -9,6 +9,7 @@ import pandas as pd
 
 from drakesep.analysis.clearance.objective import LOWEST
 from drakesep.analysis.clearance.of_pair import Clearance
+from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.tolerances.box import ToleranceBox
@@ -49,12 +50,17 @@ def motion_table(motion: Motion) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
-def runs_table(runs: Iterable[LabelledRun], names: Sequence[str]) -> pd.DataFrame:
+def runs_table(
+    runs: Iterable[LabelledRun],
+    names: Sequence[str],
+    functions: Sequence[FunctionRequirement] = (),
+) -> pd.DataFrame:
     """Return a row for each run: parameters, metrics, and how it was found.
 
     Args:
         runs: the runs.
         names: the parameters to show.
+        functions: that are required, and have been told.
     """
     rows = []
     for one in runs:
@@ -66,6 +72,7 @@ def runs_table(runs: Iterable[LabelledRun], names: Sequence[str]) -> pd.DataFram
                 **in_units({name: values[name] for name in names}),
                 **in_units(one.metrics),
                 **_nearest_pair(one.nearest),
+                **{f.column: one.of_functions.get(f.name, math.nan) for f in functions},
                 "iterations": one.iterations,
                 "evaluations": one.evaluations,
                 "status": one.status,

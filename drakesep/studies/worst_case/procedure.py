@@ -35,7 +35,8 @@ from drakesep.studies.worst_case.session import Session, session
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run
-from drakesep.tables.labelled_run import LabelledRun, measured
+from drakesep.tables.evidence_tables import BATCH, BATCH_RUNS, DRAKE_RUNS, Flown
+from drakesep.tables.labelled_run import LabelledRun, measured, told_by
 from drakesep.tables.roles import Nominal, Published, Role
 
 
@@ -116,16 +117,24 @@ def carried_out(study: _Study, under_way: Session) -> _Study:
 
     Without objectives, the nominal and the published runs are all there is.
     """
-    study = under_way.write_down(with_references(study, under_way))
+    study = under_way.write_down(_told(with_references(study, under_way)))
     _record(study.runs, under_way)
     if study.objectives:
         references = len(study.runs)
         study = searched(study, under_way)
         under_way.draw(Tornado(study.nearest_sensitivities).save)
-        study = under_way.write_down(confirmed(study, under_way))
+        study = under_way.write_down(_told(confirmed(study, under_way)))
         _record(study.runs[references:], under_way)
     under_way.draw(study.pictures.save)
     return study
+
+
+def _told(study: _Study) -> _Study:
+    """Return a study whose runs have what required functions tell of them."""
+    if not study.functions:
+        return study
+    runs = tuple(told_by(study.functions, one) for one in study.runs)
+    return replace(study, runs=runs)
 
 
 def _record(runs: Sequence[LabelledRun], under_way: Session) -> None:
@@ -188,7 +197,19 @@ def searched(study: _Study, under_way: Session) -> _Study:
         searched=tuple(done),
         worst=tuple(worst),
         nominal_slopes=_slopes_at_nominal(problem),
+        flown=_flown(under_way),
     )
+
+
+def _flown(under_way: Session) -> dict[str, Flown]:
+    """Return how searches were told each objective, by its name."""
+    evaluator = under_way.evaluator
+    whole = DRAKE_RUNS if under_way.batch is None else BATCH_RUNS
+    counts = map(evaluator.run_by_run, range(len(evaluator.objectives)))
+    return {
+        objective.name: Flown(BATCH, 0) if count is None else Flown(whole, count)
+        for objective, count in zip(evaluator.objectives, counts, strict=True)
+    }
 
 
 def _slopes_at_nominal(problem: Problem) -> Array:

@@ -9,6 +9,7 @@ import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.objective import LowestClearance
+from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.search.judge import WorstCase
 from drakesep.analysis.search.problem import FROM_NOMINAL, Candidate, Searched
@@ -23,6 +24,7 @@ from drakesep.systems.arrays import Array
 from drakesep.tables.columns import write_csv
 from drakesep.tables.comparison import comparison_table
 from drakesep.tables.evidence_tables import (
+    Flown,
     candidates_table,
     evidence_table,
     searches_table,
@@ -51,6 +53,10 @@ class WorstCases:
     """The worst case of each objective, with its evidence."""
     nominal_slopes: Array | None = field(default=None, repr=False)
     """(m, n) of the objectives at the nominal, with the scaled parameters."""
+    functions: tuple[FunctionRequirement, ...] = ()
+    """Of a run, that are required beside the case's requirements."""
+    flown: Mapping[str, Flown] = field(default_factory=dict, repr=False)
+    """How searches were told each objective, by its name."""
     clearances: Mapping[str, LowestClearance] = field(default_factory=dict, repr=False)
     """That tell how near the nominal and published runs come, by their metrics."""
 
@@ -67,7 +73,7 @@ class WorstCases:
     @property
     def table(self) -> pd.DataFrame:
         """A row for each run: parameters, metrics, and how it was found."""
-        return runs_table(self.runs, self.case.box.names)
+        return runs_table(self.runs, self.case.box.names, self.functions)
 
     @property
     def history(self) -> pd.DataFrame:
@@ -115,7 +121,7 @@ class WorstCases:
     @property
     def evidence(self) -> pd.DataFrame:
         """A row for each worst case, with why it may be believed."""
-        return evidence_table(self.worst, self.objectives, self.runs)
+        return evidence_table(self.worst, self.objectives, self.runs, self.flown)
 
     @property
     def searches(self) -> pd.DataFrame:
