@@ -19,6 +19,7 @@ from trade import JOINT
 
 import drakesep
 from drakesep.case_file.case import Case
+from drakesep.case_file.objectives import choose_objectives, clearances_of
 from drakesep.systems.model.run import Run, RunStatus, Trajectory
 
 
@@ -266,6 +267,63 @@ def test_a_requirement_on_one_pair_does_not_look_at_others(sideways, forward, at
     assert objective(crossing) == objective(still)
     # B leaves A at 1 m/s along x, from 300 mm between centres of balls of 100 mm.
     assert objective(still) == pytest.approx(-0.1, abs=1e-6)
+
+
+def both_leave(requirement):
+    """The neighbour is B of a pair too, and leaves along y; what leads out of it."""
+    pairs = [
+        {"A": "lv", "B": "sc"},
+        {"A": "lv", "B": "nb", "direction": [0.0, 1.0, 0.0]},
+    ]
+    record = drifting([requirement], pair=None, pairs=pairs).in_si()
+    [required] = record.requirements
+    [objective] = record.towards(required)
+    return required, objective, record.separation
+
+
+@pytest.mark.parametrize(
+    ("until", "expected", "ended"),
+    [
+        (200, math.hypot(0.3, 0.6), True),  # nearest at 0.2 s, of the 0.4 that count
+        (50, math.hypot(0.4, 0.55), True),  # until 0.1 s
+        (700, math.hypot(0.3, 0.6), False),  # in 1 s the neighbour moves 0.5 m
+    ],
+)
+def test_the_window_is_that_of_the_body_that_is_named(until, expected, ended):
+    window = {"at_least": 1.0, "until_separation_mm": until}
+    required, objective, separation = both_leave(
+        {"quantity": "clearance_mm", "pair": "nb", "to": "sc", **window}
+    )
+    assert required.metric == f"nb.clearance_to_sc_until_{1e-3 * until:g}_m"
+    assert objective.name == f"lowest_{required.metric}"
+    # The one leaves along x at 1 m/s, the other along y at 0.5: balls 500 mm aside.
+    run = straight_run(separation, (0.0, 0.0), (0.0, 0.5))
+    assert -objective(run) == pytest.approx(expected - RADII, abs=1e-6)
+    assert objective.is_window_ended(run) == ended
+
+
+def test_where_all_parts_are_measured_every_body_moves_so_far():
+    for until, ended in ((400, True), (700, False)):
+        window = {"at_least": 1.0, "until_separation_mm": until}
+        _, objective, separation = both_leave({"quantity": "clearance_mm", **window})
+        run = straight_run(separation, (0.0, 0.0), (0.0, 0.5))
+        assert objective.is_window_ended(run) == ended
+        assert -objective(run) == pytest.approx(0.1, abs=1e-6)
+
+
+def test_whose_clearance_must_be_said_where_several_leave():
+    with pytest.raises(ValueError, match="to nb: must have 'pair', got none"):
+        both_leave({"quantity": "clearance_mm", "to": "nb", "at_least": 1.0})
+
+
+def test_any_clearance_is_an_objective_by_its_name():
+    record = drifting([NO_CONTACT]).in_si()
+    names = ["lowest_clearance_to_nb_until_0.3_m", "lowest_clearance"]
+    chosen = choose_objectives(record, names)
+    assert [objective.name for objective in chosen] == names
+    assert [*clearances_of(chosen)] == [n.removeprefix("lowest_") for n in names]
+    with pytest.raises(ValueError, match="clearance_to_nc: unknown body 'nc'"):
+        choose_objectives(record, ["lowest_clearance_to_nc"])
 
 
 def straight_run(separation, start, velocity):
