@@ -15,6 +15,7 @@ from .engines.run_evaluator import RunEvaluator as RunEvaluator
 from .margins.tolerance_margins import Growth as Growth
 from .margins.tolerance_margins import Limit as Limit
 from .margins.tolerance_margins import grow as grow
+from .metrics.functions import FunctionRequirement as FunctionRequirement
 from .metrics.metric import Metric as Metric
 from .metrics.objectives import OBJECTIVES as OBJECTIVES
 from .metrics.objectives import MetricObjective as MetricObjective

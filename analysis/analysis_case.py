@@ -12,7 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
-from drakesep.analysis.metrics.metric import Functional, Owner
+from drakesep.analysis.metrics.clearances import CLEARANCE
+from drakesep.analysis.metrics.metric import Functional, Metric, Owner
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective, lowest, towards
 from drakesep.analysis.metrics.of_run import metric_named
 from drakesep.analysis.metrics.registry import (
@@ -41,7 +42,12 @@ from drakesep.systems.checks import (
 from drakesep.systems.frozen_mapping import FrozenMapping
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.parameters import with_values
-from drakesep.systems.model.part_pairs import Names, pairs_apart, part_pairs
+from drakesep.systems.model.part_pairs import (
+    Names,
+    owners_of,
+    pairs_apart,
+    part_pairs,
+)
 from drakesep.systems.model.separation import Separation
 
 
@@ -62,8 +68,9 @@ class ClearancePairs:
     touching: tuple[Names, ...] = ()
     """Those that touch or overlap while mated: measured once they have parted."""
     until_separation: float | None = None
-    """How far B is to move in its direction until distances do not matter, m; if None,
-    they matter to the end of the run."""
+    """How far every body that leaves is to move in its direction until distances do not
+    matter, m; if None, they matter to the end of the run. Of the metric ``clearance``:
+    the names of others say it."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -191,11 +198,39 @@ class AnalysisCase:
                 self._check_owner(requirement)
                 limits = limits_of_pairs.get(requirement.pair, NO_LIMITS)
                 _check_limit(requirement, limits)
-            if requirement.measured_apart and not self.has_clearance:
-                raise InputError(
-                    f"requirements: {requirement.metric} needs geometry on two bodies "
-                    "that does not touch while mated, got none"
-                )
+                if requirement.measured_apart:
+                    self._check_parts(requirement.metric)
+
+    def _check_parts(self, metric: str) -> None:
+        """Raise InputError unless there are parts whose clearance is asked for."""
+        named = _clearance_named(metric)
+        bodies = [body.name for body in self.separation.bodies]
+        B = named.pair or self.separation.B
+        if named.to and named.to not in bodies:
+            raise InputError(f"{metric}: {unknown('body', named.to, bodies)}")
+        if named.to == B:
+            raise InputError(f"{metric}: must be to another body than {B}")
+        if named.pair and not named.to:
+            raise InputError(
+                f"{metric}: must say to which body, such as {metric}_to_"
+                f"{self.separation.pair_of(B).A}"
+            )
+        if not self._parts_apart(named):
+            which = f"{B} and {named.to}" if named.to else "two bodies"
+            raise InputError(
+                f"{metric} needs geometry on {which} that does not touch while mated, "
+                "got none"
+            )
+
+    def _parts_apart(self, clearance: Metric) -> list[Names]:
+        """Return the pairs of parts that a clearance is of."""
+        of = self.clearance
+        pairs = pairs_apart(self.separation, of.pairs, of.touching)
+        if not clearance.to:
+            return pairs
+        ends = {clearance.pair or self.separation.B, clearance.to}
+        owners = owners_of(self.separation)
+        return [(a, b) for a, b in pairs if {owners[a], owners[b]} == ends]
 
     def _check_owner(self, requirement: Requirement) -> None:
         """Raise InputError unless there is what a requirement is about."""
@@ -311,7 +346,7 @@ class AnalysisCase:
         None, if it looks at a time that no run reaches.
         """
         if requirement.measured_apart:
-            return (self.lowest_clearance(),)
+            return (self.lowest_clearance(requirement.metric),)
         return towards(requirement) if self.reaches(requirement) else ()
 
     def names_towards(self, requirement: Requirement) -> tuple[str, ...]:
@@ -320,40 +355,57 @@ class AnalysisCase:
             return (f"lowest_{requirement.metric}",)
         return tuple(objective.name for objective in self.towards(requirement))
 
-    def lowest_clearance(self) -> "LowestClearance":
+    def lowest_clearance(self, metric: str = CLEARANCE) -> "LowestClearance":
         """Return a new objective that makes the smallest distance small.
 
         Over the time for which distances matter.
 
+        Args:
+            metric: name of the clearance; see `drakesep.analysis.metrics.clearances`.
+
         Raises:
-            ValueError: no two bodies have parts that do not touch while mated.
+            ValueError: there is no such clearance, or there are no parts of such bodies
+                that do not touch while mated.
         """
         # Here, since it imports Drake: a case is read without.
         from drakesep.analysis.clearance.objective import LowestClearance
 
+        self._check_parts(metric)
+        named, until = _clearance_named(metric), self.clearance.until_separation
         return LowestClearance(
             self.separation,
-            self.clearance.pairs,
+            self._parts_apart(named),
             touching=self.clearance.touching,
-            until_separation=self.clearance.until_separation,
+            until_separation=until if metric == CLEARANCE else named.until_separation,
+            leaving=(named.pair or self.separation.B) if named.to else "",
+            metric=metric,
         )
+
+
+def _clearance_named(metric: str) -> Metric:
+    """Return the metric of a clearance.
+
+    Raises:
+        ValueError: there is none of this name.
+    """
+    found = find_metric(metric)
+    if found is None or found[0].of_every_run:
+        raise InputError(unknown("clearance", metric, [CLEARANCE]))
+    return found[0]
 
 
 def _check_limit(requirement: Requirement, deviation_limits: tuple[float, ...]) -> None:
     """Raise InputError where a limit says nothing, or would be held unseen."""
     metric, sense, limit = requirement.metric, requirement.sense, requirement.limit
-    if requirement.measured_apart:
-        if requirement.pair:
+    if requirement.measured_apart:  # at contact it is 0, however deep
+        if not ((sense == ">=" and limit > 0.0) or (sense == ">" and limit == 0.0)):
             raise InputError(
-                f"{metric}: a clearance is that of all pairs of parts together, got "
-                f"{requirement.pair!r}"
-            )
-        if sense != ">=" or limit <= 0.0:  # at contact it is 0, however deep
-            raise InputError(
-                f"{metric}: sense must be '>=' and the limit > 0, got {sense!r} and "
-                f"{limit:g}"
+                f"{metric}: sense must be '>=' and the limit > 0, or '>' and 0, got "
+                f"{sense!r} and {limit:g}"
             )
         return
+    if sense == ">":
+        raise InputError(f"{metric}: sense must be '<=' or '>=', got {sense!r}")
     if requirement.never_negative and sense == "<=" and limit < 0.0:
         raise InputError(f"{metric}: limit must be >= 0, got {limit:g}")
     if requirement.never_negative and sense == ">=" and limit <= 0.0:  # always met

@@ -1,4 +1,5 @@
 from .analysis.analysis_case import AnalysisCase as AnalysisCase
+from .analysis.metrics.functions import FunctionRequirement as FunctionRequirement
 from .case_file.case import Case as Case
 from .case_file.errors import CaseError as CaseError
 from .case_file.new_case import new_case as new_case

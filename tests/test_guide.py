@@ -12,6 +12,7 @@ import drakesep
 from drakesep.analysis.metrics.objectives import Needs, highest
 from drakesep.analysis.metrics.registry import forget_metric
 from drakesep.case_file.case import Case
+from drakesep.case_file.others import RequirementSection
 from drakesep.case_file.reader import builtin_cases
 
 
@@ -123,6 +124,15 @@ def test_a_case_in_python(capsys):
     assert float(mass) == pytest.approx(1860.0 + 40.0)
 
 
+def test_a_requirement_of_your_own(capsys):
+    block = containing("FunctionRequirement(")
+    exec(compile(block, str(GUIDE), "exec"), {"__name__": "__main__"})
+    *_, evidence, verdict = capsys.readouterr().out.splitlines()
+    assert evidence.split()[1] == "highest_lateral_drift"
+    assert "batch, run by run" in evidence
+    assert verdict == "met"
+
+
 def test_many_runs(capsys):
     rates = run(containing("batch.jacobian"), capsys)[-3:]
     # deg/s to the digits printed
@@ -182,7 +192,7 @@ def test_seen_in_a_diagram(capsys):
 
 def test_geometry_of_the_page_on_clearance(tmp_path):
     """What it shows can be read; the ring stands for what it leaves out."""
-    geometry, chosen, required, recontact = blocks(CLEARANCE, "yaml")
+    geometry, chosen, required, of_pairs, recontact = blocks(CLEARANCE, "yaml")
     shown = YAML(typ="safe").load(geometry)["bodies"]["payload"]["geometry"]
     data = YAML(typ="safe").load(builtin_cases()["vega"])
     ring = data["bodies"]["launch_vehicle"]["geometry"]
@@ -190,6 +200,8 @@ def test_geometry_of_the_page_on_clearance(tmp_path):
     assert set(shown) == {"nozzle", "antenna", "tank"}
     [requirement] = YAML(typ="safe").load(required)["requirements"]
     assert requirement in data["requirements"]
+    sections = YAML(typ="safe").load(of_pairs)["requirements"]
+    assert all(RequirementSection(**section).of_clearance for section in sections)
     chosen = YAML(typ="safe").load(chosen)
     ring["flange"] = ring["adapter_ring"]
     data["bodies"]["payload"]["geometry"]["flange"] = ring.pop("flange")

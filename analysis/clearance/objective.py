@@ -14,6 +14,7 @@ import numpy as np
 
 from drakesep.analysis.clearance.of_pair import ACCURACY, Clearance
 from drakesep.analysis.clearance.of_run import ClearanceAnalysis
+from drakesep.analysis.metrics.clearances import CLEARANCE
 from drakesep.analysis.metrics.objectives import (
     About,
     LargestOfParts,
@@ -22,26 +23,27 @@ from drakesep.analysis.metrics.objectives import (
     SignedMetric,
 )
 from drakesep.systems.arrays import Array
-from drakesep.systems.checks import InputError, Vector3, check_positive
+from drakesep.systems.checks import InputError, check_positive, unknown
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.part_pairs import owners_of, pairs_apart
 from drakesep.systems.model.run import Run
-from drakesep.systems.model.separation import Separation
+from drakesep.systems.model.separation import Pair, Separation
 
 
-CLEARANCE = "clearance"
-"""The metric: how near the nearest parts come, m; of some runs only."""
 LOWEST = f"lowest_{CLEARANCE}"
-"""The objective."""
+"""The objective that makes all parts come near."""
 _MOMENTS = 25
 """At which all pairs are looked at, for which of them may come nearest."""
 
 
 class LowestClearance(LargestOfParts):
-    """Less the smallest distance between parts: 0, the highest, at contact."""
+    """Less the smallest distance between parts: 0, the highest, at contact.
+
+    Attributes:
+        metric: the clearance that it makes small.
+    """
 
     needs = Needs.MEASUREMENT
-    shown_as = SignedMetric(CLEARANCE, -1.0)
 
     def __init__(
         self,
@@ -50,7 +52,9 @@ class LowestClearance(LargestOfParts):
         *,
         touching: Sequence[Sequence[str]] = (),
         until_separation: float | None = None,
-        name: str = LOWEST,
+        leaving: str = "",
+        metric: str = CLEARANCE,
+        name: str = "",
     ):
         """Prepare.
 
@@ -61,15 +65,26 @@ class LowestClearance(LargestOfParts):
             touching: those that touch or overlap while mated.
             until_separation: how far B is to move in its direction until the distances
                 do not matter any more, m; to the end of the run if None.
-            name: in tables.
+            leaving: B of the pair that is meant; if empty, every body that leaves is to
+                move so far.
+            metric: name of the clearance that it makes small.
+            name: in tables; made of that if empty.
 
         Raises:
-            ValueError: a pair names no part or two of one body, or the separation is
-                not positive.
+            ValueError: a pair names no part or two of one body, the separation is not
+                positive, or no such body leaves.
         """
         if until_separation is not None:
             check_positive("until_separation", until_separation)
-        self.name = name
+        self.metric = metric
+        self.name = name or f"lowest_{metric}"
+        self.shown_as = SignedMetric(metric, -1.0)
+        self._leaving = tuple(
+            pair for pair in separation.pairs if leaving in ("", pair.B)
+        )
+        if not self._leaving:
+            known = [pair.B for pair in separation.pairs]
+            raise InputError(unknown("body that leaves", leaving, known))
         self._until_separation = until_separation
         self._separation, self._touching = separation, touching
         self._pairs = pairs_apart(separation, pairs, touching)
@@ -178,12 +193,13 @@ class LowestClearance(LargestOfParts):
             count: of moments.
 
         Returns:
-            (n,) how far B has moved in its direction, m; and (n,) the distances, m.
+            (n,) how far B, the first that is meant, has moved in its direction, m; and
+            (n,) the distances, m.
         """
         times = np.append(np.linspace(0.0, self._end(run), count), found.time)
         times.sort()
-        path, direction = _path_of_B(run)
-        moved = path.moved(times, direction)
+        leaves = self._leaving[0]
+        moved = _path_of(leaves, run).moved(times, leaves.direction)
         pair = found.first, found.second
         return moved, self._analysis.at_times(run, times, of=[pair])[:, 0]
 
@@ -198,12 +214,14 @@ class LowestClearance(LargestOfParts):
 
     def _reached(self, run: Run) -> float:
         """Return when B has moved as far as the window goes, s; infinite if never."""
-        assert self._until_separation is not None
-        path, direction = _path_of_B(run)
-        return path.time_apart(self._until_separation, direction)
+        until = self._until_separation
+        assert until is not None
+        return max(
+            _path_of(pair, run).time_apart(until, pair.direction)
+            for pair in self._leaving
+        )
 
 
-def _path_of_B(run: Run) -> tuple[RelativePath, Vector3]:
-    """Return the path of B as seen from A, and the direction in which it leaves."""
-    pair = run.separation.pairs[0]
-    return RelativePath(run.completed_trajectory, pair.A, pair.B), pair.direction
+def _path_of(pair: Pair, run: Run) -> RelativePath:
+    """Return the path of B of a pair as seen from A."""
+    return RelativePath(run.completed_trajectory, pair.A, pair.B)

@@ -61,6 +61,13 @@ class Evaluator(Protocol):
         """Return one objective at each row, and its derivatives (n, n_p)."""
         ...
 
-    def runs(self, rows: Array) -> list[Run]:
-        """Return the run of each row, completed or failed."""
+    def runs(self, rows: Array, k: int) -> list[Run]:
+        """Return the run of each row, completed or failed, for an objective."""
+        ...
+
+    def run_by_run(self, k: int) -> int | None:
+        """Return how many whole runs were flown until now to tell an objective.
+
+        None if metrics tell it.
+        """
         ...

@@ -1,13 +1,13 @@
 """Tells a search the objectives run by run, whoever flies."""
 
 import math
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from drakesep.analysis.engines.evaluator import Evaluated, Progress
-from drakesep.analysis.metrics.objectives import About, Limits, Objective
+from drakesep.analysis.metrics.objectives import About, Limits, Needs, Objective
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run, RunStatus
@@ -37,6 +37,7 @@ class RunEvaluator:
         self._limits = limits
         self.names = tuple(names)
         self.objectives = tuple(objectives)
+        self._flown: Counter[int] = Counter()
         # What is asked for at a row and, a little later, about it.
         self._last: OrderedDict[tuple[int, bytes], About] = OrderedDict()
 
@@ -58,10 +59,11 @@ class RunEvaluator:
             of: which objectives; all if None.
         """
         asked = range(len(self.objectives)) if of is None else of
+        self._flown.update(dict.fromkeys(asked, len(rows)))
         values = np.full((len(rows), len(self.objectives)), np.nan)
         failures: dict[int, str] = {}
-        expensive = any(self.objectives[k].expensive for k in asked)
-        size = 1 if expensive else _ROWS
+        slow = any(self.objectives[k].needs is Needs.MEASUREMENT for k in asked)
+        size = 1 if slow else _ROWS
         for first in range(0, len(rows), size):
             part = rows[first : first + size]
             for i, run in enumerate(self._fly(part), first):
@@ -77,6 +79,7 @@ class RunEvaluator:
         """Return one objective at each row: the which[i]-th at row i."""
         values = np.full(len(rows), np.nan)
         failures = {}
+        self._flown.update(which)
         for i, run in enumerate(self._fly(rows)):
             if run.status is RunStatus.FAILED:
                 failures[i] = run.message
@@ -87,7 +90,7 @@ class RunEvaluator:
     def near(self, rows: Array, k: int) -> Evaluated:
         """Return an objective at the first row, and about it at the others."""
         values = np.full(len(rows), np.nan)
-        runs = self._fly(rows)
+        runs = self.runs(rows, k)
         failures = {
             i: run.message
             for i, run in enumerate(runs)
@@ -102,9 +105,14 @@ class RunEvaluator:
         """Refuse."""
         raise TypeError("there are no derivatives run by run")
 
-    def runs(self, rows: Array) -> list[Run]:
-        """Return the run of each row, completed or failed."""
+    def runs(self, rows: Array, k: int) -> list[Run]:
+        """Return the run of each row, completed or failed, for an objective."""
+        self._flown[k] += len(rows)
         return self._fly(rows)
+
+    def run_by_run(self, k: int) -> int:
+        """Return how many runs were flown until now to tell an objective."""
+        return self._flown[k]
 
     def _tell(self, k: int, run: Run, row: Array) -> float:
         return self._about(k, run, row).value

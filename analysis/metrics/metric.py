@@ -25,7 +25,8 @@ from drakesep.systems.model.run import Motion
 from drakesep.systems.vectors import Ops, Scalar
 
 
-Sense: TypeAlias = Literal["<=", ">="]
+Sense: TypeAlias = Literal["<=", ">=", ">"]
+"""Of a limit; the last is that of a clearance: nothing touches."""
 
 
 class Kind(enum.Enum):
@@ -280,6 +281,11 @@ class Metric:
     pair: str = ""
     """B of the pair that it is of, or the attachment or spring, which begins its name;
     empty: the first one."""
+    to: str = ""
+    """Of a distance: the body to which B's parts are measured; empty: all parts of
+    different bodies are measured to each other."""
+    until_separation: float | None = None
+    """Of a distance: how far B moves in its direction until it does not matter, m."""
 
     @property
     def owner(self) -> Owner:
@@ -400,6 +406,10 @@ class Metric:
         """What it is, in words."""
         text: str = self.functional.value
         if self.functional is Functional.DISTANCE:
+            if self.to:
+                text = f"{text} of {self.pair or 'B'} and of {self.to}"
+            if self.until_separation is not None:
+                text = f"{text}, until B has moved {self.until_separation:g} m"
             return text
         if self.signal is not None:
             text = f"{text} of the {self.signal.words},"

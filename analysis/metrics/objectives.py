@@ -60,10 +60,12 @@ class Needs(enum.IntEnum):
 
 
 class SignedMetric(NamedTuple):
-    """A metric, or less it."""
+    """A metric, or less it; or a function of a run."""
 
     name: str
     sign: float
+    unit: str | None = None
+    """Of what is no metric of the registry, but a function of a run."""
 
     def value(self, objective: float) -> float:
         """Return the metric where an objective that is this has a value."""

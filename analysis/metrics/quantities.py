@@ -241,13 +241,14 @@ _TIMES: Mapping[str, When] = {
     "at_end": Moment.END,
 }
 """By what stands for them in names."""
-_NUMBER = r"(\d+(?:\.\d+)?(?:e-?\d+)?)"
+NUMBER = r"(\d+(?:\.\d+)?(?:e-?\d+)?)"
+"""In names, as a pattern; see `written`."""
 _SECONDS: tuple[tuple[str, Callable[..., When]], ...] = (
-    (rf"at_{_NUMBER}_s", lambda t: t),
-    (rf"until_{_NUMBER}_s", lambda t: Window(Moment.START, t, f"until {t:g} s")),
-    (rf"from_{_NUMBER}_s", lambda t: Window(t, Moment.END, f"from {t:g} s")),
+    (rf"at_{NUMBER}_s", lambda t: t),
+    (rf"until_{NUMBER}_s", lambda t: Window(Moment.START, t, f"until {t:g} s")),
+    (rf"from_{NUMBER}_s", lambda t: Window(t, Moment.END, f"from {t:g} s")),
     (
-        rf"from_{_NUMBER}_to_{_NUMBER}_s",
+        rf"from_{NUMBER}_to_{NUMBER}_s",
         lambda t, u: Window(t, u, f"from {t:g} to {u:g} s"),
     ),
 )
@@ -256,7 +257,7 @@ _SECONDS: tuple[tuple[str, Callable[..., When]], ...] = (
 
 def at_time(seconds: float) -> str:
     """Return what stands in names for a time, s."""
-    return f"at_{_written(seconds)}_s"
+    return f"at_{written(seconds)}_s"
 
 
 def between_times(start: float | None, end: float | None) -> str:
@@ -267,14 +268,15 @@ def between_times(start: float | None, end: float | None) -> str:
         end: None: the end of the run.
     """
     if start is None:
-        return "" if end is None else f"until_{_written(end)}_s"
+        return "" if end is None else f"until_{written(end)}_s"
     if end is None:
-        return f"from_{_written(start)}_s"
-    return f"from_{_written(start)}_to_{_written(end)}_s"
+        return f"from_{written(start)}_s"
+    return f"from_{written(start)}_to_{written(end)}_s"
 
 
-def _written(seconds: float) -> str:
-    return f"{seconds:.10g}".replace("e+", "e")
+def written(number: float) -> str:
+    """Return what stands in names for a number."""
+    return f"{number:.10g}".replace("e+", "e")
 
 
 def time_named(text: str) -> When | None:

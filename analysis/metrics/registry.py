@@ -8,6 +8,7 @@ docs. A new metric is one entry more; what an entry may say stands in
 from collections.abc import Sequence
 from typing import overload
 
+from drakesep.analysis.metrics.clearances import CLEARANCE, metric_of_clearance
 from drakesep.analysis.metrics.metric import (
     ANGLE,
     LONGITUDINAL_SPEED,
@@ -98,7 +99,7 @@ _OTHERS = (
         functional=Functional.TIME,
         when=Moment.SEPARATION,
     ),
-    Metric(stem="clearance", kind=Kind.CLEARANCE, functional=Functional.DISTANCE),
+    Metric(stem=CLEARANCE, kind=Kind.CLEARANCE, functional=Functional.DISTANCE),
 )
 
 _registry: dict[str, Metric] = {}
@@ -182,8 +183,8 @@ def registered_metrics() -> tuple[Metric, ...]:
 def find_metric(name: str) -> tuple[Metric, str] | None:
     """Return the metric of a name or a stem, and the axis that is in the name.
 
-    One that is registered, or of a quantity at some time of the run; of the first pair,
-    or of that of the body whose name stands before it.
+    One that is registered, or of a quantity at some time of the run, or a clearance; of
+    the first pair, or of that of the body whose name stands before it.
 
     Args:
         name: such as ``rate_after_separation_x`` or ``satellite.rate_at_end_x``; the
@@ -192,15 +193,19 @@ def find_metric(name: str) -> tuple[Metric, str] | None:
     Returns:
         None if there is no such metric.
     """
-    found = _registered(name) or metric_of_quantity(name)
+    found = _of_first_pair(name)
     if found is not None:
         return found
     body, _, rest = name.partition(".")
-    found = _registered(rest) or metric_of_quantity(rest)
+    found = _of_first_pair(rest)
     if found is None or body in ("", *RESERVED_NAMES):
         return None
     metric, axis = found
     return metric.of(body), axis
+
+
+def _of_first_pair(name: str) -> tuple[Metric, str] | None:
+    return _registered(name) or metric_of_quantity(name) or metric_of_clearance(name)
 
 
 def _registered(name: str) -> tuple[Metric, str] | None:

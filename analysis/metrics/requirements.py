@@ -22,7 +22,7 @@ class Requirement:
     """A limit on one metric of a run.
 
     Raises:
-        ValueError: the limit is not finite, or the sense is not "<=" or ">=".
+        ValueError: the limit is not finite, or there is no such sense.
     """
 
     metric: str
@@ -40,9 +40,10 @@ class Requirement:
     def __post_init__(self) -> None:
         """Check the values."""
         check_finite(f"{self.metric}: limit", self.limit)
-        if self.sense not in ("<=", ">="):
+        if self.sense not in ("<=", ">=", ">"):
             raise InputError(
-                f"{self.metric}: sense must be '<=' or '>=', got {self.sense!r}"
+                f"{self.metric}: sense must be '<=' or '>=', or '>' of a clearance, "
+                f"got {self.sense!r}"
             )
 
     @property
@@ -94,6 +95,10 @@ class Requirement:
         """Return how far a value lies inside the limit; negative if it is beyond."""
         return self.limit - value if self.sense == "<=" else value - self.limit
 
+    def keeps(self, margin: float) -> bool:
+        """Return whether a value with such a margin meets it."""
+        return margin > 0.0 if self.sense == ">" else margin >= 0.0
+
 
 class Verdict(enum.Enum):
     """Whether a requirement is met; the value says it."""
@@ -126,7 +131,8 @@ class Finding:
         """Whether every run meets the requirement."""
         if math.isnan(self.worst):
             return Verdict.NOT_LOOKED_AT
-        return Verdict.MET if self.margin >= 0.0 else Verdict.NOT_MET
+        met = self.requirement.keeps(self.margin)
+        return Verdict.MET if met else Verdict.NOT_MET
 
     @property
     def met(self) -> bool:

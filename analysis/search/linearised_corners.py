@@ -37,7 +37,7 @@ def linearised_corners(problem: Problem, k: int) -> list[Array]:
         return []
     n = len(set_)
     around = set_.draw_back(np.vstack([np.zeros(n), _STEP * np.eye(n)]))
-    runs = problem.evaluator.runs(set_.rows(around))
+    runs = problem.evaluator.runs(set_.rows(around), k)
     if any(run.status is RunStatus.FAILED for run in runs):
         return []
     values, changes = objective.linearised_parts(runs[0], runs[1:])

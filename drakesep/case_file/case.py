@@ -19,6 +19,7 @@ from pydantic import (
 from ruamel.yaml import YAML
 
 from drakesep.analysis.analysis_case import AnalysisCase, ClearancePairs
+from drakesep.analysis.metrics.clearances import CLEARANCE, NO_CONTACT
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.analysis.tolerances.box import ToleranceBox, UnphysicalTolerance
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
@@ -40,7 +41,6 @@ from drakesep.case_file.section import Name, Section, files_of
 from drakesep.case_file.values import parameter_of, values_in_si
 from drakesep.systems.checks import named
 from drakesep.systems.model.integration import Integration
-from drakesep.systems.model.part_pairs import pairs_apart
 from drakesep.systems.model.separation import Pair, Separation
 from drakesep.tables.roles import check_labels
 from drakesep.units import unit_of, with_unit
@@ -48,6 +48,10 @@ from drakesep.units import unit_of, with_unit
 
 if TYPE_CHECKING:  # imports Drake
     from drakesep.analysis.clearance.objective import LowestClearance
+
+
+_SIDES = {"<=": "at_most", ">=": "at_least", ">": NO_CONTACT}
+"""Keys by which requirements have their senses."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +134,7 @@ class Case(Section):
                 for section in self.ellipsoids
             ]
         limits = self._limits(separation)
-        self._check_requirements(separation, limits)
+        self._check_requirements(limits)
         published = []
         for section in self.published:
             with named(f"published: {section.label}"):
@@ -174,42 +178,27 @@ class Case(Section):
 
     def _clearance_pairs(self) -> ClearancePairs:
         pairs = self.clearance.pairs
-        window = [s.until_separation_mm for s in self.requirements]
-        until = next((mm for mm in window if mm is not None), None)
         return ClearancePairs(
             pairs=None if pairs is None else tuple(pairs),
             touching=tuple(self.clearance.touching),
-            until_separation=(
-                None if until is None else unit_of("separation").to_si(until)
-            ),
+            until_separation=self._window,
         )
 
-    def _check_requirements(
-        self, separation: Separation, limits: Sequence[Requirement]
-    ) -> None:
+    @property
+    def _window(self) -> float | None:
+        """How far bodies move in all clearances of all parts, m; None: they differ."""
+        windows = {s.until_separation for s in self.requirements if s.of_all_parts}
+        return windows.pop() if len(windows) == 1 else None
+
+    def _check_requirements(self, limits: Sequence[Requirement]) -> None:
         """Check what only a file can say of them: its keys, and limits in its units."""
         sides = [(r.metric, r.sense, r.id) for r in limits]
         for metric, sense, name in sides:
             if sides.count((metric, sense, name)) > 1:
-                side = "at_most" if sense == "<=" else "at_least"
                 raise CaseError(
-                    f"requirements: {side} of {with_unit(metric)} must stand once, or "
-                    f"each time with an id of its own, got {name or 'none'} twice"
-                )
-        windows = {s.until_separation_mm for s in self._of_clearance}
-        if len(windows) > 1:
-            raise CaseError(
-                "requirements: until_separation_mm must be the same of all clearances, "
-                f"got {' and '.join(map(str, windows))}"
-            )
-        if any(limit.measured_apart for limit in limits):
-            with named("clearance"):
-                of = self.clearance
-                apart = pairs_apart(separation, of.pairs, of.touching)
-            if not apart:
-                raise CaseError(
-                    "requirements: clearance_mm needs geometry on two bodies that does "
-                    "not touch while mated, got none"
+                    f"requirements: {_SIDES[sense]} of {with_unit(metric)} must stand "
+                    f"once, or each time with an id of its own, got {name or 'none'} "
+                    "twice"
                 )
         for limit in limits:
             wanted = ""
@@ -224,10 +213,6 @@ class Case(Section):
                 )
 
     @property
-    def _of_clearance(self) -> list[RequirementSection]:
-        return [s for s in self.requirements if not s.metric.of_every_run]
-
-    @property
     def _pairs(self) -> list[PairSection]:
         return self.pairs if self.pair is None else [self.pair]
 
@@ -237,7 +222,7 @@ class Case(Section):
             return tuple(
                 requirement
                 for section in self.requirements
-                for requirement in section.requirements(separation)
+                for requirement in section.requirements(separation, self._window)
             )
 
     def in_si(self) -> AnalysisCase:
@@ -316,12 +301,18 @@ class Case(Section):
         """Whether parts of two bodies may come near each other."""
         return self._record.has_clearance
 
-    def lowest_clearance(self) -> "LowestClearance":
+    def lowest_clearance(self, metric: str = CLEARANCE) -> "LowestClearance":
         """Return a new objective that makes the smallest distance small.
 
         Over the time for which there is a requirement on it, else over the whole run.
+
+        Args:
+            metric: name of the clearance, as ``clearance_to_ring_until_0.5_m``.
+
+        Raises:
+            ValueError: there is no such clearance.
         """
-        return self._record.lowest_clearance()
+        return self._record.lowest_clearance(metric)
 
     def values_in_si(self, values: Mapping[str, float]) -> dict[str, float]:
         """Return parameter values in SI.

@@ -11,6 +11,7 @@ from drakesep.analysis.metrics.objectives import (
     Objective,
     as_objective,
 )
+from drakesep.analysis.metrics.registry import find_metric
 from drakesep.case_file.case import Case
 from drakesep.systems.checks import InputError
 
@@ -44,27 +45,25 @@ def choose_objectives(
     """
     own = case_objectives(case)
     known = {**OBJECTIVES, **own}
+    every = [*(own if wanted is None else listed(wanted)), *listed(also)]
     if case.has_clearance and LOWEST not in known:
         known[LOWEST] = case.lowest_clearance()
-    listed = [*(own if wanted is None else _listed(wanted)), *_listed(also)]
-    if LOWEST in listed and not case.has_clearance:
-        raise InputError(
-            "lowest_clearance: needs geometry on two bodies that does not touch while "
-            "mated, got none"
-        )
-    if not listed and wanted is None:
+    for name in every:
+        if isinstance(name, str) and name not in known and _of_clearance(name):
+            known[name] = case.lowest_clearance(name.removeprefix(_LOWEST))
+    if not every and wanted is None:
         raise InputError(
             f"objectives: {case.name} has no requirement and no 'objectives: paper': "
             f"must be given, such as {', '.join(OBJECTIVES)}, or highest_ or lowest_ "
             "and a metric; got none"
         )
-    if not listed:
+    if not every:
         raise InputError("objectives: must be one or more, got none")
     each = (
         known[objective]
         if isinstance(objective, str) and objective in known
         else as_objective(objective, known)
-        for objective in dict.fromkeys(listed)
+        for objective in dict.fromkeys(every)
     )
     chosen = list(dict.fromkeys(each))
     names = [objective.name for objective in chosen]
@@ -83,10 +82,24 @@ def choose_objectives(
     return tuple(chosen)
 
 
-def _listed(wanted: Wanted) -> Sequence[AnyObjective]:
+def listed(wanted: Wanted) -> Sequence[AnyObjective]:
+    """Return what is wanted as several, if it is one."""
     return [wanted] if isinstance(wanted, str) or callable(wanted) else wanted
 
 
-def the_clearance(objectives: Sequence[Objective]) -> LowestClearance | None:
-    """Return the first of objectives that is a clearance; None if there is none."""
-    return next((o for o in objectives if isinstance(o, LowestClearance)), None)
+_LOWEST = "lowest_"
+
+
+def _of_clearance(name: str) -> bool:
+    """Return whether an objective's name is that of one that makes parts come near."""
+    found = find_metric(name.removeprefix(_LOWEST))
+    return name.startswith(_LOWEST) and found is not None and not found[0].of_every_run
+
+
+def clearances_of(objectives: Sequence[Objective]) -> dict[str, LowestClearance]:
+    """Return those of objectives that are clearances, the first of each metric."""
+    found: dict[str, LowestClearance] = {}
+    for objective in objectives:
+        if isinstance(objective, LowestClearance):
+            found.setdefault(objective.metric, objective)
+    return found

@@ -15,6 +15,7 @@ from pydantic import (
 )
 
 from drakesep.analysis.analysis_case import PrintedResult, PublishedCase
+from drakesep.analysis.metrics.clearances import CLEARANCE, NO_CONTACT, clearance_name
 from drakesep.analysis.metrics.metric import Metric, Owner, Sense
 from drakesep.analysis.metrics.objectives import ObjectiveName
 from drakesep.analysis.metrics.quantities import (
@@ -63,8 +64,8 @@ def _limited() -> dict[str, Metric | Quantity]:
         return metric.of_every_run and not of_all_times
 
     quantities = {with_unit(q.name): q for q in QUANTITIES.values()}
-    metrics = sorted(registered_metrics(), key=unusual)
-    return {with_unit(m.stem): m for m in metrics} | quantities
+    metrics = {with_unit(m.stem): m for m in sorted(registered_metrics(), key=unusual)}
+    return metrics | {NO_CONTACT: metrics[with_unit(CLEARANCE)]} | quantities
 
 
 def _check_quantity(value: str) -> str:
@@ -184,7 +185,7 @@ class RequirementSection(Section):
     """Limits on a quantity at some time of the run, or on a metric."""
 
     quantity: Quantities
-    """Name of the quantity or of the metric, with its unit."""
+    """Name of the quantity or of the metric, with its unit; or `no_contact`."""
     when: WhenOf | None = None
     """Of a quantity; over the whole run if absent. A metric says it in its name."""
     at_most: Limits | None = None
@@ -192,7 +193,10 @@ class RequirementSection(Section):
     at_least: Limits | None = None
     """Limits from below, in the unit of the quantity; this, `at_most` or both."""
     pair: str | None = None
-    """The body that leaves, B of its pair; if absent, of each pair."""
+    """The body that leaves, B of its pair; if absent, of each pair. Of a clearance and
+    of `no_contact`, if absent, all parts of different bodies are measured."""
+    to: str | None = None
+    """Of these: the body to which B is measured; if absent, A of the pair."""
     of: str | None = None
     """The attachment or the spring, of a joint's or a spring's; if absent, of each."""
     id: str = ""
@@ -200,36 +204,53 @@ class RequirementSection(Section):
     source: str = ""
     """Where it comes from."""
     until_separation_mm: Positive | None = None
-    """Of a clearance: how far B is to move in its direction until it holds no more."""
+    """Of these: how far B is to move in its direction until it holds no more; every B,
+    if all parts are measured. If absent, it holds to the end of the run."""
 
     @model_validator(mode="after")
     def _check_limits(self) -> Self:
         if self.when is not None and self._quantity is None:
             raise ValueError(f"{self.quantity} has no 'when': its name says it")
-        if self.at_most is None and self.at_least is None:
+        if self.of_clearance:
+            self._check_clearance()
+        elif self.until_separation_mm is not None or self.to is not None:
+            key = "to" if self.until_separation_mm is None else "until_separation_mm"
+            raise ValueError(f"{key} must stand with clearance_mm or {NO_CONTACT}")
+        elif self.at_most is None and self.at_least is None:
             raise ValueError("must have 'at_most', 'at_least' or both, got none")
-        of_clearance = not self.metric.of_every_run
-        if of_clearance and (self.at_least is None or self.at_most is not None):
-            raise ValueError("a clearance must have 'at_least', got 'at_most'")
-        if of_clearance and self.pair is not None:
-            raise ValueError("a clearance is that of all pairs, and has no 'pair'")
-        if not of_clearance and self.until_separation_mm is not None:
-            raise ValueError("until_separation_mm must stand with clearance_mm")
         axes = len(self.metric.axes)
         for limits in (self.at_most, self.at_least):
             if limits is not None and len(limits) != axes:
                 raise ValueError(
                     f"must have {axes} limits, got {', '.join(map(str, limits))}"
                 )
-        given = [limit for _, _, limit in self._sides]
-        if not given:
+        if not self._sides:
             raise ValueError("must have a limit that is no null, got none")
-        if of_clearance and given[0] <= 0.0:
-            raise ValueError(  # at contact it is 0, however deep
-                f"at_least of a clearance must be > 0, got {given[0]:g}"
-            )
         self._check_band()
         return self
+
+    @property
+    def of_clearance(self) -> bool:
+        """Whether it is on how near parts come."""
+        return not self.metric.of_every_run
+
+    def _check_clearance(self) -> None:
+        limits = [
+            x for x in (*(self.at_least or ()), *(self.at_most or ())) if x is not None
+        ]
+        if self.quantity == NO_CONTACT:
+            if self.at_least is not None or self.at_most is not None:
+                raise ValueError(f"{NO_CONTACT} has no limit, got {limits}")
+            return
+        if self.at_least is None or self.at_most is not None:
+            got = "none" if self.at_most is None else "'at_most'"
+            raise ValueError(f"a clearance must have 'at_least', got {got}")
+        for limit in limits:
+            if limit <= 0.0:  # at contact it is 0, however deep
+                raise ValueError(
+                    f"at_least of a clearance must be > 0, got {limit:g}; that nothing "
+                    f"touches is 'quantity: {NO_CONTACT}'"
+                )
 
     def _check_band(self) -> None:
         for low, high in zip(self.at_least or (), self.at_most or (), strict=False):
@@ -241,6 +262,8 @@ class RequirementSection(Section):
     @property
     def _sides(self) -> list[tuple[str, Sense, float]]:
         """The limits, each with its metric and sense."""
+        if self.quantity == NO_CONTACT:
+            return [(CLEARANCE, ">", 0.0)]
         sides: list[tuple[str, Sense, float]] = []
         for name, low, high in zip(
             self.metric.names,
@@ -270,18 +293,20 @@ class RequirementSection(Section):
         assert found is not None
         return found[0]
 
-    def requirements(self, separation: Separation) -> list[Requirement]:
+    def requirements(
+        self, separation: Separation, window: float | None
+    ) -> list[Requirement]:
         """Return the requirements in SI, one for each limit.
 
         Args:
             separation: that has what they are about.
+            window: of all clearances of the case that are of all parts: how far bodies
+                move, m; None: each has its own.
 
         Raises:
             CaseError: it has no such body, attachment or spring.
         """
         owner, bodies = self.metric.owner, [pair.B for pair in separation.pairs]
-        if not self.metric.of_every_run:
-            return self._of_pair("")
         if owner is Owner.PAIR:
             key, known, named, other = "pair", bodies, self.pair, self.of
         else:
@@ -292,27 +317,55 @@ class RequirementSection(Section):
             raise CaseError(f"{self.quantity}: must be of one by {key!r}, got {other}")
         if named is not None and named not in known:
             raise CaseError(unknown(owner.value, named, known))
+        if self.of_clearance:
+            return [self._clearance(separation, window)]
         return [
-            requirement
-            for name in (known if named is None else [named])
-            for requirement in self._of_pair("" if name == bodies[0] else f"{name}.")
+            self._in_si(f"{prefix}{name}", sense, limit)
+            for prefix in (
+                "" if name == bodies[0] else f"{name}."
+                for name in (known if named is None else [named])
+            )
+            for name, sense, limit in self._sides
         ]
 
-    def _of_pair(self, prefix: str) -> list[Requirement]:
-        condition = ""
-        if self.until_separation_mm is not None:
-            condition = f"until {self.until_separation_mm:g} mm of separation"
-        return [
-            Requirement(
-                metric=prefix + name,
-                sense=sense,
-                limit=unit_of(name).to_si(value),
-                condition=condition,
-                id=self.id,
-                source=self.source,
+    def _clearance(self, separation: Separation, window: float | None) -> Requirement:
+        [(_, sense, limit)] = self._sides
+        if self.of_all_parts:
+            name = clearance_name("", None if window else self.until_separation)
+            moved = self.until_separation_mm
+            until = f"until {moved:g} mm of separation" if window else ""
+            return self._in_si(name, sense, limit, until)
+        if self.pair is None and separation.others:
+            raise CaseError(
+                f"{self.quantity}: to {self.to}: must have 'pair', got none"
             )
-            for name, sense, value in self._sides
-        ]
+        pair = separation.pair_of(self.pair or separation.B)
+        name = clearance_name(self.to or pair.A, self.until_separation)
+        prefix = "" if pair.B == separation.B else f"{pair.B}."
+        return self._in_si(prefix + name, sense, limit)
+
+    @property
+    def of_all_parts(self) -> bool:
+        """Whether it is on how near any parts of different bodies come."""
+        return self.of_clearance and self.pair is None and self.to is None
+
+    @property
+    def until_separation(self) -> float | None:
+        """How far B is to move, m."""
+        until = self.until_separation_mm
+        return None if until is None else unit_of("separation").to_si(until)
+
+    def _in_si(
+        self, metric: str, sense: Sense, limit: float, condition: str = ""
+    ) -> Requirement:
+        return Requirement(
+            metric=metric,
+            sense=sense,
+            limit=unit_of(metric).to_si(limit),
+            condition=condition,
+            id=self.id,
+            source=self.source,
+        )
 
 
 class RunSection(Section):

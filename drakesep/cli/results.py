@@ -22,7 +22,8 @@ _CLEARANCE = (
     *("contact_time_s", "closing_speed_m_s", "status"),
 )
 _EVIDENCE = (
-    *("objective", "unit", "worst", "difference", "found_by", "sqp", "vertices"),
+    *("objective", "unit", "worst", "difference", "found_by", "run_by_run"),
+    *("sqp", "vertices"),
     *("samples", "starts", "ended_there", "at_bounds", "optimality_residual"),
 )
 
@@ -96,10 +97,10 @@ def print_requirements(console: Console, study: Verification) -> None:
 
 def print_verdict(console: Console, study: Verification) -> None:
     """Print whether every requirement is met, and what was not looked at."""
-    if study.case.has_clearance and study.clearance is None:
+    if study.case.has_clearance and not study.clearances:
         console.print(
-            "There is geometry, and no requirement of clearance_mm: whether anything "
-            "touches was not looked at."
+            "There is geometry, and no requirement of clearance_mm or no_contact: "
+            "whether anything touches was not looked at."
         )
     if study.worst and not study.growths:
         console.print("How far tolerances may grow was not looked for: see --growth.")

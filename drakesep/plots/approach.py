@@ -8,6 +8,8 @@ from drakesep.systems.arrays import Array
 class Approach(NamedTuple):
     """How near the nearest pair of a run is while B moves away."""
 
+    clearance: str
+    """Name of the metric that it is of."""
     label: str
     pair: str
     separation: Array

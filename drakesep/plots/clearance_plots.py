@@ -4,9 +4,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drakesep.analysis.clearance.of_pair import Clearance
+from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.plots.approach import Approach
 from drakesep.plots.style import COLOURS, DASHES, LIMIT, save_plot
 from drakesep.systems.arrays import Array
@@ -69,23 +71,45 @@ def _positive(distances: Array) -> Array:
 
 
 def save_approaches(
-    approaches: Sequence[Approach], limit: float | None, folder: Path
+    approaches: Sequence[Approach], limits: Sequence[Requirement], folder: Path
 ) -> None:
     """Write worst_clearance.png into a folder."""
-    figure = approaches_figure(approaches, limit)
+    figure = approaches_figure(approaches, limits)
     save_plot(figure, folder / "worst_clearance.png")
 
 
-def approaches_figure(approaches: Sequence[Approach], limit: float | None) -> Figure:
+def approaches_figure(
+    approaches: Sequence[Approach], limits: Sequence[Requirement]
+) -> Figure:
     """Return how near the pair that comes nearest in each run is, as B moves away.
 
     Args:
-        approaches: of each run.
-        limit: that they are held against, m; None if there is none.
+        approaches: of each run; a panel for each clearance.
+        limits: requirements, some of which are on these clearances.
     """
+    clearances = list(dict.fromkeys(one.clearance for one in approaches))
+    figure = Figure(figsize=(8, 1 + 4 * len(clearances)), layout="constrained")
+    panels = figure.subplots(len(clearances), squeeze=False)[:, 0]
+    for axes, name in zip(panels, clearances, strict=True):
+        mine = [one for one in approaches if one.clearance == name]
+        _draw_approaches(axes, mine)
+        for limit in {r.limit for r in limits if r.metric == name and r.limit > 0.0}:
+            at = unit_of(name).from_si(limit)
+            dashes = (0, (8, 3))
+            axes.axhline(
+                at, color=LIMIT, linestyle=dashes, linewidth=1.2, label="limit"
+            )
+        axes.legend(frameon=False)
+        axes.set_title(
+            "Distance of the pair that comes nearest in each run; dots: smallest"
+            if len(clearances) == 1
+            else name.replace("_", " ")
+        )
+    return figure
+
+
+def _draw_approaches(axes: Axes, approaches: Sequence[Approach]) -> None:
     mm = unit_of("clearance").per_si
-    figure = Figure(figsize=(8, 5), layout="constrained")
-    axes = figure.subplots()
     for i, one in enumerate(approaches):
         colour = COLOURS[i % len(COLOURS)]
         least = int(one.distance.argmin())
@@ -99,16 +123,7 @@ def approaches_figure(approaches: Sequence[Approach], limit: float | None) -> Fi
         axes.plot(
             mm * one.separation[least], mm * one.distance[least], "o", color=colour
         )
-    if limit is not None:
-        axes.axhline(
-            mm * limit, color=LIMIT, linestyle=(0, (8, 3)), linewidth=1.2, label="limit"
-        )
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("separation (mm)")
     axes.set_ylabel("distance (mm)")
-    axes.set_title(
-        "Distance of the pair that comes nearest in each run; dots: smallest"
-    )
     axes.grid(alpha=0.3)
-    axes.legend(frameon=False)
-    return figure

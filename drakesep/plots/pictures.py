@@ -36,8 +36,6 @@ class Pictures:
     """Whose motion is drawn."""
     limits: Sequence[Requirement]
     approaches: Sequence[Approach] = ()
-    clearance_limit: float | None = None
-    """m."""
     motions: Mapping[str, Motion] = field(default_factory=dict)
     """That are written, by the labels of the runs."""
 
@@ -48,7 +46,7 @@ class Pictures:
 
         save_motion(self.runs, self.limits, folder)
         if self.approaches:
-            save_approaches(self.approaches, self.clearance_limit, folder)
+            save_approaches(self.approaches, self.limits, folder)
         for label, motion in self.motions.items():
             table = motion_table(motion)
             write_csv(table, folder / f"motion_{label}.csv")

@@ -72,8 +72,14 @@ _RUN = (
     _ROLE,
     Column("{parameter}", "in the name", "Value of the parameter in the run."),
     Column("{metric}", "in the name", "The metric of the run, see metrics.md."),
-    Column("nearest", "", "The parts that come nearest, if that was measured."),
+    Column(
+        "nearest",
+        "",
+        "The parts that come nearest, if that was measured; of several clearances the "
+        "nearest.",
+    ),
     Column("nearest_time_s", "s", "When they do."),
+    Column("{function}", "in the name", "A function of the run that is required."),
     Column("iterations", "", "Of the search that ended there; empty if none did."),
     Column(
         "evaluations",
@@ -323,6 +329,13 @@ _WORST_CASES = (
             Column("in_drake", _SAME, "In the run that Drake flew there."),
             Column("difference", _SAME, "Of the two."),
             Column("found_by", "", "The search that found it."),
+            Column(
+                "flown_by",
+                "",
+                "What told it to the searches: `batch`, by its metrics; or whole runs, "
+                "`batch, run by run` or `Drake, run by run`.",
+            ),
+            Column("run_by_run", "", "How many whole runs that took; 0 by metrics."),
             Column("{search}", _SAME, "The worst that this search found."),
             Column("starts", "", "Of the ascents."),
             Column("ended_there", "", "How many of them ended at the worst case."),
@@ -428,7 +441,7 @@ _WORST_CASES = (
             Column("requirement", "", "Its quantity, and when it holds."),
             Column("axis", "", "Empty if it has none."),
             _UNIT,
-            Column("sense", "", "`<=` or `>=`."),
+            Column("sense", "", "`<=` or `>=`; `>` of no contact."),
             Column("limit", _SAME, "That is required."),
             Column("nominal", _SAME, "In the nominal run."),
             Column("worst", _SAME, "Nearest to the limit, or farthest beyond."),

@@ -161,12 +161,12 @@ def sweep(
     asked = Asked.of(SWEEP, case, {"values": swept, "engine": engine})
     case = asked.case
     grid = _grid(case.separation, swept)
-    clearance = _required_clearance(case)
-    on_batch = _on_batch(case, grid, clearance, engine)
+    clearances = _required_clearances(case)
+    on_batch = _on_batch(case, grid, clearances, engine)
     study = Sweep(asked=asked, values=swept, engine="batch" if on_batch else "drake")
     with begun(output, asked) as folder, contextlib.ExitStack() as stack:
         flies: VariantEngine = on_batch or stack.enter_context(
-            InDrake(case, clearance, len(grid), workers)
+            InDrake(case, clearances, len(grid), workers)
         )
         told = _Told(study, len(grid), on_progress)
         try:
@@ -219,30 +219,30 @@ def _grid(
     return [dict(zip(columns, row, strict=True)) for row in rows]
 
 
-def _required_clearance(case: AnalysisCase) -> LowestClearance | None:
-    """Return what measures how near parts come, if there is a limit on it.
+def _required_clearances(case: AnalysisCase) -> list[LowestClearance]:
+    """Return what measures how near parts come, where there is a limit on it.
 
     Raises:
         ValueError: parts overlap while mated.
     """
-    if not any(requirement.measured_apart for requirement in case.requirements):
-        return None
-    clearance = case.lowest_clearance()
-    clearance.check_apart()
-    return clearance
+    metrics = {r.metric: None for r in case.requirements if r.measured_apart}
+    clearances = [case.lowest_clearance(metric) for metric in metrics]
+    for clearance in clearances:
+        clearance.check_apart()
+    return clearances
 
 
 def _on_batch(
     case: AnalysisCase,
     grid: Sequence[Values],
-    clearance: LowestClearance | None,
+    clearances: Sequence[LowestClearance],
     engine: Engine | None,
 ) -> OnBatch | None:
     """Return the batch engine, if it is to fly."""
     if engine == "drake" or (engine is None and len(grid) <= _FEW):
         return None
     try:
-        return OnBatch(case, tuple(grid[0]), clearance)
+        return OnBatch(case, tuple(grid[0]), clearances)
     except InputError:
         if engine == "batch":
             raise

@@ -48,7 +48,7 @@ class InDrake:
     def __init__(
         self,
         case: AnalysisCase,
-        clearance: LowestClearance | None,
+        clearances: Sequence[LowestClearance],
         count: int,
         workers: int | None,
     ):
@@ -56,11 +56,11 @@ class InDrake:
 
         Args:
             case: that is varied.
-            clearance: that is measured of each; None if it is not required.
+            clearances: that are required, and measured of each.
             count: of variants.
             workers: number of processes; None: one per core, if that is worth it.
         """
-        self._case, self._clearance = case, clearance
+        self._case, self._clearances = case, clearances
         self._pool = DrakePool(case.separation, case.integration, workers=1)
         began = time.perf_counter()
         [self._nominal] = self._pool.fly([{}])
@@ -85,7 +85,7 @@ class InDrake:
 
     def prepare(self) -> None:
         """Measure a run: the first takes several times as long as others."""
-        _measured(self._case, {}, self._nominal, self._clearance)
+        _measured(self._case, {}, self._nominal, self._clearances)
 
     def fly(self, values: Sequence[Values]) -> list[Variant]:
         """Return the variants of some values; one that cannot be flown has failed."""
@@ -95,7 +95,7 @@ class InDrake:
         return [
             Variant(values=one, outcome=failed(why))
             if why
-            else _measured(self._case, one, next(flown), self._clearance)
+            else _measured(self._case, one, next(flown), self._clearances)
             for one, why in zip(values, refused, strict=True)
         ]
 
@@ -115,20 +115,20 @@ class OnBatch:
         self,
         case: AnalysisCase,
         names: Sequence[str],
-        clearance: LowestClearance | None,
+        clearances: Sequence[LowestClearance],
     ):
         """Prepare.
 
         Args:
             case: that is varied.
             names: of the parameters that vary.
-            clearance: that is measured of each; None if it is not required.
+            clearances: that are required, and measured of each.
 
         Raises:
             ValueError: the batch engine cannot fly the separation, or does not read a
                 parameter.
         """
-        self._case, self._clearance = case, clearance
+        self._case, self._clearances = case, clearances
         told = metrics_of(case.separation, case.metrics)
         reached = [m for m in told if m.reached(case.separation.duration)]
         self._names = [name for metric in told for name in metric.names]
@@ -140,7 +140,7 @@ class OnBatch:
         )
         # What steps do not tell, the sampled motion does.
         steps_tell = all(metric.of_steps for metric in reached)
-        self._needs_motion = clearance is not None or not steps_tell
+        self._needs_motion = bool(clearances) or not steps_tell
         self.fewest = 16 if self._needs_motion else self._batch.chunk
         self.together = self.fewest * (4 if self._needs_motion else 32)
         self.workers = 1 if self._needs_motion else self._batch.workers
@@ -156,7 +156,7 @@ class OnBatch:
         if self._needs_motion:
             runs = self._batch.runs(rows)
             pairs = zip(values, runs, strict=True)
-            return [_measured(self._case, *pair, self._clearance) for pair in pairs]
+            return [_measured(self._case, *pair, self._clearances) for pair in pairs]
         result = self._batch.run(rows)
         # NaN of a metric that looks beyond the end of the run.
         metrics = result.metrics.reindex(columns=self._names).to_dict("records")
@@ -169,11 +169,14 @@ class OnBatch:
 
 
 def _measured(
-    case: AnalysisCase, values: Values, run: Run, clearance: LowestClearance | None
+    case: AnalysisCase,
+    values: Values,
+    run: Run,
+    clearances: Sequence[LowestClearance],
 ) -> Variant:
     """Return a variant that has been flown; its motion is not kept."""
     try:
-        one = measured(Changed(), run, case, clearance)
+        one = measured(Changed(), run, case, clearances)
     except InputError as error:  # parts overlap where they stand now
         return Variant(values=values, outcome=failed(str(error)))
     return Variant(values=values, metrics=one.metrics, outcome=one.outcome)

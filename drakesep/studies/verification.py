@@ -9,10 +9,16 @@ from typing import Unpack
 import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.requirements import Finding, assess
 from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.case_file.case import Case
-from drakesep.case_file.objectives import Wanted, choose_objectives, the_clearance
+from drakesep.case_file.objectives import (
+    Wanted,
+    choose_objectives,
+    clearances_of,
+    listed,
+)
 from drakesep.plots.pictures import Pictures
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import VERIFY
@@ -43,8 +49,14 @@ class Verification(WorstCases):
     @property
     def findings(self) -> list[Finding]:
         """How each requirement fares over all runs."""
-        runs = {one.label: one.metrics for one in self.runs if one.metrics}
-        return assess(self.case.requirements, runs, nominal_of(self.runs).label)
+        runs = {
+            one.label: {**one.metrics, **one.of_functions}
+            for one in self.runs
+            if one.metrics
+        }
+        of_functions = (limit for f in self.functions for limit in f.limits)
+        required = [*self.case.requirements, *of_functions]
+        return assess(required, runs, nominal_of(self.runs).label)
 
     @property
     def requirements(self) -> pd.DataFrame:
@@ -55,6 +67,7 @@ class Verification(WorstCases):
             self.single_growths,
             self.case.box,
             self.case.separation.B,
+            self.functions,
         )
 
     @property
@@ -101,6 +114,7 @@ class Verification(WorstCases):
 def verify(
     case: Case | AnalysisCase | str | Path,
     *,
+    requirements: Sequence[FunctionRequirement] = (),
     objectives: Wanted = (),
     searches: Sequence[str] | None = None,
     growth: bool | None = None,
@@ -118,6 +132,7 @@ def verify(
     Args:
         case: a case, in SI or as a file holds it, a case file, or the name of a
             built-in case.
+        requirements: on functions of a run, beside the case's.
         objectives: that are searched beside these, as `worst_case` takes them.
         searches: as `worst_case` takes them.
         growth: whether to find how far tolerances may grow; None: unless Drake flies
@@ -133,14 +148,15 @@ def verify(
             what is left out: see `Verification.effort`.
 
     Raises:
-        ValueError: the case is wrong or has no requirement, a search is wrong, or the
-            folder cannot be written.
+        ValueError: the case is wrong or nothing is required, a search is wrong, a
+            function gives no finite number, or the folder cannot be written.
         RuntimeError: the nominal run fails.
     """
     asked = Asked.of(
         VERIFY,
         case,
         {
+            "requirements": requirements,
             "objectives": objectives,
             "searches": searches,
             "growth": growth,
@@ -148,14 +164,17 @@ def verify(
         },
         seed=SearchSettings(**effort).seed,
     )
-    plan = planned(asked, objectives, searches)
+    plan = planned(asked, objectives, searches, requirements)
     with contextlib.ExitStack() as stack:
         folder = stack.enter_context(results_folder(output, VERIFY))
         plan = replace(
             plan, effort=effort, growth=growth, workers=workers, folder=folder
         )
         study = Verification(
-            asked=asked, objectives=plan.objectives, clearance=plan.clearance
+            asked=asked,
+            objectives=plan.objectives,
+            functions=tuple(requirements),
+            clearances=plan.clearances,
         )
         if background is None:
             own = BackgroundProcess(workers if plan.on_batch_engine else 1)
@@ -170,7 +189,10 @@ def verify(
 
 
 def planned(
-    asked: Asked, objectives: Wanted = (), searches: Sequence[str] | None = None
+    asked: Asked,
+    objectives: Wanted = (),
+    searches: Sequence[str] | None = None,
+    requirements: Sequence[FunctionRequirement] = (),
 ) -> StudyPlan:
     """Return what is asked of a study that verifies a case.
 
@@ -178,18 +200,35 @@ def planned(
         asked: the study.
         objectives: as `verify` takes them.
         searches: as `verify` takes them.
+        requirements: on functions of a run, as `verify` takes them.
 
     Raises:
-        ValueError: the case has no requirement, or an objective or search is wrong.
+        ValueError: nothing is required, or an objective, a search or a function is
+            wrong.
     """
     case = asked.case
-    if not case.requirements:
+    _check_functions(requirements)
+    if not case.requirements and not requirements:
         raise InputError("requirements: a case to verify must have some, got none")
-    chosen = choose_objectives(case, None, objectives)
+    of_functions = [o for function in requirements for o in function.objectives]
+    chosen = choose_objectives(case, None, [*listed(objectives), *of_functions])
     return StudyPlan(
         asked=asked,
         # Without dispersions, the nominal and the published runs are all there is.
         objectives=chosen if case.tolerances else (),
         searches=WantedSearches.named(searches),
-        clearance=the_clearance(chosen),
+        clearances=clearances_of(chosen),
     )
+
+
+def _check_functions(requirements: Sequence[FunctionRequirement]) -> None:
+    """Raise InputError unless each is one, with a name of its own."""
+    for required in requirements:
+        if not isinstance(required, FunctionRequirement):
+            raise InputError(
+                f"requirements: each must be a FunctionRequirement, got {required!r}"
+            )
+    names = [required.name for required in requirements]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"requirements: {name!r} must stand once")

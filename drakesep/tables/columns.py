@@ -11,8 +11,11 @@ from drakesep.units import SI, Unit, unit_of, with_unit
 
 
 def unit_of_objective(objective: Objective) -> Unit:
-    """Return the unit of an objective: of its metric, or SI."""
-    return SI if objective.shown_as is None else unit_of(objective.shown_as.name)
+    """Return the unit of an objective: of its metric, its own, or SI."""
+    metric = objective.shown_as
+    if metric is None:
+        return SI
+    return unit_of(metric.name) if metric.unit is None else Unit("", metric.unit)
 
 
 def shown(objective: Objective, value: float) -> float:

@@ -1,7 +1,8 @@
 """Tables of what speaks for a worst case, and of how far its tolerances may grow."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -24,10 +25,25 @@ _LISTED = 10
 """Local maxima that a table lists."""
 
 
+class Flown(NamedTuple):
+    """How searches were told an objective."""
+
+    by: str
+    """`BATCH` by its metrics; or run by run, whole runs of the batch engine or of
+    Drake."""
+    run_by_run: int
+    """How many runs that took; 0 by its metrics."""
+
+
+BATCH = "batch"
+BATCH_RUNS, DRAKE_RUNS = "batch, run by run", "Drake, run by run"
+
+
 def evidence_table(
     worst: Sequence[WorstCase],
     objectives: Sequence[Objective],
     runs: Sequence[LabelledRun],
+    flown: Mapping[str, Flown],
 ) -> pd.DataFrame:
     """Return a row for each worst case, with why it may be believed.
 
@@ -55,6 +71,8 @@ def evidence_table(
                 "in_drake": shown(objective, in_drake),
                 "difference": shown(objective, in_drake - case.value),
                 "found_by": case.search,
+                "flown_by": flown[case.name].by,
+                "run_by_run": flown[case.name].run_by_run,
                 **{
                     name: shown(objective, proof.by_search[name])
                     for name in SEARCHES

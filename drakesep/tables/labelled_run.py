@@ -1,13 +1,15 @@
 """Runs of a study under their labels, with their metrics."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from drakesep.analysis.analysis_case import AnalysisCase, PublishedCase
-from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
+from drakesep.analysis.clearance.objective import LowestClearance
 from drakesep.analysis.clearance.of_pair import Clearance
+from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.of_run import metrics_of_run
+from drakesep.systems.checks import named
 from drakesep.systems.model.run import Run
 from drakesep.tables.roles import (
     COMPLETED,
@@ -29,6 +31,8 @@ class LabelledRun:
     run: Run
     metrics: Mapping[str, float]
     """Its metrics in SI, by name; empty if the run failed."""
+    of_functions: Mapping[str, float] = field(default_factory=dict)
+    """What functions tell of it that are required, by their names, in their units."""
     outcome: Outcome = COMPLETED
     """How it ended, or the search that found it."""
     iterations: int | None = None
@@ -37,8 +41,8 @@ class LabelledRun:
     """Runs flown for it; of a worst case, by all searches for all objectives."""
     objective_in_drake: float | None = None
     """Of the objective whose worst case it is, in SI; None if the run failed."""
-    nearest: Clearance | None = field(default=None, repr=False)
-    """How near its parts come; None if that was not asked for."""
+    nearest: Mapping[str, Clearance] = field(default_factory=dict, repr=False)
+    """How near its parts come, by the clearances that were measured."""
 
     @property
     def label(self) -> str:
@@ -65,23 +69,35 @@ def measured(
     role: Role,
     run: Run,
     case: AnalysisCase,
-    clearance: LowestClearance | None = None,
+    clearances: Collection[LowestClearance] = (),
 ) -> LabelledRun:
-    """Return a run with its metrics, and how near it comes if that is asked for.
+    """Return a run with its metrics, and how near it comes where that is asked for.
 
     Args:
         role: what it is.
         run: completed or failed.
         case: whose requirements say what is looked at beside the registered metrics.
-        clearance: that measures how near it comes.
+        clearances: that measure how near it comes.
     """
     if run.motion is None:
         return LabelledRun(role=role, run=run, metrics={}, outcome=failed(run.message))
     metrics = metrics_of_run(run, case.limits_of_pairs, case.metrics)
-    nearest = None if clearance is None else clearance.nearest(run)
-    if clearance is not None and nearest is not None:
-        metrics[CLEARANCE] = clearance_told(run, nearest, clearance)
+    nearest = {one.metric: one.nearest(run) for one in clearances}
+    for one in clearances:
+        metrics[one.metric] = clearance_told(run, nearest[one.metric], one)
     return LabelledRun(role=role, run=run, metrics=metrics, nearest=nearest)
+
+
+def told_by(functions: Iterable[FunctionRequirement], one: LabelledRun) -> LabelledRun:
+    """Return a run with what functions tell of it, unless it failed.
+
+    Raises:
+        ValueError: a function gives no finite number.
+    """
+    if one.run.motion is None:
+        return one
+    with named(one.label):
+        return replace(one, of_functions={f.name: f.of(one.run) for f in functions})
 
 
 def clearance_told(run: Run, nearest: Clearance, by: LowestClearance) -> float:

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from drakesep.analysis.metrics.clearances import CLEARANCE, NO_CONTACT
+from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.requirements import Finding, Requirement, Verdict
 from drakesep.analysis.tolerances.box import ToleranceBox
-from drakesep.units import unit_of, with_unit
+from drakesep.units import Unit, unit_of, with_unit
 
 
 if TYPE_CHECKING:  # JAX comes with them
@@ -21,6 +23,7 @@ def requirements_table(
     single_growths: "Sequence[tuple[Requirement, Growth]]" = (),
     box: ToleranceBox | None = None,
     first: str = "",
+    functions: Sequence[FunctionRequirement] = (),
 ) -> pd.DataFrame:
     """Return a row for each requirement and axis, with its margins and verdict.
 
@@ -30,19 +33,20 @@ def requirements_table(
         single_growths: of single tolerances.
         box: the tolerances, if they grow.
         first: name of the body that leaves in the first pair.
+        functions: that are required, some of the findings are of them.
     """
     of_all = dict(growths)
+    own = {function.name: Unit("", function.unit) for function in functions}
     rows = []
     for finding in findings:
         requirement = finding.requirement
-        unit = unit_of(requirement.metric)
-        stem, axis = requirement.quantity
+        of_function = requirement.metric in own
+        unit = own[requirement.metric] if of_function else unit_of(requirement.metric)
+        _, axis = requirement.quantity
         growth = of_all.get(requirement)
         rows.append(
             {
-                "requirement": f"{stem} {requirement.condition}".replace(
-                    "_", " "
-                ).strip(),
+                "requirement": f"{_named(requirement)} {requirement.condition}".strip(),
                 "axis": axis,
                 "unit": unit.symbol,
                 "sense": requirement.sense,
@@ -55,12 +59,20 @@ def requirements_table(
                 "looked_up_to": math.nan if growth is None else growth.most,
                 **_first_tolerance(finding, single_growths, box),
                 "verdict": finding.verdict.value,
-                "pair": requirement.pair or first,
+                "pair": "" if of_function else requirement.pair or first,
                 "id": requirement.id,
                 "source": requirement.source,
             }
         )
     return pd.DataFrame(rows)
+
+
+def _named(requirement: Requirement) -> str:
+    """Return what is limited, in words: its quantity, or that nothing touches."""
+    stem, _ = requirement.quantity
+    if requirement.sense == ">":
+        stem = stem.replace(CLEARANCE, NO_CONTACT, 1)
+    return stem.replace("_", " ")
 
 
 def _first_tolerance(

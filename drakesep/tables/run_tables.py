@@ -9,6 +9,7 @@ import pandas as pd
 
 from drakesep.analysis.clearance.objective import LOWEST
 from drakesep.analysis.clearance.of_pair import Clearance
+from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.tolerances.box import ToleranceBox
@@ -49,12 +50,17 @@ def motion_table(motion: Motion) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
-def runs_table(runs: Iterable[LabelledRun], names: Sequence[str]) -> pd.DataFrame:
+def runs_table(
+    runs: Iterable[LabelledRun],
+    names: Sequence[str],
+    functions: Sequence[FunctionRequirement] = (),
+) -> pd.DataFrame:
     """Return a row for each run: parameters, metrics, and how it was found.
 
     Args:
         runs: the runs.
         names: the parameters to show.
+        functions: that are required, and have been told.
     """
     rows = []
     for one in runs:
@@ -66,6 +72,7 @@ def runs_table(runs: Iterable[LabelledRun], names: Sequence[str]) -> pd.DataFram
                 **in_units({name: values[name] for name in names}),
                 **in_units(one.metrics),
                 **_nearest_pair(one.nearest),
+                **{f.column: one.of_functions.get(f.name, math.nan) for f in functions},
                 "iterations": one.iterations,
                 "evaluations": one.evaluations,
                 "status": one.status,
@@ -77,10 +84,11 @@ def runs_table(runs: Iterable[LabelledRun], names: Sequence[str]) -> pd.DataFram
     return frame.astype({"iterations": "Int64", "evaluations": "Int64"})
 
 
-def _nearest_pair(nearest: Clearance | None) -> dict[str, object]:
+def _nearest_pair(measured: Mapping[str, Clearance]) -> dict[str, object]:
     """Return which parts come nearest in a run, and when, if that was asked for."""
-    if nearest is None:
+    if not measured:
         return {}
+    nearest = min(measured.values(), key=lambda one: one.minimum)
     return {"nearest": nearest.pair, **in_units({"nearest_time": nearest.time})}
 
 
@@ -149,8 +157,8 @@ def shown_first(worst: Sequence[str]) -> list[str]:
     of_paper = {label_of(Worst(name)) for name in OBJECTIVES}
     if of_paper.isdisjoint(worst):
         return list(worst)
-    shown = {*of_paper, label_of(Worst(LOWEST))}
-    return [label for label in worst if label in shown]
+    lowest = label_of(Worst(LOWEST))
+    return [label for label in worst if label in of_paper or lowest in label]
 
 
 def metrics_table(metrics: Mapping[str, float]) -> pd.DataFrame:

@@ -122,7 +122,7 @@ def test_what_is_near_at_the_nominal_points_to_the_worst_corner(
     problem = Problem(tolerances=vega.tolerance_set, evaluator=evaluator)
     corner, *_ = linearised_corners(problem, 0)
     assert (np.abs(corner) == 1.0).sum() >= 12  # inertias are drawn back together
-    [run] = evaluator.runs(vega.tolerance_set.rows(corner[None]))
+    [run] = evaluator.runs(vega.tolerance_set.rows(corner[None]), 0)
     runs = {one.label: one for one in vega_verification.runs}
     worst = runs["worst_lowest_clearance"].metrics["clearance"]
     nominal = runs["nominal"].metrics["clearance"]

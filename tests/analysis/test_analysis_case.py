@@ -148,8 +148,18 @@ def test_it_is_a_value():
 @pytest.mark.parametrize(
     ("metric", "sense", "limit", "message"),
     [
-        ("clearance", "<=", 0.1, "clearance: sense must be '>=' and the limit > 0"),
-        ("clearance", ">=", 0.0, "clearance: sense must be '>=' and the limit > 0"),
+        (
+            "clearance",
+            "<=",
+            0.1,
+            "clearance: sense must be '>=' and the limit > 0, or '>' and 0",
+        ),
+        (
+            "clearance",
+            ">=",
+            0.0,
+            "clearance: sense must be '>=' and the limit > 0, or '>' and 0",
+        ),
         ("rate_after_separation_x", "<=", -0.1, "limit must be >= 0, got -0.1"),
         ("rate_after_separation_x", ">=", 0.0, "from below must be > 0, got 0"),
         ("separation_end", ">=", -1.0, "from below must be > 0, got -1"),

@@ -127,9 +127,16 @@ class BatchEvaluator:
             return self.one(rows, [k] * len(rows))
         return self._of_runs.near(rows, k)
 
-    def runs(self, rows: Array) -> list[Run]:
-        """Return the run of each row, completed or failed."""
-        return self._of_runs.runs(rows)
+    def runs(self, rows: Array, k: int) -> list[Run]:
+        """Return the run of each row, completed or failed, for an objective."""
+        return self._of_runs.runs(rows, k)
+
+    def run_by_run(self, k: int) -> int | None:
+        """Return how many whole runs were flown until now to tell an objective.
+
+        None if metrics tell it.
+        """
+        return None if k in self._by_metrics else self._of_runs.run_by_run(k)
 
     def prepare(self) -> None:
         """Begin to compile what searches need, beside whatever comes next."""

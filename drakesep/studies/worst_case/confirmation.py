@@ -1,11 +1,12 @@
 """The worst cases flown in Drake, and held against what searches say of them."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
 from drakesep.analysis.analysis_case import AnalysisCase
-from drakesep.analysis.clearance.objective import CLEARANCE, LowestClearance
+from drakesep.analysis.clearance.objective import LowestClearance
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.engines.jax.batch import TOLERANCE
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
@@ -67,8 +68,8 @@ def confirmed(study: _Study, under_way: Session) -> _Study:
             for one in zip(study.worst, flown[len(ends) :], strict=True)
         ),
     ]
-    if study.clearance is not None:
-        runs = _nearest_looked_for(runs, study.clearance)
+    for clearance in study.clearances.values():
+        runs = _nearest_looked_for(runs, clearance)
     return replace(study, runs=tuple(runs))
 
 
@@ -89,13 +90,9 @@ def _search_end(study: WorstCases, end: Candidate, run: Run) -> LabelledRun:
 def _confirmed(study: WorstCases, found: WorstCase, run: Run) -> LabelledRun:
     """Return the run of a worst case, with whether Drake says the same of it."""
     objective = study.objectives[found.objective]
+    mine = [one for one in study.clearances.values() if one is objective]
     labelled = replace(
-        measured(
-            Worst(found.name),
-            run,
-            study.case,
-            study.clearance if objective is study.clearance else None,
-        ),
+        measured(Worst(found.name), run, study.case, mine),
         evaluations=sum(searched.points for searched in study.searched),
     )
     if labelled.outcome.failed:
@@ -113,8 +110,9 @@ def _confirmed(study: WorstCases, found: WorstCase, run: Run) -> LabelledRun:
 
 
 def _value(study: WorstCases, objective: Objective, labelled: LabelledRun) -> float:
-    if objective is study.clearance and labelled.nearest is not None:
-        return -labelled.nearest.minimum
+    for metric, nearest in labelled.nearest.items():
+        if objective is study.clearances[metric]:
+            return -nearest.minimum
     return objective.of_run(labelled.run, study.case.limits_of_pairs)
 
 
@@ -130,22 +128,28 @@ def _nearest_looked_for(
     """Return runs with how near they come, where it is nearer than those measured.
 
     Where another run comes nearer than the worst clearance, the search for that has
-    failed, and its run says so.
+    failed, and its run says so. A run whose window does not end tells nothing.
     """
-    least = min(one.nearest.minimum for one in runs if one.nearest is not None)
+    metric = clearance.metric
+    least = min(o.nearest[metric].minimum for o in runs if metric in o.nearest)
     nearest: LabelledRun | None = None
     looked: dict[int, Clearance | None] = {}
     measured_runs = []
     for one in runs:
-        if one.nearest is None and one.run.motion is not None:
+        if metric not in one.nearest and one.run.motion is not None:
             key = id(one.run)  # of what is worst for several, there is one
             if key not in looked:
                 looked[key] = clearance.nearer(one.run, least)
             nearer = looked[key]
+            if not clearance.is_window_ended(one.run):  # what follows is not known
+                one = replace(one, metrics={**one.metrics, metric: math.nan})
             if nearer is not None:
                 told = clearance_told(one.run, nearer, clearance)
-                metrics = {**one.metrics, CLEARANCE: told}
-                one = replace(one, nearest=nearer, metrics=metrics)
+                one = replace(
+                    one,
+                    nearest={**one.nearest, metric: nearer},
+                    metrics={**one.metrics, metric: told},
+                )
                 if nearer.minimum < least:
                     least, nearest = nearer.minimum, one
         measured_runs.append(one)

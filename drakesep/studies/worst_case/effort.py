@@ -58,6 +58,13 @@ class StudyEffort:
     """That each search takes, and what follows them, in their order."""
     left_out: tuple[str, ...] = ()
     """What takes too long."""
+    run_by_run: tuple[str, ...] = ()
+    """Objectives for which whole runs are flown, since the batch cannot tell them by
+    metrics; or all, if Drake flies alone."""
+    whole_runs: float = 0.0
+    """How many that takes, about."""
+    drake_alone: bool = False
+    """Whether Drake flies them, and no batch engine."""
 
     @property
     def total(self) -> float:
@@ -84,6 +91,11 @@ class StudyEffort:
             f"worst cases of {self.objectives} objectives over {self.parameters} "
             f"parameters: {', '.join(steps)}; about {in_time(self.total)}"
         )
+        if self.run_by_run:
+            text += (
+                f"; flown run by run{' in Drake' if self.drake_alone else ''}, some "
+            )
+            text += f"{_rounded(self.whole_runs)} runs: {', '.join(self.run_by_run)}"
         if self.left_out:
             text += f"; left out, as it takes too long: {', '.join(self.left_out)}"
         return text
@@ -151,6 +163,9 @@ def planned_effort(
         growth=grows,
         seconds=costs.of(names, settings, grows, speed.cores),
         left_out=tuple(left_out),
+        run_by_run=costs.run_by_run,
+        whole_runs=costs.whole_runs(names, settings),
+        drake_alone=wanted.drake_alone,
     )
 
 
@@ -177,6 +192,9 @@ class _Costs:
         drake_alone: bool,
     ):
         self._n = len(case.box)
+        self.run_by_run = tuple(
+            o.name for o in objectives if drake_alone or o.needs is not Needs.METRICS
+        )
         self._speed = speed
         self._drake_alone = drake_alone
         self._cheap = [o for o in objectives if not o.expensive]
@@ -196,10 +214,10 @@ class _Costs:
     ) -> dict[str, float]:
         """Return the seconds of searches, and of what follows them."""
         seconds = {name: self._search(name, settings, cores) for name in names}
-        ascents = {FROM_NOMINAL: 1, "multistart": 1 + (settings.starts - 1) // 4}
         if self._dear and self._cheap:  # beside the others, in a thread
-            took = sum(ascents.get(name, 0) for name in names) * self._of_measurements
-            last = max((n for n in names if n in ascents), key=names.index)
+            fewer = [_starts(name, _beside(settings.starts)) for name in names]
+            took = sum(fewer) * self._of_measurements
+            last = max((n for n in names if _starts(n, 1)), key=names.index)
             seconds[last] += max(0.0, took - sum(seconds.values()))
         look = _LOOKS * self._speed.measurement
         seconds[CONFIRMATION] = self._ends * (self._speed.drake + look)
@@ -209,8 +227,38 @@ class _Costs:
 
     @property
     def _of_measurements(self) -> float:
-        """An ascent by measurements."""
-        return self._dear * _MEASUREMENTS * self._speed.measurement
+        """An ascent by measurements, and by the runs that are measured."""
+        whole = (self._n + 2) * self._whole_run
+        return self._dear * _MEASUREMENTS * (self._speed.measurement + whole)
+
+    @property
+    def _whole_run(self) -> float:
+        return self._speed.drake if self._drake_alone else self._speed.whole_run
+
+    def whole_runs(self, names: Sequence[str], settings: SearchSettings) -> float:
+        """Return how many runs are flown one by one, for what metrics do not tell."""
+        cheap = len(self._cheap) if self._drake_alone else self._runs
+        swept = bool(cheap) or not self._cheap
+        beside = _beside(settings.starts) if self._cheap else settings.starts
+        runs = 0.0
+        for name in names:
+            ascents = cheap * _starts(name, settings.starts)
+            ascents += self._dear * _starts(name, beside)
+            runs += ascents * _ITERATIONS * (self._n + 2)
+            runs += self._points(name, settings) if swept else 0.0
+        return runs
+
+    def _points(self, name: str, settings: SearchSettings) -> float:
+        """Return how many points a sweep looks at; 0 of an ascent."""
+        n, m = self._n, len(self._cheap)
+        flips = min(settings.flips, _ROUNDS * (64 * n + 2 * n**2), 2.0**n)
+        points = {
+            "samples": settings.samples,
+            "vertices": min(2.0**n, settings.vertices),
+            "corners": m * flips,
+            "evolution": m * 8 * n * settings.generations,
+        }
+        return points.get(name, 0.0)
 
     def _flown(self, runs: float, cores: int, calls: float = 1.0) -> float:
         """Runs on the batch engine, in so many calls that wait for each other."""
@@ -223,25 +271,17 @@ class _Costs:
         n, m = self._n, len(self._cheap)
         if not m:  # measurements alone, one after the other
             sweeps = {"samples": settings.samples, "vertices": 2.0**n}
-            starts = {FROM_NOMINAL: 1, "multistart": settings.starts}
-            once = self._speed.measurement + self._speed.whole_run
+            once = self._speed.measurement + self._whole_run
             return (
                 self._dear * sweeps.get(name, 0.0) * once
-                + starts.get(name, 0) * self._of_measurements
+                + _starts(name, settings.starts) * self._of_measurements
             )
-        flips = min(settings.flips, _ROUNDS * (64 * n + 2 * n**2), 2.0**n)
-        points = {
-            "samples": settings.samples,
-            "vertices": min(2.0**n, settings.vertices),
-            "corners": m * flips,
-            "evolution": m * 8 * n * settings.generations,
-        }
-        if name in points:
+        points = self._points(name, settings)
+        if points:
             share = 1.0 if name in ("samples", "vertices") else self._runs / m
-            whole = points[name] * share * self._speed.whole_run if self._runs else 0.0
-            return self._flown(points[name], cores) + whole
-        starts_ = 1 if name == FROM_NOMINAL else settings.starts
-        iterations = m * starts_ * _ITERATIONS
+            whole = points * share * self._speed.whole_run if self._runs else 0.0
+            return self._flown(points, cores) + whole
+        iterations = m * _starts(name, settings.starts) * _ITERATIONS
         each = iterations * (n + 2)
         whole = each * self._runs / m * self._speed.whole_run
         return self._flown(each, cores, 2 * _ITERATIONS) + whole + iterations * _ASCENT
@@ -253,6 +293,16 @@ class _Costs:
         return stages + roots + limits * _LIMIT
 
 
+def _starts(name: str, starts: int) -> int:
+    """Return from how many starts a search goes up; 0 if it is a sweep."""
+    return {FROM_NOMINAL: 1, "multistart": starts}.get(name, 0)
+
+
+def _beside(starts: int) -> int:
+    """Return from how many starts it goes for expensive objectives beside others."""
+    return 1 + (starts - 1) // 4
+
+
 def in_time(seconds: float) -> str:
     """Return a time in words, no finer than it is known."""
     if seconds < 10.0:
@@ -260,6 +310,12 @@ def in_time(seconds: float) -> str:
     if seconds < 100.0:
         return f"{5 * round(seconds / 5)} s"
     return f"{round(seconds / 60)} min"
+
+
+def _rounded(number: float) -> str:
+    """Return a number to its first digit, in words."""
+    size = 10 ** max(0, len(str(round(number))) - 1)
+    return _spaced(size * max(1, round(number / size)))
 
 
 def _spaced(number: int) -> str:

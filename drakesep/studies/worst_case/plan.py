@@ -1,6 +1,6 @@
 """What is asked of a study of worst cases, and how far it has come."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -38,8 +38,8 @@ class StudyPlan:
     """Whether to find how far tolerances may grow; None: if there is time."""
     workers: int | None = None
     """Processes that fly Drake; one per core if None; with 1, the caller's does all."""
-    clearance: LowestClearance | None = None
-    """That tells how near nominal and published runs come; None if not asked."""
+    clearances: Mapping[str, LowestClearance] = field(default_factory=dict)
+    """That tell how near nominal and published runs come, by their metrics."""
     folder: ResultsFolder | None = None
     """That receives tables and plots as the study goes on."""
 

@@ -20,7 +20,7 @@ from drakesep.analysis.search.judge import find_worst_cases
 from drakesep.analysis.search.problem import Problem, Searched
 from drakesep.analysis.search.sqp import Start, slopes_at
 from drakesep.case_file.case import Case
-from drakesep.case_file.objectives import Wanted, choose_objectives, the_clearance
+from drakesep.case_file.objectives import Wanted, choose_objectives, clearances_of
 from drakesep.plots.pictures import Tornado
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import WORST_CASE
@@ -35,7 +35,8 @@ from drakesep.studies.worst_case.session import Session, session
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run
-from drakesep.tables.labelled_run import LabelledRun, measured
+from drakesep.tables.evidence_tables import BATCH, BATCH_RUNS, DRAKE_RUNS, Flown
+from drakesep.tables.labelled_run import LabelledRun, measured, told_by
 from drakesep.tables.roles import Nominal, Published, Role
 
 
@@ -91,10 +92,10 @@ def worst_case(
             searches=WantedSearches.named(searches),
             effort=effort,
             workers=workers,
-            clearance=the_clearance(chosen),
+            clearances=clearances_of(chosen),
             folder=folder,
         )
-        study = WorstCases(asked=asked, objectives=chosen, clearance=plan.clearance)
+        study = WorstCases(asked=asked, objectives=chosen, clearances=plan.clearances)
         with (
             BackgroundProcess(workers=1) as none,  # what little is drawn, is drawn here
             session(plan, none, on_progress) as under_way,
@@ -116,16 +117,24 @@ def carried_out(study: _Study, under_way: Session) -> _Study:
 
     Without objectives, the nominal and the published runs are all there is.
     """
-    study = under_way.write_down(with_references(study, under_way))
+    study = under_way.write_down(_told(with_references(study, under_way)))
     _record(study.runs, under_way)
     if study.objectives:
         references = len(study.runs)
         study = searched(study, under_way)
         under_way.draw(Tornado(study.nearest_sensitivities).save)
-        study = under_way.write_down(confirmed(study, under_way))
+        study = under_way.write_down(_told(confirmed(study, under_way)))
         _record(study.runs[references:], under_way)
     under_way.draw(study.pictures.save)
     return study
+
+
+def _told(study: _Study) -> _Study:
+    """Return a study whose runs have what required functions tell of them."""
+    if not study.functions:
+        return study
+    runs = tuple(told_by(study.functions, one) for one in study.runs)
+    return replace(study, runs=runs)
 
 
 def _record(runs: Sequence[LabelledRun], under_way: Session) -> None:
@@ -137,16 +146,17 @@ def _record(runs: Sequence[LabelledRun], under_way: Session) -> None:
 
 def with_references(study: _Study, under_way: Session) -> _Study:
     """Return a study with its nominal and published runs, and their metrics."""
-    case, clearance = study.case, study.clearance
+    case, clearances = study.case, [*study.clearances.values()]
     roles: list[Role] = [Nominal(), *map(Published, case.published)]
     flown = [under_way.nominal, *under_way.published]
     background = under_way.background
-    if clearance is None or not background.is_another:
-        return replace(study, runs=_measured(roles, flown, case, clearance))
-    # A copy: it is sent while our own is prepared, which warns of doubtful meshes.
-    there = copy.copy(clearance)
+    if not clearances or not background.is_another:
+        return replace(study, runs=_measured(roles, flown, case, clearances))
+    # Copies: they are sent while our own are prepared, which warn of doubtful meshes.
+    there = [copy.copy(clearance) for clearance in clearances]
     runs = background.submit(_measured, roles, flown, case, there)
-    clearance.prepare()
+    for clearance in clearances:
+        clearance.prepare()
     return replace(study, runs=runs.result())
 
 
@@ -154,10 +164,10 @@ def _measured(
     roles: Sequence[Role],
     flown: Sequence[Run],
     case: AnalysisCase,
-    clearance: LowestClearance | None,
+    clearances: Sequence[LowestClearance],
 ) -> tuple[LabelledRun, ...]:
     return tuple(
-        measured(role, run, case, clearance)
+        measured(role, run, case, clearances)
         for role, run in zip(roles, flown, strict=True)
     )
 
@@ -187,7 +197,19 @@ def searched(study: _Study, under_way: Session) -> _Study:
         searched=tuple(done),
         worst=tuple(worst),
         nominal_slopes=_slopes_at_nominal(problem),
+        flown=_flown(under_way),
     )
+
+
+def _flown(under_way: Session) -> dict[str, Flown]:
+    """Return how searches were told each objective, by its name."""
+    evaluator = under_way.evaluator
+    whole = DRAKE_RUNS if under_way.batch is None else BATCH_RUNS
+    counts = map(evaluator.run_by_run, range(len(evaluator.objectives)))
+    return {
+        objective.name: Flown(BATCH, 0) if count is None else Flown(whole, count)
+        for objective, count in zip(evaluator.objectives, counts, strict=True)
+    }
 
 
 def _slopes_at_nominal(problem: Problem) -> Array:

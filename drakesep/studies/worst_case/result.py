@@ -1,6 +1,7 @@
 """The worst cases of a case: what was flown and found, and why to believe it."""
 
 import functools
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.objective import LowestClearance
+from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.search.judge import WorstCase
 from drakesep.analysis.search.problem import FROM_NOMINAL, Candidate, Searched
@@ -22,6 +24,7 @@ from drakesep.systems.arrays import Array
 from drakesep.tables.columns import write_csv
 from drakesep.tables.comparison import comparison_table
 from drakesep.tables.evidence_tables import (
+    Flown,
     candidates_table,
     evidence_table,
     searches_table,
@@ -50,8 +53,12 @@ class WorstCases:
     """The worst case of each objective, with its evidence."""
     nominal_slopes: Array | None = field(default=None, repr=False)
     """(m, n) of the objectives at the nominal, with the scaled parameters."""
-    clearance: LowestClearance | None = field(default=None, repr=False)
-    """That tells how near the nominal and published runs come; None if not asked."""
+    functions: tuple[FunctionRequirement, ...] = ()
+    """Of a run, that are required beside the case's requirements."""
+    flown: Mapping[str, Flown] = field(default_factory=dict, repr=False)
+    """How searches were told each objective, by its name."""
+    clearances: Mapping[str, LowestClearance] = field(default_factory=dict, repr=False)
+    """That tell how near the nominal and published runs come, by their metrics."""
 
     @property
     def case(self) -> AnalysisCase:
@@ -66,7 +73,7 @@ class WorstCases:
     @property
     def table(self) -> pd.DataFrame:
         """A row for each run: parameters, metrics, and how it was found."""
-        return runs_table(self.runs, self.case.box.names)
+        return runs_table(self.runs, self.case.box.names, self.functions)
 
     @property
     def history(self) -> pd.DataFrame:
@@ -114,7 +121,7 @@ class WorstCases:
     @property
     def evidence(self) -> pd.DataFrame:
         """A row for each worst case, with why it may be believed."""
-        return evidence_table(self.worst, self.objectives, self.runs)
+        return evidence_table(self.worst, self.objectives, self.runs, self.flown)
 
     @property
     def searches(self) -> pd.DataFrame:
@@ -212,12 +219,10 @@ class WorstCases:
     @property
     def pictures(self) -> Pictures:
         """What shows the runs."""
-        clearances = [r.limit for r in self.case.requirements if r.measured_apart]
         return Pictures(
             runs=[o for o in self._shown if o.run.motion is not None],
             limits=self.case.requirements,
             approaches=self._approaches,
-            clearance_limit=clearances[0] if clearances else None,
         )
 
     @property
@@ -238,17 +243,16 @@ class WorstCases:
 
     @functools.cached_property
     def _approaches(self) -> list[Approach]:
-        """Of the nominal run and of the worst clearance, if it was looked for."""
-        if self.clearance is None:
-            return []
+        """Of the nominal run and of the worst of each clearance that was looked for."""
         approaches = []
-        for one in self.runs:
-            found = one.nearest
-            if found is None or isinstance(one.role, Published):
-                continue
-            x, distances = self.clearance.approach(one.run, found)
-            pair = found.pair.replace("_", " ")
-            approaches.append(Approach(one.label, pair, x, distances))
+        for metric, clearance in self.clearances.items():
+            for one in self.runs:
+                found = one.nearest.get(metric)
+                if found is None or isinstance(one.role, Published):
+                    continue
+                x, distances = clearance.approach(one.run, found)
+                pair = found.pair.replace("_", " ")
+                approaches.append(Approach(metric, one.label, pair, x, distances))
         return approaches
 
 

@@ -184,8 +184,8 @@ def checked_batch(plan: StudyPlan) -> Batch | None:
         ValueError: it cannot fly the separation; or parts overlap while mated that are
             not said to touch, and are to be measured.
     """
-    if plan.clearance is not None:
-        plan.clearance.check_apart()
+    for clearance in plan.clearances.values():
+        clearance.check_apart()
     return _batch_of(plan.case, plan.objectives) if plan.on_batch_engine else None
 
 

@@ -113,7 +113,10 @@ def test_of_several_limits_of_a_deviation_the_least_counts():
     ("changes", "message"),
     [
         ({"limit": math.nan}, "limit must be finite, got nan"),
-        ({"sense": "<"}, "sense must be '<=' or '>=', got '<'"),
+        (
+            {"sense": "<"},
+            "sense must be '<=' or '>=', or '>' of a clearance, got '<'",
+        ),
     ],
 )
 def test_bad_requirement(changes, message):

@@ -208,6 +208,11 @@ requirements:
     when: {from_s: 0.1725, to_s: 0.5525}
     at_most: [null, 69, null]
   - {quantity: joint_force_N, of: bolt, at_most: 90001}
+  - quantity: clearance_mm
+    pair: craft
+    to: carrier
+    at_least: 3.375
+    until_separation_mm: 97.5
 objectives: paper
 clearance:
   pairs: [[plate, skirt], [ball, nose]]
@@ -466,6 +471,9 @@ def record_of_main(folder) -> AnalysisCase:
                 metric="rate_from_0.1725_to_0.5525_s_y", sense="<=", limit=69 * DEG
             ),
             Requirement(metric="bolt.joint_force", sense="<=", limit=90001.0),
+            Requirement(
+                metric="clearance_to_carrier_until_0.0975_m", sense=">=", limit=0.003375
+            ),
         ),
         objectives="paper",
         clearance=ClearancePairs(

@@ -166,10 +166,10 @@ def test_requirement_on_clearance(write, tmp_path):
         load(at_least=0)
     with pytest.raises(CaseError, match="until_separation_mm"):
         load(at_least=30, until_separation_mm=0)
-    with pytest.raises(CaseError, match="must stand with clearance_mm"):
+    with pytest.raises(CaseError, match="must stand with clearance_mm or no_contact"):
         load(quantity="longitudinal_speed_after_separation_m_s", at_least=1, **UNTIL)
     data["bodies"]["payload"]["geometry"] = {}
-    with pytest.raises(CaseError, match="clearance_mm needs geometry on two bodies"):
+    with pytest.raises(CaseError, match="clearance needs geometry on two bodies"):
         load(at_least=30)
 
 

@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 from tumbling import Tumbling
 
 from drakesep.analysis.clearance.of_pair import Clearance
+from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.plots import animation as animations
 from drakesep.plots.approach import Approach
 from drakesep.plots.clearance_plots import approaches_figure, clearance_figure
@@ -138,7 +139,9 @@ def test_clearances():
 def test_approaches():
     x = np.linspace(0.0, 0.4, 9)
     distances = 0.08 + (x - 0.2) ** 2
-    figure = approaches_figure([Approach("worst", "one to two", x, distances)], 0.03)
+    one = Approach("clearance", "worst", "one to two", x, distances)
+    required = Requirement(metric="clearance", sense=">=", limit=0.03)
+    figure = approaches_figure([one], [required])
     [axes] = figure.axes
     curve, dot, limit = axes.get_lines()
     assert curve.get_xdata() == pytest.approx(MM * x)

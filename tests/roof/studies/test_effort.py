@@ -51,6 +51,15 @@ def test_all_effort_where_it_takes_minutes_at_most(case):
     assert totals[-1] < 300.0
 
 
+def test_what_is_flown_run_by_run_is_told_beforehand(case):
+    """From the nominal and three starts: some 8 iterates of 20 runs each."""
+    told = str(plan(case, FAST, objectives=[*FOUR, case.lowest_clearance()]))
+    assert told.endswith("; flown run by run, some 500 runs: lowest_clearance")
+    assert "run by run" not in str(plan(case, FAST))
+    drake = str(plan(case, FAST, names=["drake"]))
+    assert "; flown run by run in Drake, some 600 runs: L1, L2, Linf, PM" in drake
+
+
 def test_the_number_of_cores_changes_what_is_said_not_what_is_done(case):
     for times in (1.0, 100.0, 1000.0):
         one, many = (plan(case, slower(times, cores=n)) for n in (1, 16))

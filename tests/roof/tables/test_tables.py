@@ -132,6 +132,7 @@ def test_evidence(vega_verification):
     evidence = vega_verification.evidence
     assert list(evidence.columns) == [
         *("objective", "unit", "worst", "in_drake", "difference", "found_by"),
+        *("flown_by", "run_by_run"),
         *("sqp", "multistart", "vertices", "samples"),
         *("starts", "ended_there", "local_maxima", "unfinished"),
         *("at_bounds", "active_constraints", "optimality_residual"),

@@ -1,0 +1,190 @@
+"""Functions of a run as requirements: flown run by run, held against closed forms."""
+
+import math
+
+import pytest
+from trade import SPEED, symmetric_design
+
+import drakesep
+from drakesep.analysis.engines.drake_pool import DrakePool
+from drakesep.analysis.metrics.functions import FunctionRequirement
+
+
+TOLERANCE = 20.0
+"""Of the spacecraft's mass, kg."""
+LIMITED = [{"quantity": "longitudinal_speed_m_s", "when": "at_end", "at_most": 1.0}]
+LITTLE = {"samples": 50, "starts": 2, "growth": False}
+EXACT = 1e-6
+"""Of the speed: 100 times the accuracy of a run."""
+
+
+def speed_in_mm_s(run) -> float:
+    """Of the spacecraft as seen from the launch vehicle at the end, mm/s."""
+    return 1e3 * float(run.completed_motion.relative_velocity[-1, 0])
+
+
+def by_energy(mass: float) -> float:
+    """The same by the closed form: 80 J between two masses, mm/s."""
+    return 1e3 * math.sqrt(160.0 * (1.0 / mass + 1.0 / 2000.0))
+
+
+def required(**limits) -> FunctionRequirement:
+    given = {"name": "mine", "function": speed_in_mm_s, "unit": "mm/s"}
+    return FunctionRequirement(**{**given, **limits})
+
+
+def case(requirements=LIMITED, tolerance=TOLERANCE):
+    dispersions = {"sc.mass_kg": tolerance} if tolerance else {}
+    return symmetric_design(requirements=requirements, dispersions=dispersions)
+
+
+FASTEST, SLOWEST = by_energy(500.0 - TOLERANCE), by_energy(500.0 + TOLERANCE)
+
+
+@pytest.fixture(scope="module")
+def studied():
+    plans = []
+    band = required(
+        at_least=SLOWEST + 1.0, at_most=FASTEST + 1.0, id="UM-9", source="manual"
+    )
+    study = drakesep.verify(
+        case(),
+        requirements=[band],
+        on_progress=lambda progress: plans.append(str(progress.effort)),
+        **LITTLE,
+    )
+    return study, plans[0]
+
+
+def test_each_limit_has_its_worst_by_the_closed_form(studied):
+    study, _ = studied
+    _, high, low = study.requirements.to_dict("records")
+    assert by_energy(500.0) == pytest.approx(1e3 * SPEED, rel=1e-12)
+    for row, sense, worst, margin, verdict in (
+        (high, "<=", FASTEST, 1.0, "met"),
+        (low, ">=", SLOWEST, -1.0, "not met"),
+    ):
+        assert (row["requirement"], row["unit"], row["sense"]) == (
+            "mine",
+            "mm/s",
+            sense,
+        )
+        assert (row["id"], row["source"], row["pair"]) == ("UM-9", "manual", "")
+        assert row["nominal"] == pytest.approx(1e3 * SPEED, rel=EXACT)
+        assert row["worst"] == pytest.approx(worst, rel=EXACT)
+        assert row["margin"] == pytest.approx(margin, abs=EXACT * worst)
+        assert row["verdict"] == verdict
+    assert study.completed and not study.passed
+    assert study.verdict == "not met"
+
+
+def test_tables_say_that_it_was_flown_run_by_run(studied):
+    study, plan = studied
+    evidence = study.evidence.set_index("objective")
+    batch, *mine = evidence["flown_by"]
+    assert (batch, *mine) == ("batch", *["batch, run by run"] * 2)
+    assert evidence["run_by_run"].tolist()[0] == 0
+    for name, sign in (("highest_mine", 1.0), ("lowest_mine", -1.0)):
+        row = evidence.loc[name]
+        assert row["unit"] == "mm/s"
+        # A nominal and a slope at each iterate, at the least; nothing is swept.
+        assert 4 <= row["run_by_run"] < 100
+        assert math.isnan(row["samples"])
+        at = study.table.set_index("label").loc[f"worst_{name}"]
+        assert row["in_drake"] == at["mine_mm_s"]
+        assert at["sc.mass_kg"] == 500.0 - sign * TOLERANCE
+    assert "; flown run by run, some " in plan
+    assert plan.endswith(" runs: highest_mine, lowest_mine")
+
+
+def test_met_alone_and_without_tolerances():
+    """The nominal run is all there is."""
+    bare = case(requirements=[], tolerance=0.0)
+    limit = required(at_most=1e3 * SPEED + 1.0)
+    study = drakesep.verify(bare, requirements=[limit], workers=1)
+    [row] = study.requirements.to_dict("records")
+    assert row["worst"] == pytest.approx(1e3 * SPEED, rel=EXACT)
+    assert study.passed and study.verdict == "met"
+    with pytest.raises(
+        ValueError, match="requirements: a case to verify must have som"
+    ):
+        drakesep.verify(bare, workers=1)
+
+
+def test_in_drake_alone_every_run_is_counted(monkeypatch):
+    flown = []
+    fly = DrakePool.fly
+
+    def counted(pool, variations, *more):
+        flown.append(len(variations))
+        return fly(pool, variations, *more)
+
+    monkeypatch.setattr(DrakePool, "fly", counted)
+    plans = []
+    study = drakesep.verify(
+        case(requirements=[]),
+        requirements=[required(at_most=FASTEST + 1.0)],
+        searches=["drake"],
+        workers=1,
+        on_progress=lambda progress: plans.append(str(progress.effort)),
+    )
+    [row] = study.evidence.to_dict("records")
+    assert row["flown_by"] == "Drake, run by run"
+    confirmation = flown.pop()
+    assert (row["run_by_run"], confirmation) == (sum(flown), 1)
+    assert "; flown run by run in Drake, some " in plans[0]
+    assert study.requirements["worst"].item() == pytest.approx(FASTEST, rel=EXACT)
+    assert study.passed
+
+
+def test_results_keep_what_functions_tell(tmp_path):
+    """Of a run; the function itself no folder holds, so that no command is told."""
+    study = drakesep.verify(
+        case(requirements=[], tolerance=0.0),
+        requirements=[required(at_most=1.0)],
+        output=tmp_path,
+        workers=1,
+    )
+    results = drakesep.read_results(tmp_path)
+    [one] = results.runs
+    assert one.of_functions == study.runs[0].of_functions
+    assert results.record.verdict == "not met"
+    assert results.table("requirements.csv")["worst"].item() == one.of_functions["mine"]
+
+
+def fails(run):
+    return run.no_such_thing
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"name": "my own"}, "name must be of letters, digits and _, got 'my own'"),
+        ({"name": "G_L1"}, "'G_L1' is the name of a metric"),
+        ({"name": "speed_at_end"}, "'speed_at_end' is the name of a metric"),
+        ({"function": 3.0}, "function must be one of a run, got 3.0"),
+        ({"at_most": None}, "mine: must have at_most or at_least, got none"),
+        ({"at_most": math.nan}, "mine: limit must be finite, got nan"),
+        ({"at_least": 2.0}, "at_least must not be above at_most, got 2 and 1"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(wrong, message):
+    with pytest.raises(ValueError, match=message):
+        required(**{"at_most": 1.0, **wrong})
+
+
+@pytest.mark.parametrize(
+    ("functions", "message"),
+    [
+        ([required(at_most=1.0, function=fails)], "nominal: mine: must give a number"),
+        (
+            [required(at_most=1.0, function=lambda run: math.nan)],
+            "nominal: mine of every run must be finite, got nan",
+        ),
+        ([required(at_most=1.0), required(at_least=1.0)], "'mine' must stand once"),
+        ([speed_in_mm_s], "each must be a FunctionRequirement, got <function"),
+    ],
+)
+def test_function_that_tells_nothing_gives_no_verdict(functions, message):
+    with pytest.raises(ValueError, match=message):
+        drakesep.verify(case(tolerance=0.0), requirements=functions, workers=1)
