@@ -215,6 +215,21 @@ def test_tables_have_a_column_for_each_clearance(study):
     assert worst["side.factor"] == pytest.approx(1.0 + SHARE)
 
 
+def test_a_sweep_measures_each_clearance_that_is_required():
+    near, far = (
+        {**CLEAR, "to": "nb", "at_least": 20.0, "until_separation_mm": mm}
+        for mm in (300, 900)
+    )
+    factors = [1.0 - SHARE, 1.0 + SHARE]
+    table = drakesep.sweep(
+        drifting([near, far]), {"side.factor": factors}, workers=1
+    ).table
+    for until in (0.3, 0.9):
+        found = table[f"clearance_to_nb_until_{until}_m_mm"].tolist()
+        expected = [distance(factor, until) for factor in factors]
+        assert found == pytest.approx(expected, abs=EXACT)
+
+
 def test_no_contact_is_not_met_where_parts_touch():
     """The neighbour stands in the way: the ball hits it, 0 mm."""
     bodies = drifting([NO_CONTACT]).model_dump(mode="json", exclude_none=True)["bodies"]
