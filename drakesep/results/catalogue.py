@@ -291,6 +291,19 @@ _VARIANTS = (
     ),
 )
 
+_REMARKS = FileKind(
+    name="remarks.csv",
+    studies=_OF_KEPT_RUNS,
+    what="What should be told although nothing failed, if anything: a body that moves "
+    "against its direction, springs of Eq. 5 that give another energy than they store.",
+    row="remark",
+    columns=(
+        Column("about", "", "The bodies or springs; each is told of once."),
+        Column("remark", "", "In a sentence."),
+        Column("run", "", "Label of the first run in which it is so."),
+    ),
+)
+
 _SEARCHED = (WORST_CASE, VERIFY)
 _WORST_CASES = (
     FileKind(
@@ -552,5 +565,13 @@ _MEMORY = (
     ),
 )
 
-FILES = (*_MEMORY, *_OF_ONE_RUN, *_VARIANTS, *_WORST_CASES, *_PLOTS, *_OF_RUNS)
+FILES = (
+    *_MEMORY,
+    _REMARKS,
+    *_OF_ONE_RUN,
+    *_VARIANTS,
+    *_WORST_CASES,
+    *_PLOTS,
+    *_OF_RUNS,
+)
 """All but those of `GEOMETRY`."""

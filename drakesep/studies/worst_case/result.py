@@ -19,6 +19,7 @@ from drakesep.plots.pictures import Pictures, Tornado
 from drakesep.results.asked import Asked
 from drakesep.results.folder import ResultsFolder
 from drakesep.results.recorded_runs import save_runs
+from drakesep.studies.remarks import Remark, remarks, save_remarks
 from drakesep.studies.worst_case.effort import StudyEffort
 from drakesep.systems.arrays import Array
 from drakesep.tables.columns import write_csv
@@ -167,6 +168,11 @@ class WorstCases:
         }
 
     @property
+    def remarks(self) -> list[Remark]:
+        """What should be told of the runs, each of a body or a spring once."""
+        return remarks({one.label: one.run for one in self.runs})
+
+    @property
     def completed(self) -> bool:
         """Whether no run failed, and Drake confirmed every worst case."""
         return not any(one.outcome.failed for one in self.runs)
@@ -186,6 +192,7 @@ class WorstCases:
         """Write the tables, as far as there are any, into a folder."""
         folder = Path(directory)
         write_csv(self.table, folder / "worst_cases.csv")
+        save_remarks(self.remarks, folder)
         if self.searched:
             write_csv(self.searches, folder / "searches.csv")
             write_csv(self.candidates, folder / "candidates.csv")
