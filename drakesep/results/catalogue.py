@@ -508,12 +508,15 @@ _PLOTS = (
     FileKind(
         name="translation.png",
         studies=(SIMULATE, *_SEARCHED),
-        what="Velocity, acceleration and momentum change, after the paper's Fig. 6.",
+        what="Velocity, acceleration and momentum change, after the paper's Fig. 6, of "
+        "the push and over the whole run, with limits and the runs that decide them; "
+        "and what else is required of speeds, displacements and forces.",
     ),
     FileKind(
         name="rotation.png",
         studies=(SIMULATE, *_SEARCHED),
-        what="Angles, rates and momentum change, after the paper's Fig. 7.",
+        what="Angles, rates and momentum change, after the paper's Fig. 7, likewise; "
+        "and what else is required of angles, rates and torques.",
     ),
     FileKind(
         name="translation_{body}.png",

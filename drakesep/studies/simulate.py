@@ -105,7 +105,7 @@ class Simulated:
         # Half a second to import, where something is drawn.
         from drakesep.plots.motion import save_motion
 
-        save_motion([self.labelled], self.case.requirements, folder)
+        save_motion([self.labelled], self.case, folder)
 
 
 def simulate(

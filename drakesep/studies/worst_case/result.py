@@ -33,7 +33,7 @@ from drakesep.tables.evidence_tables import (
     worst_points_table,
 )
 from drakesep.tables.labelled_run import LabelledRun
-from drakesep.tables.roles import Published, Worst
+from drakesep.tables.roles import Published
 from drakesep.tables.run_tables import history_table, motion_table, runs_table
 from drakesep.tables.table_4 import table_4
 
@@ -227,26 +227,10 @@ class WorstCases:
     def pictures(self) -> Pictures:
         """What shows the runs."""
         return Pictures(
-            runs=[o for o in self._shown if o.run.motion is not None],
-            limits=self.case.requirements,
+            runs=self.runs,
+            case=self.case,
             approaches=self._approaches,
         )
-
-    @property
-    def _shown(self) -> list[LabelledRun]:
-        """The runs in the plots of the motion.
-
-        The references, and the worst by the paper's objectives; where these are not
-        looked at, all worst cases but those of better directions.
-        """
-        worst = {case.name for case in self.worst}
-        shown = worst & set(OBJECTIVES) or worst - self._better_directions
-        return [
-            one
-            for one in self.runs
-            if one.objective is None
-            or (isinstance(one.role, Worst) and one.objective in shown)
-        ]
 
     @functools.cached_property
     def _approaches(self) -> list[Approach]:
