@@ -42,6 +42,8 @@ _ROOM = 0.06
 """Of the height of curves and limits, that is left above and below them."""
 _AROUND = 0.15
 """Of the push, that is shown before and after it."""
+_LEAST = 0.001
+"""Of the run, that is shown there if nothing pushes."""
 
 
 def save_motion(runs: Sequence[LabelledRun], case: AnalysisCase, folder: Path) -> None:
@@ -234,27 +236,20 @@ def _sentence(panel: Panel, decided: Decided) -> str:
     limit = f"{name}{sign} {unit.from_si(requirement.limit):.4g} {unit.symbol}"
     if finding.verdict is Verdict.NOT_LOOKED_AT:
         return f"{limit}: {finding.verdict.value}"
+    worst = unit.from_si(finding.worst) + 0.0  # of -0, 0
     broken = "" if finding.met else f", {finding.verdict.value}"
-    return f"{limit}: {unit.from_si(finding.worst):.4g} in {finding.run}{broken}"
+    return f"{limit}: {worst:.4g} in {finding.run}{broken}"
 
 
 def _zoom(push: Axes, whole: Axes, run: Run, pair: Pair) -> None:
     """Show the push in the one panel, and where it is in the other."""
-    start, end = _push_of(run, pair)
-    around = _AROUND * (end - start)
-    push.set_xlim(max(start - around, 0.0), min(end + around, run.separation.duration))
-    whole.set_xlim(0.0, run.separation.duration)
+    start, end = run.push_of(pair)
+    duration = run.separation.duration
+    around = max(_AROUND * (end - start), _LEAST * duration)
+    push.set_xlim(max(start - around, 0.0), min(end + around, duration))
+    whole.set_xlim(0.0, duration)
     whole.axvspan(*push.get_xlim(), color=_SHADE, zorder=0)
     push.set_facecolor(_SHADE)
-
-
-def _push_of(run: Run, pair: Pair) -> tuple[float, float]:
-    """Return from when to when B is pushed from A, s; from whatever, if not from A."""
-    holding = run.separation.attached_to(pair.B)
-    own = [a for a in holding if pair.A in (a.A, a.B) and a.spring] or holding
-    ends = [run.stroke_ends[a.spring.name] for a in own if a.spring]
-    releases = [run.releases[a.name] for a in own]
-    return min(releases), max([*releases, *ends])
 
 
 def _legend(

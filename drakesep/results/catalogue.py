@@ -552,6 +552,11 @@ _PLOTS = (
         studies=(CLEARANCE,),
         what="The space that parts of B sweep past those of A.",
     ),
+    FileKind(
+        name="swept_{body}.png",
+        studies=(CLEARANCE,),
+        what="The same of another body that leaves.",
+    ),
 )
 
 _MEMORY = (

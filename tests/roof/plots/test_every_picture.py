@@ -95,7 +95,7 @@ def test_tornado():
     figure = tornado_figure(frame)
     for axes, objective in zip(figure.axes, ("L1", "PM"), strict=True):
         mine = frame[frame["objective"] == objective]
-        assert axes.get_title() == objective
+        assert axes.get_title("right") == objective
         assert axes.get_xlabel() == mine["unit"].iloc[0]
         wide, narrow = axes.containers
         for bars, column in (
@@ -182,7 +182,8 @@ def test_swept():
         rate=np.full(len(time), 0.8),
         axis=(0.0, 0.0, 1.0),
     )
-    figure = swept_figure(run_of(moving, [POST], [BALL]), [("post", "ball")])
+    run = run_of(moving, [POST], [BALL])
+    figure = swept_figure(run, run.separation.pairs[0], [("post", "ball")])
     turns = np.outer(0.6 + 0.8 * time, [0.0, 0.0, 1.0])
     turned = Rotation.from_rotvec(turns).apply(BALL.p_BoGo_B)
     start, *_, later = MM * (turned + place)[:100]  # well before it is clear
@@ -217,6 +218,9 @@ class Noted:
     def __init__(self, frames_per_second):
         self.frames, self.drawn, self.places, self.bars = frames_per_second, [], [], []
         made.append(self)
+
+    def look_at(self, centre, size):
+        self.centre, self.size = centre, size
 
     def draw(self, root, separation):
         self.drawn.append((root, separation))

@@ -4,6 +4,7 @@ import dataclasses
 import math
 
 import numpy as np
+import pandas as pd
 import pytest
 from drawn import TOPICS, curves_of, drawn, texts_of, titles_of
 from pictures import is_drawn
@@ -298,7 +299,7 @@ def test_tornado_has_a_panel_for_each_objective(vega_verification, vega_folder):
     """Bars are the table's, the largest on top."""
     frame = vega_verification.sensitivities
     figure = tornado_figure(frame)
-    panels = {axes.get_title(): axes for axes in figure.axes if axes.get_visible()}
+    panels = {a.get_title("right"): a for a in figure.axes if a.get_visible()}
     assert len(panels) == frame["objective"].nunique()
     rows = frame[frame["objective"] == "L1"]
     bars = panels["L1"].containers[0].patches
@@ -340,3 +341,22 @@ def test_nothing_is_cut_whatever_names_are(topic, name):
     for extent in (artist.get_window_extent() for artist in shown):
         assert whole.x0 <= extent.x0 and extent.x1 <= whole.x1
         assert whole.y0 <= extent.y0 and extent.y1 <= whole.y1
+
+
+@pytest.mark.parametrize("name", ["lowest_carrier.longitudinal_speed_at_end", LONG])
+def test_titles_of_tornados_are_not_cut(name):
+    bars = {
+        "objective": [name] * 2,
+        "unit": ["deg"] * 2,
+        "parameter": ["a_body_of_a_name.inertia_xy_kg_m2", "b"],
+        "per_tolerance_at_worst": [1.0, -2.0],
+        "per_tolerance_at_nominal": [0.5, 0.5],
+        "at_worst": ["M", "m"],
+    }
+    others = {**bars, "objective": ["L1"] * 2}
+    frame = pd.concat([pd.DataFrame(others), pd.DataFrame(bars)])
+    figure = tornado_figure(frame)
+    figure.draw_without_rendering()
+    titles = [text for axes in figure.axes for text in (axes.title, axes._right_title)]
+    for extent in (t.get_window_extent() for t in titles if t.get_text()):
+        assert figure.bbox.x0 <= extent.x0 and extent.x1 <= figure.bbox.x1
