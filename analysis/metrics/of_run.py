@@ -152,6 +152,36 @@ def time_of(time: Time, run: Run, body: str = "") -> float:
             return time
 
 
+def signal_of_run(run: Run, metric: Metric) -> Array:
+    """Return what a metric looks at, at the times of a run's motion.
+
+    Args:
+        run: a completed run.
+        metric: with a signal.
+
+    Returns:
+        (n, c) the c components of its signal: the quantities themselves, angles
+        beyond half a turn going on.
+
+    Raises:
+        RuntimeError: the run failed.
+        ValueError: the run has no such owner of the metric.
+    """
+    assert metric.signal is not None
+    samples = _samples_of(run)(metric).samples(metric.signal)
+    outer = metric.signal.outer
+    return samples if outer is Outer.ITSELF else np.vectorize(_outer)(outer, samples)
+
+
+def body_of(metric: Metric, separation: Separation) -> str:
+    """Return the body that leaves whose metric it is, or whose joint or spring.
+
+    Raises:
+        ValueError: the separation has no such owner of the metric.
+    """
+    return _found(separation, metric.owner, metric.pair)[0]
+
+
 def metric_named(name: str) -> Metric:
     """Return the entry of a metric of every run.
 
@@ -236,15 +266,18 @@ class _Samples:
         return [signals.between(one, start, stop) for one in self._whole(signal)]
 
     def _interpolated(self, signal: Signal) -> list[PPoly]:
-        values = self._columns(signal)
-        if signal.turns:
-            values = np.unwrap(values, axis=0)
+        values = self.samples(signal)
         if signal.jumps:
             return signals.straight(self._motion.time, values)
         return signals.interpolate(self._motion.time, values, self._run.breaks)
 
+    def samples(self, signal: Signal) -> Array:
+        """Return the samples (n, c) of a signal's components; angles go on."""
+        values = self._columns(signal)
+        return np.unwrap(values, axis=0) if signal.turns else values
+
     def _columns(self, signal: Signal) -> Array:
-        """Return the samples (n, c) of a signal's components."""
+        """Return them as they are at each time."""
         field = self._field(signal)
         if signal.law is not None:
             made = signal.law(tuple(field.T), self._facts, np)

@@ -4,7 +4,7 @@ from rich.console import Console
 
 from drakesep.cli.console import print_frame, print_notes
 from drakesep.studies.clearance import Clearances
-from drakesep.studies.remarks import remarks
+from drakesep.studies.remarks import notes_of
 from drakesep.studies.simulate import Simulated
 from drakesep.studies.sweep import Sweep
 from drakesep.studies.verification import Verification
@@ -34,14 +34,15 @@ def print_simulated(console: Console, result: Simulated) -> None:
     print_frame(console, "Metrics of the run", metrics)
     if len(result.contacts):
         print_frame(console, "Parts that touch again", result.contacts)
-    print_notes(console, remarks(result.run))
+    print_notes(console, notes_of(result.remarks, result.labelled.label))
 
 
 def print_clearances(console: Console, study: Clearances) -> None:
-    """Print how near the parts come."""
+    """Print how near the parts come, and remarks."""
     summary = study.summary
     shown = [name for name in _CLEARANCE if name in summary]
     print_frame(console, "Smallest clearances of the run", summary[shown])
+    print_notes(console, notes_of(study.remarks, study.labelled.label))
 
 
 def print_sweep(console: Console, study: Sweep) -> None:
@@ -85,7 +86,7 @@ def print_worst_cases(console: Console, study: WorstCases) -> None:
     for one in study.runs:
         if not one.outcome.as_wanted:
             console.print(f"{one.label}: {one.status}", markup=False)
-    print_notes(console, remarks(nominal_of(study.runs).run))
+    print_notes(console, notes_of(study.remarks, nominal_of(study.runs).label))
 
 
 def print_requirements(console: Console, study: Verification) -> None:

@@ -13,7 +13,7 @@ import pandas as pd
 
 from drakesep.case_file.case import Case
 from drakesep.studies.clearance import Clearances
-from drakesep.studies.remarks import remarks
+from drakesep.studies.remarks import notes_of
 from drakesep.studies.simulate import Simulated
 from drakesep.studies.sweep import Sweep
 from drakesep.studies.verification import Verification
@@ -209,7 +209,7 @@ def of_simulated(result: Simulated, folder: Path) -> SimulateSummary:
         case=result.case.name,
         folder=str(folder),
         verdict=None,
-        notes=remarks(result.run),
+        notes=notes_of(result.remarks, result.labelled.label),
         status=result.labelled.status,
         metrics=dict(in_units(result.labelled.metrics)),
         contacts=_rows(result.contacts) if result.completed else [],
@@ -234,7 +234,7 @@ def of_clearances(study: Clearances, folder: Path) -> ClearanceSummary:
         case=study.case.name,
         folder=str(folder),
         verdict="clear" if study.clear else "contact",
-        notes=remarks(study.run),
+        notes=notes_of(study.remarks, study.labelled.label),
         clearances=_rows(study.summary),
     )
 
@@ -245,7 +245,7 @@ def of_worst_cases(study: WorstCases, folder: Path) -> WorstCaseSummary:
         case=study.case.name,
         folder=str(folder),
         verdict=study.verdict,
-        notes=remarks(nominal_of(study.runs).run),
+        notes=notes_of(study.remarks, nominal_of(study.runs).label),
         worst_cases=_rows(study.evidence) if study.worst else [],
         runs=_rows(study.table),
     )

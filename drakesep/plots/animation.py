@@ -6,22 +6,37 @@ Time is stretched while springs push and while bodies are near each other.
 """
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from html import escape
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drakesep.analysis.clearance.of_run import ClearanceAnalysis
+from drakesep.systems.arrays import Array
+from drakesep.systems.geometry.bounding_tree import (
+    leaves_of,
+    support_point,
+    tree_of,
+)
 from drakesep.systems.geometry.recording import Recording
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.run import Run
+from drakesep.systems.model.separation import Separation
+from drakesep.systems.vectors import quaternion, rotation_matrix
 
 
 _FRAMES = 30
 """In a second of the animation."""
 _PUSH, _NEAR, _REST = 4.0, 5.0, 3.0
-"""Seconds of the animation for the push, until bodies are well apart, and after."""
+"""Seconds of the animation for a push, for bodies until they are well apart, and for
+the rest."""
+_MOST_PUSHES = 3
+"""That are given as many seconds; more share them."""
+_WELL_APART = 1.5
+"""m."""
 
 
 class _Shown(NamedTuple):
@@ -56,6 +71,8 @@ def animation(
     separation = next(iter(runs.values())).separation
     analysis = ClearanceAnalysis(separation, pairs, touching=touching)
     recording = Recording(_FRAMES)
+    least, most = _extent_while_mated(separation)
+    recording.look_at(0.5 * (least + most), float(np.linalg.norm(most - least)))
     shown = [
         _animate(recording, f"/runs/{i}", label, run, analysis)
         for i, (label, run) in enumerate(runs.items())
@@ -96,23 +113,64 @@ def _animate(
     return shown
 
 
+def _extent_while_mated(separation: Separation) -> tuple[Array, Array]:
+    """Return the least and the largest coordinates (3,) of all parts, in A, m."""
+    extents = []
+    for body in separation.bodies:
+        R = np.array(rotation_matrix(quaternion(body.rpy_AB, math))).reshape(3, 3)
+        for leaf in (x for part in body.parts for x in leaves_of(tree_of(part))):
+            points = [
+                R @ support_point(leaf, R.T @ n) for n in (*np.eye(3), *-np.eye(3))
+            ]
+            extents += [point + np.array(body.p_ABo) for point in points]
+    return np.min(extents, axis=0), np.max(extents, axis=0)
+
+
 def _times(run: Run) -> list[float]:
-    """Return the times of the frames, s."""
-    path = RelativePath(run.completed_trajectory, run.separation.A, run.separation.B)
-    start = path.at(0.0).p_AoBo_A
-    gone = [float(np.linalg.norm(path.at(t).p_AoBo_A - start)) for t in path.time]
-    duration = float(path.time[-1])
-    push = min(max(run.separation_end, 0.01 * duration), 0.5 * duration)
-    # Well apart: a metre and a half.
-    apart = next((t for t, x in zip(path.time, gone, strict=True) if x > 1.5), duration)
-    near = min(max(float(apart), 1.5 * push), duration)
-    shown, ends = [0.0, _PUSH, _NEAR, _REST], [0.0, push, near, duration]
-    if near >= duration:  # nothing comes after
-        del shown[-1], ends[-1]
-    shown = np.cumsum(shown).tolist()
-    frames = np.arange(0.0, shown[-1] + 0.5 / _FRAMES, 1.0 / _FRAMES)
-    times = np.interp(frames, shown, ends)
-    return [float(t) for t in times]
+    """Return the times of the frames, s: of pushes most, then of bodies that are near.
+
+    A push takes a hundredth of the run at least.
+    """
+    separation, trajectory = run.separation, run.completed_trajectory
+    duration = float(trajectory.time[-1])
+    pushes, near = [], []
+    for pair in separation.pairs:
+        start, end = run.push_of(pair)
+        end = max(end, start + 0.01 * duration)
+        pushes.append((start, end))
+        near.append((end, max(_apart(RelativePath(trajectory, pair.A, pair.B)), end)))
+    knots = np.unique(np.clip([0.0, duration, *sum(pushes + near, ())], 0.0, duration))
+    lengths = np.diff(knots)
+    pushing = _within(pushes, knots)
+    close = _within(near, knots) & np.logical_not(pushing)
+    begun = np.diff(np.append(0, pushing.astype(int))) > 0
+    several = min(int(begun.sum()), _MOST_PUSHES)
+    shown = np.zeros(len(lengths))
+    for stretches, seconds in (
+        (pushing, _PUSH * several),
+        (close, _NEAR),
+        (np.logical_not(pushing | close), _REST),
+    ):
+        if stretches.any():
+            shown[stretches] = seconds * lengths[stretches] / lengths[stretches].sum()
+    ends = np.append(0.0, np.cumsum(shown))
+    frames = np.arange(0.0, ends[-1] + 0.5 / _FRAMES, 1.0 / _FRAMES)
+    return [float(t) for t in np.interp(frames, ends, knots)]
+
+
+def _apart(path: RelativePath) -> float:
+    """Return when a body is well apart, s: a metre and a half; or the end."""
+    _, places = path.places(path.time)
+    gone = np.linalg.norm(places - places[0], axis=1) > _WELL_APART
+    return float(path.time[gone.argmax() if gone.any() else -1])
+
+
+def _within(spans: Sequence[tuple[float, float]], knots: Array) -> NDArray[np.bool_]:
+    """Return which stretches between knots lie within a span."""
+    middle = 0.5 * (knots[:-1] + knots[1:])
+    within = [(start < middle) & (middle < end) for start, end in spans]
+    flags: NDArray[np.bool_] = np.any(within, axis=0)
+    return flags
 
 
 # The panel.

@@ -10,7 +10,14 @@ from matplotlib.figure import Figure
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.plots.approach import Approach
-from drakesep.plots.style import COLOURS, DASHES, LIMIT, save_plot
+from drakesep.plots.style import (
+    COLOURS,
+    DASHES,
+    LIMIT,
+    columns_of_legend,
+    save_plot,
+    wrapped,
+)
 from drakesep.systems.arrays import Array
 from drakesep.units import unit_of
 
@@ -61,7 +68,11 @@ def clearance_figure(
     panels[1].set_xlabel("separation (mm)")
     panels[0].set_ylabel("distance (mm)")
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
+    labels = [wrapped(label, 10.5, 10) for label in labels]
+    columns = columns_of_legend(labels, 11.5)
+    figure.legend(
+        handles, labels, loc="outside lower center", ncols=columns, frameon=False
+    )
     figure.suptitle("Distances between parts; dots: smallest, crosses: contact")
     return figure
 
@@ -103,7 +114,7 @@ def approaches_figure(
         axes.set_title(
             "Distance of the pair that comes nearest in each run; dots: smallest"
             if len(clearances) == 1
-            else name.replace("_", " ")
+            else wrapped(name.replace("_", " "), 7.0, 12)
         )
     return figure
 

@@ -1,208 +1,273 @@
-"""Pictures of the motion, after the paper's Figs. 6 and 7, and of sensitivities."""
+"""Pictures of the motion, after the paper's Figs. 6 and 7, and of requirements on it.
 
-from collections.abc import Sequence
+Each signal has two panels beside each other: the push, and the whole run. The run that
+decides a requirement is drawn against its limit and named above, and so that it can be
+followed it is drawn for all signals along the same axis.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-from drakesep.analysis.metrics.metric import Metric, Moment, Outer, Signal, Window
-from drakesep.analysis.metrics.of_run import time_of
-from drakesep.analysis.metrics.registry import find_metric
-from drakesep.analysis.metrics.requirements import Requirement
-from drakesep.plots.style import COLOURS, DASHES, LIMIT, save_plot
-from drakesep.systems.equations.pair_signals import PairFacts
-from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ
+from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.metrics.metric import Window
+from drakesep.analysis.metrics.of_run import body_of, time_of
+from drakesep.analysis.metrics.requirements import Verdict
+from drakesep.plots.layout import Layout
+from drakesep.plots.panels import ROTATION, TRANSLATION, Panel, Topic, panels_of
+from drakesep.plots.shown_runs import Decided, ShownRuns
+from drakesep.plots.style import DASHES, LIMIT, save_plot
 from drakesep.systems.model.run import Run
+from drakesep.systems.model.separation import Pair
+from drakesep.systems.sampling import NANOSECOND
 from drakesep.tables.labelled_run import LabelledRun
-from drakesep.tables.roles import Changed, Nominal, Published
-from drakesep.units import unit_of
+from drakesep.tables.roles import Published
 
 
-class _Row(NamedTuple):
-    quantity: str
-    title: str
-    axes: tuple[str, ...]
-
-
-_TRANSLATION = (
-    _Row("relative_velocity", "relative velocity", XYZ),
-    _Row("acceleration", "acceleration of the CG", XYZ),
-    _Row("linear_momentum_change", "linear momentum change", XYZ),
-)
-_ROTATION = (
-    _Row("angle", "angle", ROLL_PITCH_YAW),
-    _Row("rate", "rate", XYZ),
-    _Row("angular_momentum_change", "angular momentum change", XYZ),
-)
+_REFERENCE = "#000000"
 _PUBLISHED = ("#757575", "#A6A6A6", "#CCCCCC")
+_COMPARED = ("#0072B2", "#009E73", "#56B4E9", "#E69F00")
+_DECIDING = ("#D55E00", "#A0417F", "#0072B2", "#009E73", "#E69F00", "#56B4E9")
+_LIMIT: dict[str, Any] = {"color": LIMIT, "ls": (0, (8, 3)), "lw": 1.4, "zorder": 5}
+_END: dict[str, Any] = {"color": "#555555", "ls": ":", "lw": 1.0}
+_SHADE = "#F3F3F3"
+"""Of the push."""
+_ROOM = 0.06
+"""Of the height of curves and limits, that is left above and below them."""
+_AROUND = 0.15
+"""Of the push, that is shown before and after it."""
+_LEAST = 0.001
+"""Of the run, that is shown there if nothing pushes."""
 
 
-def save_motion(
-    runs: Sequence[LabelledRun], limits: Sequence[Requirement], folder: Path
-) -> None:
-    """Write translation.png and rotation.png of completed runs into a folder.
+def save_motion(runs: Sequence[LabelledRun], case: AnalysisCase, folder: Path) -> None:
+    """Write translation.png and rotation.png of a study's runs into a folder.
 
     Those of other bodies that leave end with their names.
-    """
-    for pair in _reference(runs).separation.pairs:
-        first = pair == _reference(runs).separation.pairs[0]
-        body, end = ("", "") if first else (pair.B, f"_{pair.B}")
-        for name, figure in (
-            ("translation", translation_figure(runs, limits, body)),
-            ("rotation", rotation_figure(runs, limits, body)),
-        ):
-            save_plot(figure, folder / f"{name}{end}.png")
-
-
-def translation_figure(
-    runs: Sequence[LabelledRun], limits: Sequence[Requirement], body: str = ""
-) -> Figure:
-    """Return relative velocity, acceleration and linear momentum over time.
 
     Args:
-        runs: completed, the reference among them.
-        limits: that may be drawn.
-        body: that leaves; the first if empty.
+        runs: of the study; those that failed are left out.
+        case: with the requirements.
+        folder: that receives them.
     """
-    return _figure("Translation of {B} from {A}", _TRANSLATION, runs, limits, body)
+    shown = ShownRuns.of(runs, case)
+    for pair in shown.run.separation.pairs:
+        end = "" if pair == shown.run.separation.pairs[0] else f"_{pair.B}"
+        for name, topic in (("translation", TRANSLATION), ("rotation", ROTATION)):
+            save_plot(motion_figure(topic, shown, pair), folder / f"{name}{end}.png")
 
 
-def rotation_figure(
-    runs: Sequence[LabelledRun], limits: Sequence[Requirement], body: str = ""
-) -> Figure:
-    """Return angles, rates and angular momentum over time; see above."""
-    return _figure("Rotation of {B}", _ROTATION, runs, limits, body)
+class _Drawn(NamedTuple):
+    """A run as it is drawn."""
+
+    one: LabelledRun
+    colour: str
+    dashes: tuple[float, tuple[float, ...]]
+    width: float
+    level: int
 
 
-def _figure(
-    title: str,
-    rows: Sequence[_Row],
-    runs: Sequence[LabelledRun],
-    limits: Sequence[Requirement],
-    body: str,
-) -> Figure:
-    separation = _reference(runs).separation
-    pair = separation.pair_of(body or separation.B)
-    facts = PairFacts.of(separation, pair)
-    figure = Figure(figsize=(12, 9), layout="constrained")
-    panels = figure.subplots(len(rows), 3, sharex=True, squeeze=False)
-    for row, line in zip(rows, panels, strict=True):
-        for i, axes in enumerate(line):
-            _draw(axes, row, i, runs, pair.B)
-            axes.set_title(f"{row.title}, {row.axes[i]}", fontsize=10)
-            for requirement in limits:
-                metric = _of_component(requirement, row.quantity, i, facts)
-                if metric is not None and metric.pair == body:
-                    _draw_limit(axes, requirement, metric, runs)
-    for axes in panels[-1]:
-        axes.set_xlabel("time (s)")
-    handles, labels = panels[0][0].get_legend_handles_labels()
-    limited = [a for a in panels.flat if a.get_gid() == "limited"]
-    if limited:
-        handles.append(limited[0].get_lines()[-1])
-        labels.append("limit")
-    figure.legend(
-        handles,
-        labels,
-        loc="outside lower center",
-        ncols=_columns_of_legend(labels),
-        frameon=False,
+def motion_figure(topic: Topic, shown: ShownRuns, pair: Pair) -> Figure:
+    """Return signals of a body that leaves over time, with what is required of them.
+
+    Args:
+        topic: what it is about.
+        shown: runs of the study.
+        pair: whose B leaves.
+    """
+    run = shown.run
+    panels = panels_of(topic, run.separation, pair, shown.decided)
+    compared = [o for o in shown.compared if topic.concerns(o, run.separation, pair.B)]
+    everywhere = _everywhere(shown.reference, compared)
+    layout = Layout(
+        topic.title.format(A=pair.A, B=pair.B).replace("_", " "),
+        [[_sentence(panel, decided) for decided in panel.decided] for panel in panels],
+        _legend(everywhere, panels),
     )
-    figure.suptitle(title.format(A=pair.A, B=pair.B).replace("_", " "))
-    return figure
+    for k, panel in enumerate(panels):
+        drawn = _with_deciding(everywhere, _deciding(panel, panels))
+        both = push, whole = layout.panels(k, panel.title, panel.unit.symbol)
+        _zoom(push, whole, run, pair)
+        for axes in both:
+            _draw(axes, panel, drawn, pair)
+            _fit(axes)
+            axes.axvline(run.end_of(pair.B), **_END)
+        layout.write(k, [drawn[decided.run.label].colour for decided in panel.decided])
+    return layout.figure
 
 
-def _columns_of_legend(labels: Sequence[str]) -> int:
-    """Return in how many columns labels stand beside each other, none of them cut."""
-    longest = max(map(len, labels))
-    return min(5, max(1, _LEGEND // (longest + _HANDLE)))
+def _everywhere(
+    reference: LabelledRun, compared: Sequence[LabelledRun]
+) -> list[_Drawn]:
+    """Return the runs that all panels show, as they are drawn."""
+    drawn = [_Drawn(reference, _REFERENCE, DASHES[0], 1.5, 3)]
+    published = [one for one in compared if isinstance(one.role, Published)]
+    if len(published) <= len(_PUBLISHED):  # more would hide the others
+        drawn += [
+            _Drawn(one, colour, DASHES[0], 2.6, 1)
+            for one, colour in zip(published, _PUBLISHED, strict=False)
+        ]
+    others = [one for one in compared if not isinstance(one.role, Published)]
+    for k, one in enumerate(others):
+        dashes = DASHES[1 + k % (len(DASHES) - 1)]
+        drawn.append(_Drawn(one, _COMPARED[k % len(_COMPARED)], dashes, 1.4, 2))
+    return drawn
 
 
-_LEGEND, _HANDLE = 120, 7
-"""Characters that fit below a figure, and those that a line with its gaps takes."""
+def _deciding(panel: Panel, panels: Sequence[Panel]) -> list[LabelledRun]:
+    """Return the runs that decide requirements along the same axis, or along none."""
+    along = [other for other in panels if other.column is None]
+    if panel.column is not None:
+        along += [other for other in panels if other.column == panel.column]
+    return [decided.run for other in along for decided in other.decided]
 
 
-def _reference(runs: Sequence[LabelledRun]) -> Run:
-    """Return the run that the others are seen against."""
-    return next(o.run for o in runs if isinstance(o.role, Nominal | Changed))
+def _with_deciding(
+    everywhere: Sequence[_Drawn], deciding: Sequence[LabelledRun]
+) -> dict[str, _Drawn]:
+    """Return runs as they are drawn, by their labels, with those that decide."""
+    drawn = {each.one.label: each for each in everywhere}
+    new = {one.label: one for one in deciding if one.label not in drawn}
+    for k, (label, one) in enumerate(new.items()):
+        colour = _DECIDING[k % len(_DECIDING)]
+        drawn[label] = _Drawn(one, colour, DASHES[0], 2.0, 4)
+    return drawn
 
 
-def _draw(
-    axes: Axes, row: _Row, i: int, runs: Sequence[LabelledRun], body: str
-) -> None:
-    unit = unit_of(f"{row.quantity}_{row.axes[i]}")
-    counts = {True: 0, False: 0}
-    for one in runs:
-        published = isinstance(one.role, Published)
-        colours = _PUBLISHED if published else COLOURS
-        k = counts[published]
-        counts[published] += 1
-        motion = one.run.motion_of(body)
+def _draw(axes: Axes, panel: Panel, drawn: Mapping[str, _Drawn], pair: Pair) -> None:
+    """Draw the curves of runs, the limits, and where runs decide."""
+    for label, (one, colour, dashes, width, level) in drawn.items():
         axes.plot(
-            motion.time,
-            getattr(motion, row.quantity)[:, i] * unit.per_si,
-            color=colours[k % len(colours)],
-            linestyle="-" if published else DASHES[k % len(DASHES)],
-            linewidth=2.4 if published else 1.5,
-            zorder=1 if published else 2,
-            label=one.label,
+            one.run.motion_of(pair.B).time,
+            panel.unit.per_si * panel.values(one.run),
+            color=colour,
+            linestyle=dashes,
+            linewidth=width,
+            zorder=level,
+            label=label,
         )
-    end = _reference(runs).end_of(body)
-    axes.axvline(
-        end, color="#555555", linestyle=":", linewidth=1.0, label="end of separation"
-    )
-    axes.set_ylabel(unit.symbol)
-    axes.set_xlim(motion.time[0], motion.time[-1])
-    axes.grid(alpha=0.3)
+    curves = {line.get_label(): line for line in axes.get_lines()}
+    for decided in panel.decided:
+        label = decided.run.label
+        _draw_limit(axes, panel, decided)
+        _mark(axes, panel, decided, curves[label])
 
 
-def _of_component(
-    requirement: Requirement, quantity: str, i: int, facts: PairFacts
-) -> Metric | None:
-    """Return the metric that is limited, if it is a value of a component itself."""
-    found = find_metric(requirement.metric)
-    if found is None:
-        return None
-    metric, axis = found
-    signal = metric.signal
-    if signal is None or signal.quantity != quantity or not metric.is_of_signal_itself:
-        return None
-    component = signal.components[metric.axes.index(axis)]
-    return metric if _field_component(signal, component, facts) == i else None
-
-
-def _field_component(signal: Signal, component: int, facts: PairFacts) -> int | None:
-    """Return which component of its field a signal's is; None if it is none of them."""
-    if signal.law is None:
-        return component
-    if signal.outer is not Outer.ITSELF:
-        return None
-    # What the law makes of each unit vector tells which of them it takes.
-    taken = [
-        i
-        for i, unit in enumerate(np.eye(3))
-        if signal.law(tuple(unit), facts, np)[component] == 1.0
-    ]
-    return taken[0] if len(taken) == 1 else None
-
-
-def _draw_limit(
-    axes: Axes, requirement: Requirement, metric: Metric, runs: Sequence[LabelledRun]
-) -> None:
-    limit = metric.sign * unit_of(requirement.metric).from_si(requirement.limit)
-    curves = axes.lines[: len(runs)]
-    data = np.concatenate([np.asarray(line.get_ydata()) for line in curves])
+def _draw_limit(axes: Axes, panel: Panel, decided: Decided) -> None:
+    """Draw a limit while it holds; on both sides, if curves go to the other."""
+    metric = decided.metric
+    limit = metric.sign * panel.unit.from_si(decided.finding.requirement.limit)
     sides = [limit]
-    if metric.is_magnitude and data.min() < -0.2 * limit:
+    if metric.is_magnitude and axes.dataLim.y0 < -0.2 * limit:
         sides.append(-limit)
+    start, end = _window(decided)
     # What holds at a moment is drawn until then.
-    when, run = metric.when, _reference(runs)
-    ends = when[:2] if isinstance(when, Window) else (Moment.START, when)
-    times = (time_of(end, run, metric.pair) for end in ends)
-    span = [min(time, run.separation.duration) for time in times]
+    span = (start if start < end else 0.0, end)
     for side in sides:
-        axes.plot(span, (side, side), color=LIMIT, linestyle=(0, (8, 3)), linewidth=1.2)
-    axes.set_gid("limited")
+        axes.plot(span, (side, side), **_LIMIT)
+
+
+def _window(decided: Decided) -> tuple[float, float]:
+    """Return when a requirement holds in the run that decides it, s."""
+    when, run = decided.metric.when, decided.run.run
+    body = body_of(decided.metric, run.separation)
+    ends = when[:2] if isinstance(when, Window) else (when, when)
+    start, end = (min(time_of(t, run, body), run.separation.duration) for t in ends)
+    return start, end
+
+
+def _mark(axes: Axes, panel: Panel, decided: Decided, curve: Line2D) -> None:
+    """Mark where the run that decides a requirement is nearest its limit, or beyond."""
+    worst = decided.metric.sign * panel.unit.from_si(decided.finding.worst)
+    if math.isnan(worst):
+        return
+    time, values = (np.asarray(x, float) for x in curve.get_data())
+    start, end = _window(decided)
+    away = np.abs((np.abs(values) if decided.metric.is_magnitude else values) - worst)
+    away[(time < start - NANOSECOND) | (time > end + NANOSECOND)] = np.inf
+    if np.isinf(away).all():  # a moment between samples
+        away = np.abs(time - end)
+    k = int(away.argmin())
+    side = -1.0 if decided.metric.is_magnitude and values[k] < 0.0 else 1.0
+    axes.plot(
+        time[k],
+        side * worst,
+        marker="o",
+        markersize=5,
+        color=curve.get_color(),
+        markeredgecolor="white",
+        zorder=6,
+        clip_on=not _is_in(axes, time[k]),  # whole, if it is at the edge
+    )
+
+
+def _is_in(axes: Axes, time: float) -> bool:
+    start, end = axes.get_xlim()
+    return start <= time <= end
+
+
+def _fit(axes: Axes) -> None:
+    """Fit the height to what is seen of the lines, be it flat."""
+    start, end = axes.get_xlim()
+    seen: list[float] = []
+    for line in axes.get_lines():
+        time, values = (np.asarray(x, float) for x in line.get_data())
+        edges = np.clip((start, end), time[0], time[-1])
+        if start <= edges[0] and edges[1] <= end:  # it is within the times, or crosses
+            at = np.concatenate([time[(start <= time) & (time <= end)], edges])
+            seen += np.interp(at, time, values).tolist()
+    low, high = min(seen), max(seen)
+    room = _ROOM * ((high - low) or abs(high) or 1.0)
+    axes.set_ylim(low - room, high + room)
+
+
+def _sentence(panel: Panel, decided: Decided) -> str:
+    """Return what is said above a panel of a requirement on it."""
+    finding = decided.finding
+    requirement, unit = finding.requirement, panel.unit
+    name = f"{requirement.id}: " if requirement.id else ""
+    sign = {"<=": "≤", ">=": "≥"}[requirement.sense]
+    limit = f"{name}{sign} {unit.from_si(requirement.limit):.4g} {unit.symbol}"
+    if finding.verdict is Verdict.NOT_LOOKED_AT:
+        return f"{limit}: {finding.verdict.value}"
+    worst = unit.from_si(finding.worst) + 0.0  # of -0, 0
+    broken = "" if finding.met else f", {finding.verdict.value}"
+    return f"{limit}: {worst:.4g} in {finding.run}{broken}"
+
+
+def _zoom(push: Axes, whole: Axes, run: Run, pair: Pair) -> None:
+    """Show the push in the one panel, and where it is in the other."""
+    start, end = run.push_of(pair)
+    duration = run.separation.duration
+    around = max(_AROUND * (end - start), _LEAST * duration)
+    push.set_xlim(max(start - around, 0.0), min(end + around, duration))
+    whole.set_xlim(0.0, duration)
+    whole.axvspan(*push.get_xlim(), color=_SHADE, zorder=0)
+    push.set_facecolor(_SHADE)
+
+
+def _legend(
+    everywhere: Sequence[_Drawn], panels: Sequence[Panel]
+) -> list[tuple[str, Line2D]]:
+    """Return the entries of the legend."""
+    entries = [
+        (
+            each.one.label,
+            Line2D([], [], color=each.colour, ls=each.dashes, lw=each.width),
+        )
+        for each in everywhere
+    ]
+    shown = {each.one.label for each in everywhere}
+    decided = [d for panel in panels for d in panel.decided]
+    if any(d.run.label not in shown for d in decided):
+        line = Line2D([], [], color=_DECIDING[0], lw=2.0, marker="o", ms=5, mec="white")
+        entries.append(("worst by a requirement", line))
+    if decided:
+        entries.append(("limit", Line2D([], [], **_LIMIT)))
+    return [*entries, ("end of separation", Line2D([], [], **_END))]

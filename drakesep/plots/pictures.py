@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.plots.approach import Approach
 from drakesep.systems.model.run import Motion
 from drakesep.tables.columns import write_csv
@@ -33,8 +33,9 @@ class Pictures:
     """Plots of a study's runs, and their motions, as they are written down."""
 
     runs: Sequence[LabelledRun]
-    """Whose motion is drawn."""
-    limits: Sequence[Requirement]
+    """Of the study; plots of the motion choose among them."""
+    case: AnalysisCase
+    """With the requirements."""
     approaches: Sequence[Approach] = ()
     motions: Mapping[str, Motion] = field(default_factory=dict)
     """That are written, by the labels of the runs."""
@@ -44,9 +45,9 @@ class Pictures:
         from drakesep.plots.clearance_plots import save_approaches
         from drakesep.plots.motion import save_motion
 
-        save_motion(self.runs, self.limits, folder)
+        save_motion(self.runs, self.case, folder)
         if self.approaches:
-            save_approaches(self.approaches, self.limits, folder)
+            save_approaches(self.approaches, self.case.requirements, folder)
         for label, motion in self.motions.items():
             table = motion_table(motion)
             write_csv(table, folder / f"motion_{label}.csv")

@@ -1,5 +1,7 @@
 """How plots look, and how they are saved."""
 
+import textwrap
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,9 +17,46 @@ if TYPE_CHECKING:  # half a second to import, where something is drawn
 COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
 DASHES = ((0, ()), (0, (6, 2)), (0, (2, 2)), (0, (6, 2, 1, 2)), (0, (1, 1)))
 LIMIT = "#B00020"
+_HANDLE = 0.65
+"""What a line of a legend takes, with its gaps, in."""
 
 
 def save_plot(figure: "Figure", file: Path, *, dpi: float = 130) -> None:
     """Write a figure into a file, whole or not at all."""
     with written(file) as beside:
         figure.savefig(beside, dpi=dpi)
+
+
+def wrapped(text: str, width: float, size: float) -> str:
+    """Return a text in lines that are not cut, however long its words.
+
+    Args:
+        text: to be written.
+        width: that it may take, in.
+        size: of its letters, points.
+    """
+    text = text.replace("$", r"\$")  # not as mathematics
+    characters = len(text)
+    while _widest(lines := textwrap.wrap(text, characters), size) > width:
+        characters -= max(characters // 20, 1)
+    return "\n".join(lines)
+
+
+def columns_of_legend(labels: Sequence[str], width: float, size: float = 10.0) -> int:
+    """Return in how many columns labels stand beside each other, none of them cut.
+
+    Args:
+        labels: of the legend.
+        width: that it may take, in.
+        size: of its letters, points.
+    """
+    lines = [line for label in labels for line in label.split("\n")]
+    return min(len(labels), 6, max(1, int(width / (_widest(lines, size) + _HANDLE))))
+
+
+def _widest(lines: Iterable[str], size: float) -> float:
+    """Return the width of the widest line, in."""
+    from matplotlib.textpath import TextPath  # half a second, where something is drawn
+
+    paths = (TextPath((0.0, 0.0), line, size=size) for line in lines)
+    return max((path.get_extents().x1 / 72.0 for path in paths), default=0.0)

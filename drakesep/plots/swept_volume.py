@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
 
-from drakesep.plots.style import COLOURS, save_plot
+from drakesep.plots.style import COLOURS, columns_of_legend, save_plot, wrapped
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import Vector3
 from drakesep.systems.geometry.bounding_tree import (
@@ -22,6 +22,7 @@ from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.part_pairs import Names
 from drakesep.systems.model.parts import Part
 from drakesep.systems.model.run import Run
+from drakesep.systems.model.separation import Pair, Separation
 from drakesep.units import unit_of
 
 
@@ -39,42 +40,54 @@ _THROUGH = 0.3
 
 
 def save_swept(run: Run, pairs: Sequence[Names], folder: Path) -> None:
-    """Write swept.png into a folder, if parts of A and B are in the pairs."""
-    stays, moves = _in_pairs(run, pairs)
-    if stays and moves:
-        save_plot(swept_figure(run, pairs), folder / "swept.png")
+    """Write swept.png into a folder, if parts of A and B are in the pairs.
+
+    Those of other bodies that leave end with their names.
+    """
+    separation = run.separation
+    for pair in separation.pairs:
+        end = "" if pair.B == separation.B else f"_{pair.B}"
+        if all(_in_pairs(separation, pair, pairs)):
+            save_plot(swept_figure(run, pair, pairs), folder / f"swept{end}.png")
 
 
 def _in_pairs(
-    run: Run, pairs: Sequence[Names]
+    separation: Separation, pair: Pair, pairs: Sequence[Names]
 ) -> tuple[tuple[Part, ...], tuple[Part, ...]]:
-    """Return the parts of A and of B that are in pairs."""
-    names = {name for pair in pairs for name in pair}
-    bodies = {body.name: body for body in run.separation.bodies}
-    of_A, of_B = bodies[run.separation.A], bodies[run.separation.B]
-    return (
-        tuple(e for e in of_A.parts if e.name in names),
-        tuple(e for e in of_B.parts if e.name in names),
+    """Return the parts of A and of B of a pair that are measured to each other."""
+    names = [
+        {part.name for part in separation.body(body).parts} for body in (pair.A, pair.B)
+    ]
+    held = {n for ends in pairs if _joins(ends, *names) for n in ends}
+    of_A, of_B = (
+        tuple(part for part in separation.body(body).parts if part.name in held)
+        for body in (pair.A, pair.B)
     )
+    return of_A, of_B
 
 
-def swept_figure(run: Run, pairs: Sequence[Names]) -> Figure:
+def _joins(ends: Names, of_A: set[str], of_B: set[str]) -> bool:
+    first, second = ends
+    return (first in of_A and second in of_B) or (first in of_B and second in of_A)
+
+
+def swept_figure(run: Run, pair: Pair, pairs: Sequence[Names]) -> Figure:
     """Return the space that parts of B sweep, as seen from A, along A's axes.
 
     From the mated place until no part of B is beside one of A any more.
 
     Args:
         run: a completed run.
-        pairs: names of parts; those of A and B among them are drawn.
+        pair: whose B leaves.
+        pairs: names of parts; those of A and B that are measured are drawn.
     """
-    on_A, on_B = _in_pairs(run, pairs)
     separation = run.separation
-    path = RelativePath(run.completed_trajectory, separation.A, separation.B)
+    on_A, on_B = _in_pairs(separation, pair, pairs)
+    path = RelativePath(run.completed_trajectory, pair.A, pair.B)
     stays = [tree_of(part) for part in on_A]
     moves = {part.name: tree_of(part) for part in on_B}
-    direction = separation.pairs[0].direction
-    far = _until_clear(stays, list(moves.values()), path, direction)
-    clear = path.time_apart(far, direction)
+    far = _until_clear(stays, list(moves.values()), path, pair.direction)
+    clear = path.time_apart(far, pair.direction)
     times = np.linspace(0.0, min(clear, float(path.time[-1])), _MOMENTS)
     figure = Figure(figsize=(14, 4.4), layout="constrained")
     panels = figure.subplots(1, len(_VIEWS), width_ratios=_WIDTHS)
@@ -99,15 +112,13 @@ def swept_figure(run: Run, pairs: Sequence[Names]) -> Figure:
         axes.set_ylabel(f"{up} (mm)")
         axes.grid(alpha=0.3)
     handles = [Patch(color=colours[name], label=name) for name in moves]
-    handles.append(
-        Patch(color=(_STAYS, _THROUGH), label=separation.A.replace("_", " "))
-    )
+    handles.append(Patch(color=(_STAYS, _THROUGH), label=pair.A.replace("_", " ")))
+    columns = columns_of_legend([str(each.get_label()) for each in handles], 13.0)
     figure.legend(
-        handles=handles, loc="outside lower center", ncols=len(handles), frameon=False
+        handles=handles, loc="outside lower center", ncols=columns, frameon=False
     )
-    figure.suptitle(
-        f"What {separation.B} sweeps, as seen from {separation.A}; lines: at the start"
-    )
+    title = f"What {pair.B} sweeps, as seen from {pair.A}; lines: at the start"
+    figure.suptitle(wrapped(title, 13.5, 12))
     return figure
 
 

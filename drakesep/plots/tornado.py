@@ -8,12 +8,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from drakesep.plots.style import save_plot
+from drakesep.plots.style import save_plot, wrapped
 
 
 _BARS = 8
 """Parameters in a panel of the tornado plot: those that matter most."""
 _ACROSS = 4
+_CELL = 4.6
+"""Width of a panel with its names, in."""
 
 
 def save_tornado(sensitivities: pd.DataFrame, folder: Path) -> None:
@@ -33,7 +35,7 @@ def tornado_figure(sensitivities: pd.DataFrame) -> Figure:
     panels = list(sensitivities.groupby("objective", sort=False))
     down = -(-len(panels) // _ACROSS)
     across = min(len(panels), _ACROSS)
-    figure = Figure(figsize=(4.6 * across, 2.9 * down + 0.6), layout="constrained")
+    figure = Figure(figsize=(_CELL * across, 2.9 * down + 0.6), layout="constrained")
     grid = figure.subplots(down, across, squeeze=False)
     for axes, (objective, rows) in zip(grid.flat, panels, strict=False):
         _draw_tornado(axes, str(objective), rows.head(_BARS))
@@ -45,7 +47,7 @@ def tornado_figure(sensitivities: pd.DataFrame) -> Figure:
     parameters = sensitivities["parameter"].nunique()
     if parameters > _BARS:
         title += f"; of {parameters} parameters the {_BARS} that matter most"
-    figure.suptitle(title)
+    figure.suptitle(wrapped(title, _CELL * across - 0.2, 12))
     return figure
 
 
@@ -60,7 +62,9 @@ def _draw_tornado(axes: Axes, objective: str, rows: pd.DataFrame) -> None:
     axes.set_yticks(places, list(names), fontsize=7)
     axes.invert_yaxis()
     axes.axvline(0.0, color="#555555", linewidth=0.8)
-    axes.set_title(objective.replace("_", " "), fontsize=9)
+    # To the right, since the space above the names of parameters is free.
+    title = wrapped(objective.replace("_", " "), _CELL - 0.2, 9)
+    axes.set_title(title, fontsize=9, loc="right")
     axes.set_xlabel(rows["unit"].iloc[0], fontsize=8)
     axes.tick_params(axis="x", labelsize=7)
     axes.xaxis.set_major_locator(MaxNLocator(4))

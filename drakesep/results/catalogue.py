@@ -291,6 +291,19 @@ _VARIANTS = (
     ),
 )
 
+_REMARKS = FileKind(
+    name="remarks.csv",
+    studies=_OF_KEPT_RUNS,
+    what="What should be told although nothing failed, if anything: a body that moves "
+    "against its direction, springs of Eq. 5 that give another energy than they store.",
+    row="remark",
+    columns=(
+        Column("about", "", "The bodies or springs; each is told of once."),
+        Column("remark", "", "In a sentence."),
+        Column("run", "", "Label of the first run in which it is so."),
+    ),
+)
+
 _SEARCHED = (WORST_CASE, VERIFY)
 _WORST_CASES = (
     FileKind(
@@ -495,12 +508,15 @@ _PLOTS = (
     FileKind(
         name="translation.png",
         studies=(SIMULATE, *_SEARCHED),
-        what="Velocity, acceleration and momentum change, after the paper's Fig. 6.",
+        what="Velocity, acceleration and momentum change, after the paper's Fig. 6, of "
+        "the push and over the whole run, with limits and the runs that decide them; "
+        "and what else is required of speeds, displacements and forces.",
     ),
     FileKind(
         name="rotation.png",
         studies=(SIMULATE, *_SEARCHED),
-        what="Angles, rates and momentum change, after the paper's Fig. 7.",
+        what="Angles, rates and momentum change, after the paper's Fig. 7, likewise; "
+        "and what else is required of angles, rates and torques.",
     ),
     FileKind(
         name="translation_{body}.png",
@@ -536,6 +552,11 @@ _PLOTS = (
         studies=(CLEARANCE,),
         what="The space that parts of B sweep past those of A.",
     ),
+    FileKind(
+        name="swept_{body}.png",
+        studies=(CLEARANCE,),
+        what="The same of another body that leaves.",
+    ),
 )
 
 _MEMORY = (
@@ -552,5 +573,13 @@ _MEMORY = (
     ),
 )
 
-FILES = (*_MEMORY, *_OF_ONE_RUN, *_VARIANTS, *_WORST_CASES, *_PLOTS, *_OF_RUNS)
+FILES = (
+    *_MEMORY,
+    _REMARKS,
+    *_OF_ONE_RUN,
+    *_VARIANTS,
+    *_WORST_CASES,
+    *_PLOTS,
+    *_OF_RUNS,
+)
 """All but those of `GEOMETRY`."""

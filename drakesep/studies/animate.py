@@ -13,6 +13,7 @@ from drakesep.results.reading import Results
 from drakesep.studies.clearance import check_geometry
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run
+from drakesep.systems.model.separation import Separation
 from drakesep.systems.simulation.simulation import Simulation
 from drakesep.tables.roles import Changed, Nominal, Worst, label_of
 from drakesep.tables.run_tables import shown_first
@@ -98,8 +99,16 @@ def _write(case: AnalysisCase, flown: Mapping[str, Run], file: Path) -> list[str
         flown,
         measured.pairs,
         touching=measured.touching,
-        title=f"{case.name}: separation of {separation.B} from {separation.A}",
+        title=f"{case.name}: separation of {_all_that_leave(separation)}",
     )
     writable_folder(file.parent)
     write_text(file, page)
     return list(flown)
+
+
+def _all_that_leave(separation: Separation) -> str:
+    """Return which bodies leave which, in words."""
+    leaving: dict[str, list[str]] = {}
+    for pair in separation.pairs:
+        leaving.setdefault(pair.A, []).append(pair.B)
+    return "; ".join(f"{', '.join(Bs)} from {A}" for A, Bs in leaving.items())

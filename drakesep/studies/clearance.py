@@ -17,6 +17,7 @@ from drakesep.results.asked import Asked
 from drakesep.results.catalogue import CLEARANCE
 from drakesep.results.folder import Output, ResultsFolder, begun
 from drakesep.results.recorded_runs import save_runs
+from drakesep.studies.remarks import Remark, remarks, save_remarks
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.geometry.relative_path import RelativePath
@@ -137,6 +138,11 @@ class Clearances:
         return pd.DataFrame(rows)
 
     @property
+    def remarks(self) -> list[Remark]:
+        """What should be told of the run."""
+        return remarks({self.labelled.label: self.run})
+
+    @property
     def clear(self) -> bool:
         """Whether nothing touches."""
         return all(one.contact is None for one in self.found)
@@ -160,6 +166,7 @@ class Clearances:
         folder = results.path
         save_runs([self.labelled], self.case.separation, folder)
         results.keep([self.labelled.label])
+        save_remarks(self.remarks, folder)
         write_csv(self.summary, folder / "clearance_summary.csv")
         write_csv(self.over_time, folder / "clearance.csv")
         save_clearance(self._time, self.separation, self._curves, folder)

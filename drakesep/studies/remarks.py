@@ -1,39 +1,108 @@
-"""What a user should be told of a run, although nothing in it has failed."""
+"""What a user should be told of a study's runs, although nothing in them has failed."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
+from drakesep.systems.equations.forces_of_run import spring_work
 from drakesep.systems.equations.mated_stack import place_in_stack
 from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.model.run import Run
-from drakesep.systems.model.separation import Pair, Separation
+from drakesep.systems.model.separation import Attachment, Pair, Separation
+from drakesep.systems.model.springs import Spring
+from drakesep.tables.columns import write_csv
 
 
 _STILL = 1e-6
 """Speed below which nothing moves, m/s."""
+_OFF = 0.1
+"""Share of its energy by which a spring of Eq. 5 may miss it without a word."""
 
 
-def remarks(run: Run) -> list[str]:
-    """Return what should be told of a run, in sentences; nothing if it failed."""
-    if run.motion is None:
-        return []
-    return [said for pair in run.separation.pairs for said in _of_direction(run, pair)]
+@dataclass(frozen=True, kw_only=True)
+class Remark:
+    """What is told of a study's runs once."""
+
+    about: tuple[str, ...]
+    """The bodies or springs that it names."""
+    text: str
+    """In a sentence."""
+    run: str
+    """Label of the first run in which it is so: the numbers are those of this one."""
 
 
-def _of_direction(run: Run, pair: Pair) -> list[str]:
-    """Return whether a body leaves in its direction, and away from the other."""
+def remarks(runs: Mapping[str, Run]) -> list[Remark]:
+    """Return what should be told of runs, each of a body or a spring once.
+
+    Args:
+        runs: by their labels; of those that failed nothing is told.
+    """
+    found: list[Remark] = []
+    for label, run in runs.items():
+        if run.motion is None:
+            continue
+        told = {name for remark in found for name in remark.about}
+        for about, text in (*_of_directions(run, told), *_of_springs(run, told)):
+            found.append(Remark(about=about, text=text, run=label))
+    return found
+
+
+_Told = Iterator[tuple[tuple[str, ...], str]]
+"""What is remarked of, and the sentence."""
+
+
+def notes_of(found: Sequence[Remark], plain: str) -> list[str]:
+    """Return the sentences, with the labels of their runs but for that of the plain."""
+    return [
+        each.text if each.run == plain else f"{each.run}: {each.text}" for each in found
+    ]
+
+
+def save_remarks(found: Sequence[Remark], folder: Path) -> None:
+    """Write remarks.csv into a folder, if there are any remarks."""
+    if found:
+        write_csv(remarks_table(found), folder / "remarks.csv")
+
+
+def remarks_table(found: Sequence[Remark]) -> pd.DataFrame:
+    """Return a row for each remark."""
+    return pd.DataFrame(
+        {"about": ", ".join(each.about), "remark": each.text, "run": each.run}
+        for each in found
+    )
+
+
+def _of_directions(run: Run, told: set[str]) -> _Told:
+    """Yield which bodies do not leave in their direction, or not away from the other.
+
+    Args:
+        run: completed.
+        told: names of what has been told of.
+    """
+    for pair in run.separation.pairs:
+        text = "" if pair.B in told else _of_direction(run, pair)
+        if text:
+            yield (pair.B,), text
+
+
+def _of_direction(run: Run, pair: Pair) -> str:
     speed = _speed_at_end(run, pair)
     written = f"[{', '.join(f'{x:g}' for x in pair.direction)}]"
     if speed < -_STILL:
-        return [
+        return (
             f"{pair.B} moves against its direction {written}, at {speed:.6g} m/s at "
             "the end: see the direction of its pair."
-        ]
+        )
     if speed > _STILL and _place_along(run.separation, pair) < 0.0:
-        return [
+        return (
             f"{pair.B} moves in its direction {written} and stands behind {pair.A} "
             "while mated, by their CGs: it passes through, if nothing leads it past."
-        ]
-    return []
+        )
+    return ""
 
 
 def _speed_at_end(run: Run, pair: Pair) -> float:
@@ -46,3 +115,63 @@ def _place_along(separation: Separation, pair: Pair) -> float:
     bodies = (separation.body(pair.A), separation.body(pair.B))
     from_A, to_B = (np.array(place_in_stack(x, x.p_BoBcm_B)) for x in bodies)
     return float((to_B - from_A) @ np.array(PairFacts.of(separation, pair).direction_S))
+
+
+class _Push(NamedTuple):
+    """What a spring of Eq. 5 stores, what it gives, and what holds the bodies."""
+
+    spring: str
+    stored: float
+    """J."""
+    given: float
+    """J."""
+    held_by: tuple[str, ...]
+    """Attachments that let go after the spring is spent."""
+
+
+def _of_springs(run: Run, told: set[str]) -> _Told:
+    """Yield which springs of Eq. 5 give another energy than they store; see above."""
+    pushes = []
+    for attachment, spring in run.separation.pushing:
+        if isinstance(spring, Spring) and spring.name not in told:
+            push = _push(run, attachment, spring)
+            if abs(push.given - push.stored) >= _OFF * push.stored:
+                pushes.append(push)
+    for held_by in dict.fromkeys(push.held_by for push in pushes):
+        alike = [push for push in pushes if push.held_by == held_by]
+        yield tuple(push.spring for push in alike), _of_energy(alike, held_by)
+
+
+def _push(run: Run, attachment: Attachment, spring: Spring) -> _Push:
+    end = run.stroke_ends[spring.name]
+    bodies = {attachment.A, attachment.B}
+    held_by = tuple(
+        other.name
+        for other in run.separation.attachments
+        if {other.A, other.B} == bodies and run.releases[other.name] >= end
+    )
+    return _Push(spring.name, spring.energy, spring_work(run, attachment), held_by)
+
+
+def _of_energy(pushes: Sequence[_Push], held_by: tuple[str, ...]) -> str:
+    given, stored = sum(p.given for p in pushes), sum(p.stored for p in pushes)
+    springs = _listed([push.spring for push in pushes])
+    one = len(pushes) == 1
+    force = "its force follows" if one else "their force follows"
+    if held_by:
+        spent, holds = "is" if one else "are", "holds" if len(held_by) == 1 else "hold"
+        return (
+            f"{springs} {spent} spent while {_listed(held_by)} still {holds}: "
+            f"{given:.3g} of {stored:.4g} J stored {'comes' if one else 'come'} out, "
+            f"since {force} time (Eq. 5) and waits for nothing."
+        )
+    return (
+        f"{springs} {'gives' if one else 'give'} {given:.4g} J and "
+        f"{'stores' if one else 'store'} {stored:.4g} J: {force} time (Eq. 5), as for "
+        "the design mass, whatever is moved."
+    )
+
+
+def _listed(names: Sequence[str]) -> str:
+    *most, last = names
+    return f"{', '.join(most)} and {last}" if most else last

@@ -14,6 +14,7 @@ from drakesep.results.asked import Asked
 from drakesep.results.catalogue import SIMULATE
 from drakesep.results.folder import Output, ResultsFolder, begun
 from drakesep.results.recorded_runs import save_runs
+from drakesep.studies.remarks import Remark, remarks, save_remarks
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.run import Run
 from drakesep.systems.simulation.simulation import Simulation
@@ -64,6 +65,11 @@ class Simulated:
         return contacts_table(self.run)
 
     @property
+    def remarks(self) -> list[Remark]:
+        """What should be told of the run."""
+        return remarks({self.labelled.label: self.run})
+
+    @property
     def completed(self) -> bool:
         """Whether the run did not fail."""
         return not self.labelled.outcome.failed
@@ -82,6 +88,7 @@ class Simulated:
     def _write(self, results: ResultsFolder) -> None:
         folder = results.path
         write_csv(self.summary, folder / "summary.csv")
+        save_remarks(self.remarks, folder)
         save_runs([self.labelled], self.case.separation, folder)
         results.keep([self.labelled.label])
         if self.completed:
@@ -98,7 +105,7 @@ class Simulated:
         # Half a second to import, where something is drawn.
         from drakesep.plots.motion import save_motion
 
-        save_motion([self.labelled], self.case.requirements, folder)
+        save_motion([self.labelled], self.case, folder)
 
 
 def simulate(

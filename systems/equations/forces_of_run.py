@@ -112,6 +112,28 @@ def spring_force_over(run: Run, attachment: Attachment) -> Array:
     return np.where(pushes, _force(run, attachment, spring), 0.0)
 
 
+def spring_work(run: Run, attachment: Attachment) -> float:
+    """Return the energy that the spring of an attachment has given both bodies, J.
+
+    Args:
+        run: a completed run.
+        attachment: of its separation, with a spring.
+
+    Raises:
+        RuntimeError: the run failed.
+    """
+    spring = attachment.spring
+    assert spring is not None
+    time = run.completed_trajectory.time
+    release, end = run.releases[attachment.name], run.stroke_ends[spring.name]
+    pushes = (release <= time) & (time <= end)
+    A, B = (_states(run, name) for name in (attachment.A, attachment.B))
+    place = push_place(run.separation, attachment, spring)
+    _, speed = push_displacement(A, B, *place)
+    power = _force(run, attachment, spring) * speed
+    return float(np.trapezoid(power[pushes], time[pushes]))
+
+
 def _force(run: Run, attachment: Attachment, spring: Pusher) -> Array:
     law = law_of(spring)
     if law.by_time:

@@ -18,6 +18,8 @@ _BAR = 0.005
 """Radius of the bar between nearest points, m."""
 _NEAREST = drake.Rgba(0.84, 0.1, 0.1, 1.0)
 _ENDS = ("first", "second")
+_FROM = np.array([-0.72, -0.78, 0.56])
+"""Where the camera stands, for what is a metre large, m."""
 
 
 class Recording:
@@ -37,11 +39,19 @@ class Recording:
         self._meshcat.SetProperty("/Axes", "visible", False)
         self._meshcat.SetProperty("/Background", "top_color", [1.0, 1.0, 1.0])
         self._meshcat.SetProperty("/Background", "bottom_color", [0.93, 0.94, 0.96])
-        self._meshcat.SetCameraPose([-1.5, -2.5, 1.8], [0.8, 0.0, 0.0])
         self._meshcat.StartRecording(
             frames_per_second=frames_per_second,
             set_visualizations_while_recording=False,
         )
+
+    def look_at(self, centre: Array, size: float) -> None:
+        """Put the camera where all of something is seen, from behind and the side.
+
+        Args:
+            centre: (3,) of it, in A, m.
+            size: of it, m.
+        """
+        self._meshcat.SetCameraPose(centre + _FROM * size, centre)
 
     def draw(self, root: str, separation: Separation) -> None:
         """Draw the parts of all bodies, and a bar between nearest points.

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from drakesep.systems.arrays import Array
-from drakesep.systems.model.separation import Separation
+from drakesep.systems.model.separation import Pair, Separation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -151,3 +151,19 @@ class Run:
             self.stroke_ends[a.spring.name] if a.spring else self.releases[a.name]
             for a in self.separation.attached_to(body)
         )
+
+    def push_of(self, pair: Pair) -> tuple[float, float]:
+        """Return from when to when B is pushed from A, s.
+
+        Where nothing between them pushes: by whatever does; where nothing does: from
+        the first release of B to its end of separation.
+
+        Args:
+            pair: of the separation.
+        """
+        springs = [a for a in self.separation.attached_to(pair.B) if a.spring]
+        springs = [a for a in springs if pair.A in (a.A, a.B)] or springs
+        if not springs:
+            return self.start_of(pair.B), self.end_of(pair.B)
+        ends = [self.stroke_ends[a.spring.name] for a in springs if a.spring]
+        return min(self.releases[a.name] for a in springs), max(ends)

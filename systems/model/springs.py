@@ -93,6 +93,14 @@ class Spring:
         """Time from release to the end of the stroke, s."""
         return float(push_duration(self, math))
 
+    @property
+    def energy(self) -> float:
+        """Energy stored while mated by the linear spring that Eq. 5 stands for, J.
+
+        It is given if what the spring moves is as heavy as its design mass.
+        """
+        return 0.5 * self.force_max * self.stroke
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DisplacementSpring:

@@ -14,7 +14,6 @@ import drakesep
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.case_file.case import Case
-from drakesep.studies.remarks import remarks
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.separation import InitialMotion, Pair, Separation
 from drakesep.systems.simulation.simulation import Simulation
@@ -81,7 +80,7 @@ def test_release_towards_minus_x(direction, axis, speed, said):
     # The x component of the velocity is what it was.
     along_x = simulated.run.motion.relative_velocity[-1, 0]
     assert along_x == pytest.approx(math.copysign(OF_ONE, axis[0]), abs=1e-8)
-    assert [said in remark for remark in remarks(simulated.run)] == [True] * bool(said)
+    assert [said in each.text for each in simulated.remarks] == [True] * bool(said)
 
 
 def test_the_command_line_says_so(capsys, monkeypatch, tmp_path):
@@ -93,6 +92,8 @@ def test_the_command_line_says_so(capsys, monkeypatch, tmp_path):
     )
     assert code == 0
     assert "Note: sc moves against its direction" in " ".join(out.split())
+    table = drakesep.read_results(tmp_path / "out").table("remarks.csv")
+    assert table[["about", "run"]].to_numpy().tolist() == [["sc", "nominal"]]
 
 
 def espa(**changes) -> Case:
@@ -145,7 +146,8 @@ def espa(**changes) -> Case:
 
 def test_payload_on_a_radial_port():
     """45 J between 180 and 1860 kg: 0.740532 m/s until the next one leaves."""
-    run = drakesep.simulate(espa()).run
+    simulated = drakesep.simulate(espa())
+    run = simulated.run
     told = metrics_of_run(run, NONE, ["longitudinal_speed_at_0.45_s"])
     expected = math.sqrt(2.0 * 45.0 * (1.0 / 180.0 + 1.0 / 1860.0))
     # The joints of the others give: they take F^2 / 2 K, 1.1 J, at most.
@@ -155,7 +157,7 @@ def test_payload_on_a_radial_port():
     assert 0.655 < told["longitudinal_speed_after_separation"] < 0.745
     # As it was mated is no deviation, however it was.
     assert told["deviation_at_separation_yaw"] == pytest.approx(0.0, abs=1e-6)
-    assert remarks(run) == []
+    assert simulated.remarks == []
 
 
 @pytest.mark.parametrize(("until", "verdict"), [(500, "met"), (5000, "not looked at")])

@@ -19,6 +19,7 @@ from drakesep.plots.pictures import Pictures, Tornado
 from drakesep.results.asked import Asked
 from drakesep.results.folder import ResultsFolder
 from drakesep.results.recorded_runs import save_runs
+from drakesep.studies.remarks import Remark, remarks, save_remarks
 from drakesep.studies.worst_case.effort import StudyEffort
 from drakesep.systems.arrays import Array
 from drakesep.tables.columns import write_csv
@@ -32,7 +33,7 @@ from drakesep.tables.evidence_tables import (
     worst_points_table,
 )
 from drakesep.tables.labelled_run import LabelledRun
-from drakesep.tables.roles import Published, Worst
+from drakesep.tables.roles import Published
 from drakesep.tables.run_tables import history_table, motion_table, runs_table
 from drakesep.tables.table_4 import table_4
 
@@ -167,6 +168,11 @@ class WorstCases:
         }
 
     @property
+    def remarks(self) -> list[Remark]:
+        """What should be told of the runs, each of a body or a spring once."""
+        return remarks({one.label: one.run for one in self.runs})
+
+    @property
     def completed(self) -> bool:
         """Whether no run failed, and Drake confirmed every worst case."""
         return not any(one.outcome.failed for one in self.runs)
@@ -186,6 +192,7 @@ class WorstCases:
         """Write the tables, as far as there are any, into a folder."""
         folder = Path(directory)
         write_csv(self.table, folder / "worst_cases.csv")
+        save_remarks(self.remarks, folder)
         if self.searched:
             write_csv(self.searches, folder / "searches.csv")
             write_csv(self.candidates, folder / "candidates.csv")
@@ -220,26 +227,10 @@ class WorstCases:
     def pictures(self) -> Pictures:
         """What shows the runs."""
         return Pictures(
-            runs=[o for o in self._shown if o.run.motion is not None],
-            limits=self.case.requirements,
+            runs=self.runs,
+            case=self.case,
             approaches=self._approaches,
         )
-
-    @property
-    def _shown(self) -> list[LabelledRun]:
-        """The runs in the plots of the motion.
-
-        The references, and the worst by the paper's objectives; where these are not
-        looked at, all worst cases but those of better directions.
-        """
-        worst = {case.name for case in self.worst}
-        shown = worst & set(OBJECTIVES) or worst - self._better_directions
-        return [
-            one
-            for one in self.runs
-            if one.objective is None
-            or (isinstance(one.role, Worst) and one.objective in shown)
-        ]
 
     @functools.cached_property
     def _approaches(self) -> list[Approach]:

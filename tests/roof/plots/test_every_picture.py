@@ -11,17 +11,19 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
+from drawn import curves_of, drawn, titles_of
 from flights import run_of, trajectory
 from runs import made_up_run
 from scipy.spatial.transform import Rotation
 from tumbling import Tumbling
 
+from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.plots import animation as animations
 from drakesep.plots.approach import Approach
 from drakesep.plots.clearance_plots import approaches_figure, clearance_figure
-from drakesep.plots.motion import rotation_figure, translation_figure
+from drakesep.plots.panels import ROTATION, TRANSLATION
 from drakesep.plots.swept_volume import swept_figure
 from drakesep.plots.tornado import tornado_figure
 from drakesep.systems.geometry.illustration import illustration_of
@@ -33,12 +35,12 @@ from drakesep.tables.roles import Nominal, Worst
 DEG, MM = 180.0 / math.pi, 1000.0
 XYZ, ANGLES = ("x", "y", "z"), ("roll", "pitch", "yaw")
 PANELS = {
-    translation_figure: [
+    TRANSLATION: [
         ("relative velocity", "relative_velocity", XYZ, "m/s", 1.0),
         ("acceleration of the CG", "acceleration", XYZ, "m/s²", 1.0),
         ("linear momentum change", "linear_momentum_change", XYZ, "N s", 1.0),
     ],
-    rotation_figure: [
+    ROTATION: [
         ("angle", "angle", ANGLES, "deg", DEG),
         ("rate", "rate", XYZ, "deg/s", DEG),
         ("angular momentum change", "angular_momentum_change", XYZ, "N m s", 1.0),
@@ -51,8 +53,8 @@ def ramps(start):
     return lambda t: tuple(start + 0.1 * i + (i + 1) * t for i in range(3))
 
 
-@pytest.mark.parametrize("make", PANELS)
-def test_motion(make):
+@pytest.mark.parametrize("topic", PANELS)
+def test_motion(topic):
     quantities = [panel[1] for panels in PANELS.values() for panel in panels]
     runs = [
         LabelledRun(
@@ -62,24 +64,26 @@ def test_motion(make):
             ),
             metrics={},
         )
-        for n, role in enumerate((Nominal(), Worst("L1")))
+        for n, role in enumerate((Nominal(), Worst("of_mine")))
     ]
-    figure = make(runs, [])
-    panels = {axes.get_title(): axes for axes in figure.axes}
-    assert len(panels) == 9
+    figure = drawn(topic, runs, AnalysisCase(separation=runs[0].run.separation))
+    assert len(titles_of(figure)) == 9
     time = runs[0].run.motion.time
-    for title, quantity, names, unit, scale in PANELS[make]:
+    for title, quantity, names, unit, scale in PANELS[topic]:
         for i, name in enumerate(names):
-            axes = panels[f"{title}, {name}"]
+            push = curves_of(figure, f"{title}, {name}", "push")
+            [axes] = {line.axes for line in push.runs.values()}
             assert axes.get_ylabel() == unit
-            for n, line in enumerate(axes.get_lines()[:2]):
-                start = quantities.index(quantity) + 10 * n
-                expected = scale * (start + 0.1 * i + (i + 1) * time)
-                assert line.get_label() == ("nominal", "worst_L1")[n]
-                assert line.get_xdata() == pytest.approx(time)
-                assert line.get_ydata() == pytest.approx(expected)
-            end = axes.get_lines()[2].get_xdata()
-            assert list(end) == [runs[0].run.separation_end] * 2
+            whole = curves_of(figure, f"{title}, {name}")
+            for curves in (push, whole):
+                assert list(curves.runs) == ["nominal", "worst_of_mine"]
+                for n, line in enumerate(curves.runs.values()):
+                    start = quantities.index(quantity) + 10 * n
+                    expected = scale * (start + 0.1 * i + (i + 1) * time)
+                    assert line.get_xdata() == pytest.approx(time)
+                    assert line.get_ydata() == pytest.approx(expected)
+                end = curves.end.get_xdata()
+                assert list(end) == [runs[0].run.separation_end] * 2
 
 
 def test_tornado():
@@ -91,7 +95,7 @@ def test_tornado():
     figure = tornado_figure(frame)
     for axes, objective in zip(figure.axes, ("L1", "PM"), strict=True):
         mine = frame[frame["objective"] == objective]
-        assert axes.get_title() == objective
+        assert axes.get_title("right") == objective
         assert axes.get_xlabel() == mine["unit"].iloc[0]
         wide, narrow = axes.containers
         for bars, column in (
@@ -178,7 +182,8 @@ def test_swept():
         rate=np.full(len(time), 0.8),
         axis=(0.0, 0.0, 1.0),
     )
-    figure = swept_figure(run_of(moving, [POST], [BALL]), [("post", "ball")])
+    run = run_of(moving, [POST], [BALL])
+    figure = swept_figure(run, run.separation.pairs[0], [("post", "ball")])
     turns = np.outer(0.6 + 0.8 * time, [0.0, 0.0, 1.0])
     turned = Rotation.from_rotvec(turns).apply(BALL.p_BoGo_B)
     start, *_, later = MM * (turned + place)[:100]  # well before it is clear
@@ -213,6 +218,9 @@ class Noted:
     def __init__(self, frames_per_second):
         self.frames, self.drawn, self.places, self.bars = frames_per_second, [], [], []
         made.append(self)
+
+    def look_at(self, centre, size):
+        self.centre, self.size = centre, size
 
     def draw(self, root, separation):
         self.drawn.append((root, separation))

@@ -78,10 +78,7 @@ def test_plots_are_made_again(verified, tmp_path):
     """The paper's figures and the tornado: equal to the byte."""
     study, folder = verified
     results = drakesep.read_results(folder)
-    shown = {one.label for one in study.pictures.runs}
-    runs = {one.label: one for one in results.runs if one.label in shown}
-    ordered = [runs[one.label] for one in study.pictures.runs]
-    save_motion(ordered, results.case.requirements, tmp_path)
+    save_motion(results.runs, results.case, tmp_path)
     names = study.nearest_sensitivities["objective"].unique()
     table = results.table("sensitivities.csv").fillna({"at_worst": ""})
     Tornado(table[table["objective"].isin(names)]).save(tmp_path)
