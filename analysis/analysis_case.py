@@ -28,6 +28,7 @@ from drakesep.analysis.metrics.requirements import (
 )
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
+from drakesep.analysis.tolerances.sides import Tolerance
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.systems.checks import (
     InputError,
@@ -146,8 +147,9 @@ class AnalysisCase:
     """In titles."""
     integration: Integration = field(default_factory=Integration)
     """How runs are integrated in Drake."""
-    tolerances: Mapping[str, float] = field(default_factory=dict)
-    """To either side of the separation's values, by parameter name, in SI."""
+    tolerances: Mapping[str, Tolerance] = field(default_factory=dict)
+    """About the separation's values, by parameter name, in SI: a number, to either
+    side; or `Sides`."""
     ellipsoids: tuple[Ellipsoid, ...] = ()
     """Dispersed parameters that do not all reach their tolerances together."""
     requirements: tuple[Requirement, ...] = ()

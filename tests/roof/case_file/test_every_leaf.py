@@ -24,6 +24,7 @@ from drakesep.analysis.analysis_case import (
 from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
+from drakesep.analysis.tolerances.sides import Sides
 from drakesep.case_file.attachments import SpringSection
 from drakesep.case_file.case import Case
 from drakesep.case_file.reader import load_case
@@ -191,6 +192,8 @@ dispersions:
   before_separation.rate_y_deg_s: 0.625
   bolt.release_time_s: 0.0085
   jet.factor: 0.095
+  craft.cg_y_mm: {lower: -123.0625, upper: 256.4375}
+  craft.cg_z_mm: {minus: 2.875, plus: 7.625}
 ellipsoids:
   - parameters: [craft.mass_kg, craft.cg_x_mm, jet.factor]
     correlation: [[1, 0.31, -0.21], [0.31, 1, 0.11], [-0.21, 0.11, 1]]
@@ -422,6 +425,8 @@ def record_of_main(folder) -> AnalysisCase:
             "before_separation.rate_y": 0.625 * DEG,
             "bolt.release_time": 0.0085,
             "jet.factor": 0.095,
+            "craft.cg_y": Sides(minus=0.1023125, plus=0.2771875),
+            "craft.cg_z": Sides(minus=0.002875, plus=0.007625),
         },
         ellipsoids=(
             Ellipsoid(

@@ -24,6 +24,7 @@ def data():
     data["dispersions"]["before_separation.rate_y_deg_s"] = 0.05
     data["dispersions"]["two.release_time_s"] = 0.004
     data["attachments"]["two"]["release_time_s"] = 0.05
+    data["dispersions"]["lower.cg_x_mm"] = {"lower": -810, "upper": -780}
     return data
 
 
@@ -66,7 +67,10 @@ def test_parameters(data, rows):
         [[got, tolerance]] = rows[name]
         assert float(got) == pytest.approx(value, rel=1e-4), name
         expected = data["dispersions"].get(name)
-        assert tolerance == ("" if expected is None else f"{expected:g}"), name
+        if name == "lower.cg_x_mm":
+            assert tolerance == "-10 +20"
+            continue
+        assert tolerance == ("" if expected is None else f"± {expected:g}"), name
     assert set(data["dispersions"]) <= set(rows)
 
 
