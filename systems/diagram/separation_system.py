@@ -15,7 +15,7 @@ from drakesep.systems.diagram.scene import register_contact, register_illustrati
 from drakesep.systems.diagram.separation_forces import SeparationForces
 from drakesep.systems.diagram.state_layout import state_layout
 from drakesep.systems.equations.mated_stack import mated_motion
-from drakesep.systems.model.parameters import names_of
+from drakesep.systems.model.parameters import names_of, places_of_parts
 from drakesep.systems.model.part_pairs import owners_of
 from drakesep.systems.model.separation import Body, Separation
 from drakesep.systems.vectors import Vector
@@ -165,6 +165,8 @@ class SeparationSystem(Diagram):
     def parameters_read(self, separation: Separation) -> set[str]:
         """Return the names of the parameters that the plant and the forces read.
 
+        And those that go with a run to where it is measured.
+
         Args:
             separation: with the structure that this system was built for.
         """
@@ -172,6 +174,7 @@ class SeparationSystem(Diagram):
             *self.forces.parameters_read(separation),
             *names_of(separation.bodies, _OF_BODIES),
             *names_of([separation.initial], _OF_MOTION),
+            *places_of_parts(separation),
         }
 
     def contact_forces(self, context: Context) -> dict[tuple[str, str], Vector]:

@@ -756,6 +756,7 @@ BODY = [
 TILTS = ("tilt", "yz")
 TIMED = [("position", "xyz"), ("release_time", [""])]
 LOAD = [("position", "xyz"), ("start", [""]), ("factor", [""])]
+PART = [("position", "xyz"), ("attitude", ["roll", "pitch", "yaw"])]
 WOUND = [("force_max", [""]), ("stroke", [""]), ("damping", [""]), TILTS]
 PARAMETERS = {
     **dict.fromkeys(("carrier", "craft", "tail"), BODY),
@@ -764,6 +765,7 @@ PARAMETERS = {
     "timed": [("force_max", [""]), ("stroke", [""]), TILTS, ("design_mass", [""])],
     **dict.fromkeys(("wound", "measured"), WOUND),
     **dict.fromkeys(("jet", "gust"), LOAD),
+    **dict.fromkeys(("plate", "ball", "rod", "skirt", "nose", "block"), PART),
     "before_separation": [("attitude", ["roll", "pitch", "yaw"]), ("rate", "xyz")],
 }
 """Of each owner in MAIN, what may be set and dispersed."""
