@@ -12,6 +12,7 @@ from drakesep.analysis.clearance.of_pair import Clearance, smallest, smallest_be
 from drakesep.analysis.clearance.part_distance import PartDistance
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, check_finite
+from drakesep.systems.equations.mated_stack import mated_places
 from drakesep.systems.equations.motion_of_run import mated_trajectory
 from drakesep.systems.geometry.convex_pieces import mesh_of
 from drakesep.systems.geometry.distance import Nearest, Proximity
@@ -267,7 +268,7 @@ def _check_apart(parts: PartDistance) -> None:
 
 def _places(separation: Separation) -> tuple[object, ...]:
     """Return where bodies and their parts stand while mated."""
-    return tuple((b.p_ABo, b.rpy_AB, b.parts) for b in separation.bodies)
+    return mated_places(separation), [body.parts for body in separation.bodies]
 
 
 def _parted(parts: PartDistance) -> float:

@@ -91,25 +91,32 @@ def _declared(records: Iterable[Any]) -> Iterator[tuple[str, Parameter, Any]]:
 def declarations(separation: Separation) -> dict[str, Parameter]:
     """Return what is declared of each parameter of the separation, by name.
 
-    A release by time has no angle, and one by angle no time.
+    A release by time has no angle, and one by angle no time; and A, in whose frame the
+    stack is placed, sits where it does.
     """
-    return {
-        name: parameter
-        for name, parameter, record in _declared(_records(separation))
-        if not (parameter.optional and math.isinf(parameter.of(record)))
-    }
+    return {name: parameter for name, parameter, _ in _of(separation)}
+
+
+def _of(separation: Separation) -> Iterator[tuple[str, Parameter, float]]:
+    """Yield the name of each parameter, its declaration and its value."""
+    base = separation.body(separation.A)
+    for name, parameter, record in _declared(_records(separation)):
+        value = parameter.of(record)
+        missing = parameter.optional and math.isinf(value)
+        if not missing and not (record is base and parameter.field in MATED):
+            yield name, parameter, value
+
+
+MATED = ("mated_offset", "mated_misalignment")
+"""Fields of bodies that say how they are displaced while mated."""
 
 
 def parameters(separation: Separation) -> dict[str, float]:
     """Return every parameter of the separation with its value, in SI.
 
-    A release by time has no angle, and one by angle no time.
+    Those that `declarations` returns.
     """
-    return {
-        name: value
-        for name, parameter, record in _declared(_records(separation))
-        if math.isfinite(value := parameter.of(record))
-    }
+    return {name: value for name, _, value in _of(separation)}
 
 
 def check_read(names: Iterable[str], read: Collection[str], reader: str) -> None:

@@ -103,3 +103,84 @@ def test_a_place_of_what_pushes_is_refused():
             recontact={"stiffness_N_m": 1e6},
             dispersions={"neighbour.position_y_mm": 5},
         )
+
+
+def test_mated_offset_carries_the_body_along():
+    """The bus stands as much nearer at first; springs then push off its centre."""
+    for d in (-20.0, 35.0):
+        study = drakesep.clearance(passing(), {"sc.mated_offset_y_mm": d})
+        assert 1e3 * study.distances[0, 0] == pytest.approx(GAP - d, abs=SOLVER)
+    # What stays are the pads in A: those of equal springs push beside the CG.
+    run = drakesep.simulate(passing(), {"sc.mated_offset_y_mm": 35.0}).run
+    rate = run.motion.rate[-1]
+    # 2 springs toward +y, 2 toward -y: the torque is -35 mm times all of their force
+    # about z, and the moment of inertia of sc and of what it pushes from is positive.
+    assert rate[2] > 0.0
+    assert rate[:2] == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
+def test_mated_place_as_a_case_file_that_has_it_there():
+    """Bit for bit."""
+    values = {"sc.mated_offset_y_mm": 12.0, "sc.mated_misalignment_roll_deg": 2.0}
+    mated = {"position_mm": [0.0, 12.0, 0.0], "attitude_deg": [2.0, 0.0, 0.0]}
+    bodies = {"lv": BODIES["lv"], "sc": BODIES["sc"] | {"mated": mated}}
+    varied = drakesep.simulate(symmetric_design(), values).run
+    written = drakesep.simulate(symmetric_design(bodies=bodies)).run
+    assert (varied.trajectory.states == written.trajectory.states).all()
+    assert (varied.motion.relative_position == written.motion.relative_position).all()
+
+
+def test_misalignment_counts_from_the_nominal_stack():
+    """At release nothing has moved: the tip-off angle is the misalignment."""
+    case = symmetric_design(
+        dispersions={"sc.mated_misalignment_yaw_deg": {"minus": 0.5, "plus": 1.0}},
+        requirements=[
+            {"quantity": "tip_off_angle_deg", "when": "at_release", "at_most": 0.8}
+        ],
+    )
+    study = drakesep.verify(case, **EFFORT)
+    [row] = study.requirements.to_dict("records")
+    assert row["nominal"] == pytest.approx(0.0, abs=1e-9)
+    # An angle whose square is added up: to half of the digits of 1 deg.
+    assert row["worst"] == pytest.approx(1.0, abs=1e-6)
+    assert row["verdict"] == "not met"
+
+
+def test_what_hangs_on_a_displaced_body_is_flown_with_it():
+    """An adapter between: displaced, with what it carries; and both as written."""
+    bodies = {
+        "lv": BODIES["lv"],
+        "adapter": {
+            "mass_kg": 60.0,
+            "cg_mm": [50.0, 0.0, 0.0],
+            "inertia_kg_m2": {"xx": 9.0, "yy": 5.0, "zz": 5.0},
+        },
+        "sc": BODIES["sc"] | {"mated": {"position_mm": [100.0, 0.0, 0.0]}},
+    }
+    plain = symmetric_design().model_dump(mode="json", exclude_none=True)["attachments"]
+    attachments = {
+        "bolt": plain["a1"] | {"B": "adapter", "spring": None, "release_time_s": 0.5},
+        **{
+            name: a | {"A": "adapter", "position_mm": [100.0, *a["position_mm"][1:]]}
+            for name, a in plain.items()
+        },
+    }
+    del attachments["bolt"]["spring"]
+    case = symmetric_design(
+        bodies=bodies, attachments=attachments, pair={"A": "lv", "B": "sc"}
+    )
+    d = 20.0
+    there = bodies | {
+        "adapter": bodies["adapter"] | {"mated": {"position_mm": [0.0, d, 0.0]}},
+        "sc": BODIES["sc"] | {"mated": {"position_mm": [100.0, d, 0.0]}},
+    }
+    written = symmetric_design(bodies=there, attachments=attachments)
+    values = {"adapter.mated_offset_y_mm": d}
+    varied = drakesep.simulate(case, values).run
+    other = drakesep.simulate(written).run
+    start, expected = (run.trajectory.states[0] for run in (varied, other))
+    assert start == pytest.approx(expected, abs=1e-15)
+    # Round-off of the places above, which steps of a second do not enlarge by more.
+    assert varied.trajectory.states[-1] == pytest.approx(
+        other.trajectory.states[-1], abs=1e-10
+    )

@@ -748,18 +748,21 @@ UNITS |= {"release_angle": ("deg", DEG), "force_max": ("N", 1.0)}
 UNITS |= {"stroke": ("mm", 1e-3), "tilt": ("deg", DEG), "design_mass": ("kg", 1.0)}
 UNITS |= {"damping": ("N_s_m", 1.0), "start": ("s", 1.0), "factor": ("", 1.0)}
 UNITS |= {"attitude": ("deg", DEG), "rate": ("deg_s", DEG)}
+UNITS |= {"mated_offset": ("mm", 1e-3), "mated_misalignment": ("deg", DEG)}
 BODY = [
     ("mass", [""]),
     ("cg", "xyz"),
     ("inertia", ["xx", "yy", "zz", "xy", "xz", "yz"]),
 ]
+SITTING = [("mated_offset", "xyz"), ("mated_misalignment", ["roll", "pitch", "yaw"])]
 TILTS = ("tilt", "yz")
 TIMED = [("position", "xyz"), ("release_time", [""])]
 LOAD = [("position", "xyz"), ("start", [""]), ("factor", [""])]
 PART = [("position", "xyz"), ("attitude", ["roll", "pitch", "yaw"])]
 WOUND = [("force_max", [""]), ("stroke", [""]), ("damping", [""]), TILTS]
 PARAMETERS = {
-    **dict.fromkeys(("carrier", "craft", "tail"), BODY),
+    "carrier": BODY,  # in whose frame the stack is placed
+    **dict.fromkeys(("craft", "tail"), BODY + SITTING),
     "hinge": [("position", "xyz"), ("release_time", [""]), ("release_angle", [""])],
     **dict.fromkeys(("bolt", "latch", "strap"), TIMED),
     "timed": [("force_max", [""]), ("stroke", [""]), TILTS, ("design_mass", [""])],
