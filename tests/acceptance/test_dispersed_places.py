@@ -10,8 +10,8 @@ import drakesep
 
 GAP = 150.0
 """Between the neighbour and what passes it, mm: both are boxes, and nothing turns."""
-SOLVER = 1e-3
-"""Of Drake's iteration between boxes, mm."""
+SOLVER = 5e-3
+"""Up to which a distance between boxes is taken for certain, mm."""
 EFFORT = {"samples": 50, "starts": 2, "growth": False}
 NEIGHBOUR = {"box": {"size_mm": [400, 300, 200]}, "position_mm": [300, 600, 0]}
 BUS = {"box": {"size_mm": [800, 600, 500]}, "position_mm": [400, 0, 0]}
