@@ -50,4 +50,5 @@ from .search.sqp import ascend as ascend
 from .tolerances.box import Dispersion as Dispersion
 from .tolerances.box import ToleranceBox as ToleranceBox
 from .tolerances.ellipsoid import Ellipsoid as Ellipsoid
+from .tolerances.sides import Sides as Sides
 from .tolerances.tolerance_set import ToleranceSet as ToleranceSet

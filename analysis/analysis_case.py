@@ -29,6 +29,7 @@ from drakesep.analysis.metrics.requirements import (
 )
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
+from drakesep.analysis.tolerances.sides import Tolerance
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.systems.checks import (
     InputError,
@@ -41,7 +42,11 @@ from drakesep.systems.checks import (
 )
 from drakesep.systems.frozen_mapping import FrozenMapping
 from drakesep.systems.model.integration import Integration
-from drakesep.systems.model.parameters import with_values
+from drakesep.systems.model.parameters import (
+    ParameterName,
+    places_of_parts,
+    with_values,
+)
 from drakesep.systems.model.part_pairs import (
     Names,
     owners_of,
@@ -153,8 +158,9 @@ class AnalysisCase:
     """In titles."""
     integration: Integration = field(default_factory=Integration)
     """How runs are integrated in Drake."""
-    tolerances: Mapping[str, float] = field(default_factory=dict)
-    """To either side of the separation's values, by parameter name, in SI."""
+    tolerances: Mapping[str, Tolerance] = field(default_factory=dict)
+    """About the separation's values, by parameter name, in SI: a number, to either
+    side; or `Sides`."""
     ellipsoids: tuple[Ellipsoid, ...] = ()
     """Dispersed parameters that do not all reach their tolerances together."""
     requirements: tuple[Requirement, ...] = ()
@@ -173,12 +179,27 @@ class AnalysisCase:
             part_pairs(self.separation, self.clearance.touching)
         object.__setattr__(self, "tolerances", FrozenMapping(self.tolerances))
         box = ToleranceBox.around(self.separation, self.tolerances)
+        self._check_parts_measured()
         with named("ellipsoids"):
             admitted = ToleranceSet(self.separation, box, self.ellipsoids)
         object.__setattr__(self, "tolerance_set", admitted)
         self._check_requirements()
         self._check_objectives()
         self._check_published()
+
+    def _check_parts_measured(self) -> None:
+        """Raise InputError if a part's place varies and nothing is measured to it."""
+        pairs = part_pairs(self.separation, self.clearance.pairs)
+        measured = {name for pair in pairs for name in pair}
+        for name in self.tolerances:
+            if name in places_of_parts(self.separation):
+                part = ParameterName.of(name).owner
+                if part not in measured:
+                    raise InputError(
+                        f"dispersions: {name}: must be of a part that is measured to "
+                        f"one of another body, got {part!r}, which is not: to vary it "
+                        "would have no effect"
+                    )
 
     def _check_requirements(self) -> None:
         sides = [(r.metric, r.sense, r.id) for r in self.requirements]

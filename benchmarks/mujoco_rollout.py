@@ -11,7 +11,12 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
-from drakesep.systems.equations.mated_stack import mated_motion, pad_on_B
+from drakesep.systems.equations.mated_stack import (
+    mated_ends,
+    mated_motion,
+    mated_places,
+    pad_on_B,
+)
 from drakesep.systems.model.inertia import inertia_matrix
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.separation import Separation
@@ -69,7 +74,7 @@ def _model(separation: Separation, timestep: float) -> mujoco.MjModel:
     for a in separation.attachments:
         on_A = bodies[a.A].add_site(name=f"{a.name}_A", pos=a.p_AoPad_A)
         on_B = bodies[a.B].add_site(
-            name=f"{a.name}_B", pos=pad_on_B(separation, a, a.p_AoPad_A)
+            name=f"{a.name}_B", pos=pad_on_B(*mated_ends(separation, a), a.p_AoPad_A)
         )
         spec.add_actuator(
             name=a.name,
@@ -85,7 +90,8 @@ def _state(model: mujoco.MjModel, separation: Separation) -> np.ndarray:
     data = mujoco.MjData(model)
     initial = separation.initial
     c_A = separation.body(separation.A).p_BoBcm_B
-    motions = mated_motion(separation, initial.rpy_WA, initial.w_WA_A, c_A, math)
+    places = mated_places(separation).values()
+    motions = mated_motion(places, initial.rpy_WA, initial.w_WA_A, c_A, math)
     for i, motion in enumerate(motions):
         data.qpos[7 * i : 7 * i + 7] = [*motion.p_WBo, *motion.q_WB]
         # The stack moves as one: every body has A's rate, in axes that coincide.

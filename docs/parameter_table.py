@@ -11,6 +11,7 @@ OWNERS = {
     "Body": "a body",
     "Attachment": "an attachment",
     "Load": "a load",
+    "Part": "a part of a body's geometry",
     "InitialMotion": "`before_separation`",
 }
 """What those that are no pushers are called."""

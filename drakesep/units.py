@@ -16,6 +16,7 @@ from drakesep.systems.equations.springs import PUSHERS
 from drakesep.systems.model.loads import Load
 from drakesep.systems.model.parameter_table import Kind
 from drakesep.systems.model.parameter_table import split_axis as split_axis
+from drakesep.systems.model.parts import Part
 from drakesep.systems.model.separation import Attachment, Body, InitialMotion
 
 
@@ -131,7 +132,7 @@ def unit_of(name: str) -> Unit:
 def records() -> tuple[type[Any], ...]:
     """Return the kinds of records that have parameters."""
     pushers = dict.fromkeys(kind.record for kind in PUSHERS.values())
-    return Body, Attachment, *pushers, Load, InitialMotion
+    return Body, Attachment, *pushers, Load, Part, InitialMotion
 
 
 @functools.cache

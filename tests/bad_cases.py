@@ -131,7 +131,7 @@ BAD = {
     ),
     "zero tolerance": (
         changed("dispersions.payload.mass_kg", 0),
-        "dispersions.payload.mass_kg: must be > 0, got 0",
+        "dispersions.payload.mass_kg: must be finite and > 0, got 0",
     ),
     "unknown tolerance": (
         changed("dispersions.payload.mas_kg", 20),

@@ -128,6 +128,8 @@ def test_units_are_those_that_keys_carry():
 
 def keys_given(data: Any, path: str = "") -> Iterator[tuple[str, str]]:
     """The keys of a case file, with the sections in which they stand."""
+    if not isinstance(data, dict):
+        return  # what may be a section is a number
     for key, value in data.items():
         yield path, key
         inside = f"{path}.{key}".lstrip(".")

@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from drakesep.analysis.clearance.of_pair import ACCURACY, Clearance
 from drakesep.analysis.clearance.of_run import ClearanceAnalysis
@@ -24,6 +25,7 @@ from drakesep.analysis.metrics.objectives import (
 )
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, check_positive, unknown
+from drakesep.systems.geometry.moved_parts import displacements
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.part_pairs import owners_of, pairs_apart
 from drakesep.systems.model.run import Run
@@ -143,11 +145,12 @@ class LowestClearance(LargestOfParts):
         found = self.nearest(run)
         A, B = self._owners[found.first], self._owners[found.second]
         ends_there = found.time >= self._end(run)
-        first, second = np.array(found.p_AoCa_A), np.array(found.p_BoCb_B)
+        points = (found.first, found.p_AoCa_A), (found.second, found.p_BoCb_B)
 
         def second_from_first(other: Run) -> np.ndarray:
             time = self._end(other) if ends_there else found.time
             pose = RelativePath(other.completed_trajectory, A, B).at(time)
+            first, second = _carried(points, run, other)
             return np.asarray(pose.p_AoBo_A + pose.R_AB @ second - first)
 
         apart = second_from_first(run)
@@ -174,10 +177,16 @@ class LowestClearance(LargestOfParts):
         values, changes = [], []
         for pair in self._analysis.moments(run, times.tolist()):
             R, p = (np.array(x) for x in zip(*places[pair[0].bodies], strict=True))
-            second = np.array([there.nearest.p_BoCb_B for there in pair])
-            n_A = np.nan_to_num([there.nearest.n_A for there in pair])
-            second_A = p + np.einsum("rtij,tj->rti", R, second)
-            along = np.einsum("rti,ti->rt", second_A, n_A)
+            (a, b), near = pair[0].names, [there.nearest for there in pair]
+            n_A = np.nan_to_num([there.n_A for there in near])
+            points = (
+                (a, [there.p_AoCa_A for there in near]),
+                (b, [there.p_BoCb_B for there in near]),
+            )
+            carried = [_carried(points, run, one) for one in (run, *around)]
+            first, second = (np.array(x) for x in zip(*carried, strict=True))
+            second_A = p + np.einsum("rtij,rtj->rti", R, second)
+            along = np.einsum("rti,ti->rt", second_A - (first - first[0]), n_A)
             values.append([-there.nearest.distance for there in pair])
             changes.append((along[0] - along[1:]).T)
         return np.array(values), np.array(changes)
@@ -220,6 +229,26 @@ class LowestClearance(LargestOfParts):
             _path_of(pair, run).time_apart(until, pair.direction)
             for pair in self._leaving
         )
+
+
+def _carried(
+    points: Sequence[tuple[str, ArrayLike]], run: Run, other: Run
+) -> list[Array]:
+    """Return points (..., 3) of parts, in their bodies, where they are in another run.
+
+    Args:
+        points: with the names of their parts, as they are in a run.
+        run: that one.
+        other: in which parts may have been moved within their bodies.
+    """
+    moved = displacements(run.separation, other.separation)
+    carried = []
+    for name, point in points:
+        X, p = moved.get(name), np.asarray(point, dtype=float)
+        if X is not None:
+            p = p @ X.rotation().matrix().T + X.translation()
+        carried.append(p)
+    return carried
 
 
 def _path_of(pair: Pair, run: Run) -> RelativePath:

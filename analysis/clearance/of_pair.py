@@ -137,7 +137,7 @@ def _clearance(
     parts: PartDistance, moment: _Moment, contact: Contact | None
 ) -> Clearance:
     first, second = parts.names
-    time, best = moment
+    time, best = moment.time, parts.in_bodies(moment.nearest)
     return Clearance(
         first=first,
         second=second,

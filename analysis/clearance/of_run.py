@@ -12,9 +12,11 @@ from drakesep.analysis.clearance.of_pair import Clearance, smallest, smallest_be
 from drakesep.analysis.clearance.part_distance import PartDistance
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, check_finite
+from drakesep.systems.equations.mated_stack import mated_places
 from drakesep.systems.equations.motion_of_run import mated_trajectory
 from drakesep.systems.geometry.convex_pieces import mesh_of
 from drakesep.systems.geometry.distance import Nearest, Proximity
+from drakesep.systems.geometry.moved_parts import displacements
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.part_pairs import Names, owners_of, part_pairs
 from drakesep.systems.model.parts import Mesh, Part
@@ -97,7 +99,7 @@ class ClearanceAnalysis:
 
         As every measurement of a run does: here it is known before one is flown.
         """
-        for parts in self._along(mated_trajectory(self.separation)):
+        for parts in self._along(mated_trajectory(self.separation), self.separation):
             if frozenset(parts.names) not in self._touching:
                 _check_apart(parts)
 
@@ -114,8 +116,8 @@ class ClearanceAnalysis:
         """
         end = _end(run, until)
         return [
-            smallest(parts, self._start_before(end, parts), end)
-            for parts in self._along(run.completed_trajectory)
+            smallest(parts, self._start_before(end, run, parts), end)
+            for parts in self._along_run(run)
         ]
 
     def smallest(
@@ -137,13 +139,13 @@ class ClearanceAnalysis:
         """
         end = _end(run, until)
         # That pairs are not the nearest is sooner shown once that one is known.
-        along = self._along(run.completed_trajectory)
+        along = self._along_run(run)
         if math.isinf(than):
             along = _first(_nearest_of(along, 0.5 * end)[0], along)
         best: Clearance | None = None
         for parts in along:
             limit = than if best is None else best.minimum
-            start = self._start_before(end, parts)
+            start = self._start_before(end, run, parts)
             best = smallest_below(parts, start, end, limit) or best
         return best
 
@@ -169,7 +171,7 @@ class ClearanceAnalysis:
             RuntimeError: the run failed.
         """
         asked = self.names if of is None else of
-        along = {parts.names: parts for parts in self._along(run.completed_trajectory)}
+        along = {parts.names: parts for parts in self._along_run(run)}
         return np.array(
             [
                 [along[names].at(t).distance for t in np.asarray(times).tolist()]
@@ -184,14 +186,15 @@ class ClearanceAnalysis:
             RuntimeError: the run failed.
         """
         bodies = dict(zip(self.names, self.bodies, strict=True))
-        along = self._along(run.completed_trajectory)
-        starts = {parts.names: self._start(parts) for parts in along}
+        along = self._along_run(run)
+        starts = {parts.names: self._start(run, parts) for parts in along}
         found = []
         for t in times:
             # A pair that has not parted yet comes after all others.
             parted = [parts for parts in along if starts[parts.names] <= t]
             parts, nearest = _nearest_of(parted or along, t)
-            found.append(NearestPair(parts.names, bodies[parts.names], nearest))
+            there = parts.in_bodies(nearest)
+            found.append(NearestPair(parts.names, bodies[parts.names], there))
             along = _first(parts, along)  # as it may be at the next time
         return found
 
@@ -205,28 +208,49 @@ class ClearanceAnalysis:
         """
         bodies = dict(zip(self.names, self.bodies, strict=True))
         return [
-            [NearestPair(parts.names, bodies[parts.names], parts.at(t)) for t in times]
-            for parts in self._along(run.completed_trajectory)
+            [
+                NearestPair(
+                    parts.names, bodies[parts.names], parts.in_bodies(parts.at(t))
+                )
+                for t in times
+            ]
+            for parts in self._along_run(run)
             if frozenset(parts.names) not in self._touching
         ]
 
-    def _along(self, trajectory: Trajectory) -> list[PartDistance]:
-        paths = {ends: RelativePath(trajectory, *ends) for ends in self._proximities}
-        return [
-            PartDistance(self._proximities[ends], names, paths[ends])
-            for names, ends in zip(self.names, self.bodies, strict=True)
-        ]
+    def _along_run(self, run: Run) -> list[PartDistance]:
+        return self._along(run.completed_trajectory, run.separation)
 
-    def _start_before(self, end: float, parts: PartDistance) -> float:
-        start = self._start(parts)
+    def _along(
+        self, trajectory: Trajectory, separation: Separation
+    ) -> list[PartDistance]:
+        moved = displacements(self.separation, separation)
+        paths: dict[tuple[Names, Names | None], RelativePath] = {}
+        along = []
+        for names, ends in zip(self.names, self.bodies, strict=True):
+            by = moved.get(names[0]), moved.get(names[1])
+            # One path serves all parts of two bodies that stay.
+            key = ends, None if by == (None, None) else names
+            if key not in paths:
+                paths[key] = RelativePath(trajectory, *ends, by)
+            proximity = self._proximities[ends]
+            along.append(PartDistance(proximity, names, paths[key], by))
+        return along
+
+    def _start_before(self, end: float, run: Run, parts: PartDistance) -> float:
+        start = self._start(run, parts)
         # What has not parted by then is in contact all the time.
         return start if start < end else 0.0
 
-    def _start(self, parts: PartDistance) -> float:
-        """Return from when a pair is measured, s; infinite if it never parts."""
+    def _start(self, run: Run, parts: PartDistance) -> float:
+        """Return from when a pair is measured, s; infinite if it never parts.
+
+        What overlaps where it stands nominally is a mistake; elsewhere, a contact.
+        """
         if frozenset(parts.names) in self._touching:
             return _parted(parts)
-        _check_apart(parts)
+        if _places(run.separation) == _places(self.separation):
+            _check_apart(parts)
         return 0.0
 
 
@@ -240,6 +264,11 @@ def _check_apart(parts: PartDistance) -> None:
             f"listed as touching; got a distance of {distance:.3f} mm, or one "
             "inside the other"
         )
+
+
+def _places(separation: Separation) -> tuple[object, ...]:
+    """Return where bodies and their parts stand while mated."""
+    return mated_places(separation), [body.parts for body in separation.bodies]
 
 
 def _parted(parts: PartDistance) -> float:

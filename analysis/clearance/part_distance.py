@@ -21,6 +21,7 @@ from drakesep.systems.geometry.distance import (
     is_inside,
     nearest_of,
 )
+from drakesep.systems.geometry.moved_parts import Displacement
 from drakesep.systems.geometry.relative_path import Pose, RelativePath
 from drakesep.systems.model.part_pairs import Names
 from drakesep.systems.model.parts import Mesh
@@ -37,14 +38,29 @@ class PartDistance:
 
     Attributes:
         names: of the parts.
-        path: of the second's body B in the first's, A.
+        path: of the second's body B in the first's, A; or of the frames that are moved
+            with them, if they are: nearest points are in those, until `in_bodies`.
         solid: whether distances below zero tell how deep they overlap: not of meshes,
             which are surfaces.
     """
 
-    def __init__(self, proximity: Proximity, names: Names, path: RelativePath):
-        """Prepare for one run."""
+    def __init__(
+        self,
+        proximity: Proximity,
+        names: Names,
+        path: RelativePath,
+        moved: tuple[Displacement, Displacement] = (None, None),
+    ):
+        """Prepare for one run.
+
+        Args:
+            proximity: made of the parts before they were moved.
+            names: of the parts.
+            path: that takes the displacements into account.
+            moved: how either part is displaced in its body.
+        """
         self.names, self.path = names, path
+        self._moved = moved
         self._proximity = proximity
         self._parts = [proximity.parts[name] for name in names]
         self.solid = not any(isinstance(part.shape, Mesh) for part in self._parts)
@@ -54,6 +70,16 @@ class PartDistance:
     def at(self, t: float) -> Nearest:
         """Return how near the parts are at a time, s."""
         return self._nearest(self.path.at(t))
+
+    def in_bodies(self, nearest: Nearest) -> Nearest:
+        """Return how near the parts are with points and normal in their bodies."""
+        first, second = self._moved
+        p_AoCa_A, p_BoCb_B, n_A = nearest[1:]
+        if first is not None:
+            p_AoCa_A, n_A = first @ p_AoCa_A, first.rotation() @ n_A
+        if second is not None:
+            p_BoCb_B = second @ p_BoCb_B
+        return Nearest(nearest.distance, p_AoCa_A, p_BoCb_B, n_A)
 
     def at_below(self, t: float, limit: float) -> Nearest | None:
         """Return how near they are at a time, s; None if not below a limit, m."""

@@ -142,12 +142,12 @@ def grow(
 
 
 def _beginnings(
-    problem: Problem, limits: Sequence[Limit], caps: Array, corners: Array
+    problem: Problem, limits: Sequence[Limit], caps: Array, signs: Array
 ) -> tuple[list[int], Array]:
     """Return for which limits, and from which points (k, n) before growth, to begin.
 
     From each limit's own; and for all tolerances together, from what is worst where the
-    limit is first passed, of the points of all limits and of corners (c, n).
+    limit is first passed, of the points of all limits and of corners with signs (c, n).
     """
     set_, n = problem.tolerances, len(problem.tolerances)
     which = list(range(len(limits)))
@@ -155,7 +155,8 @@ def _beginnings(
     points = [own]
     searching = [i for i, limit in enumerate(limits) if limit.parameter is None]
     asked = sorted({limit.objective for limit in limits})
-    known = np.concatenate([np.unique(own, axis=0), set_.draw_back(corners)])
+    at_bounds = set_.draw_back(set_.box.corners(signs))
+    known = np.concatenate([np.unique(own, axis=0), at_bounds])
     for stage in _STAGES:
         if not searching:
             break
@@ -193,8 +194,8 @@ def _caps(problem: Problem) -> Array:
 
         def exists(factor: float, name: str = d.name, i: int = i) -> bool:
             try:
-                for side in (-1.0, 1.0):
-                    value = box.nominal[i] + side * factor * box.tolerance[i]
+                for bound in (box.lower[i], box.upper[i]):
+                    value = box.nominal[i] + bound * factor * box.tolerance[i]
                     with_values(problem.tolerances.separation, {name: float(value)})
             except ValueError:
                 return False

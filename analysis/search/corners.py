@@ -24,6 +24,7 @@ from drakesep.analysis.search.problem import (
     SearchProgress,
 )
 from drakesep.analysis.search.sweeps import Best
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.arrays import Array
 
 
@@ -36,7 +37,7 @@ _PAIRED = 4
 _GAIN = 1e-12
 """That counts, as a part of the value: less is round-off."""
 _Fly: TypeAlias = Callable[[Array], Array]
-"""Values (c,) of one objective at corners (c, n) of -1 and 1."""
+"""Values (c,) of one objective at corners (c, n): -1 at lower bounds, 1 at upper."""
 _Asked: TypeAlias = tuple[int, Any]
 """An objective, and corners (c, n) at which it is wanted."""
 
@@ -50,6 +51,7 @@ def flip_bounds(
     leaves the set.
     """
     best = Best("corners", problem)
+    set_ = problem.tolerances
     starts: dict[int, int] = {}
 
     def task(k: int) -> Callable[[Callable[[_Asked], Array]], None]:
@@ -57,14 +59,14 @@ def flip_bounds(
 
         def run(ask: Callable[[_Asked], Array]) -> None:
             search = _Flips(lambda corners: ask((k, corners)), problem, settings)
-            starts[k] = search.run(_corners_of(mine))
+            starts[k] = search.run(_corners_of(mine, set_.box))
 
         return run
 
     def answer(asked: list[_Asked]) -> list[Array | None]:
-        u = problem.tolerances.draw_back(np.concatenate([c for _, c in asked]))
+        u = set_.draw_back(set_.box.corners(np.concatenate([c for _, c in asked])))
         which = [k for k, corners in asked for _ in corners]
-        told = problem.evaluator.one(problem.tolerances.rows(u), which)
+        told = problem.evaluator.one(set_.rows(u), which)
         answers: list[Array | None] = []
         first = 0
         for k, corners in asked:
@@ -89,12 +91,13 @@ def flip_bounds(
     )
 
 
-def _corners_of(known: list[Candidate]) -> Array | None:
-    """Return the corners (c, n) that known points lie towards, the worst first."""
+def _corners_of(known: list[Candidate], box: ToleranceBox) -> Array | None:
+    """Return the corners (c, n) that known points are nearest to, the worst first."""
     if not known:
         return None
     worst_first = sorted(known, key=lambda c: -c.value)[:_ROUND]
-    corners = np.where(np.array([c.u for c in worst_first]) >= 0.0, 1.0, -1.0)
+    middle = 0.5 * (box.lower + box.upper)
+    corners = np.where(np.array([c.u for c in worst_first]) >= middle, 1.0, -1.0)
     return np.array([*dict.fromkeys(map(tuple, corners.tolist()))])
 
 

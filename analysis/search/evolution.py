@@ -35,7 +35,7 @@ def evolve(
 
             differential_evolution(
                 cost,
-                [(-1.0, 1.0)] * len(tolerances),
+                [*zip(tolerances.box.lower, tolerances.box.upper, strict=True)],
                 maxiter=settings.generations,
                 popsize=_POPULATION,
                 rng=np.random.default_rng(settings.seed),

@@ -33,22 +33,24 @@ def linearised_corners(problem: Problem, k: int) -> list[Array]:
         k: which of the objectives.
     """
     set_, objective = problem.tolerances, problem.evaluator.objectives[k]
+    box = set_.box
     if not isinstance(objective, LargestOfParts):
         return []
     n = len(set_)
-    around = set_.draw_back(np.vstack([np.zeros(n), _STEP * np.eye(n)]))
+    farther = np.where(box.upper >= -box.lower, 1.0, -1.0)
+    around = set_.draw_back(np.vstack([np.zeros(n), _STEP * np.diag(farther)]))
     runs = problem.evaluator.runs(set_.rows(around), k)
     if any(run.status is RunStatus.FAILED for run in runs):
         return []
     values, changes = objective.linearised_parts(runs[0], runs[1:])
     slopes = changes / np.diag(around[1:])
-    rises = np.abs(slopes).sum(axis=2)
+    rises = np.maximum(slopes * box.lower, slopes * box.upper).sum(axis=2)
     at = (values + rises).argmax(axis=1)
     parts = np.arange(len(values))
     most = values[parts, at] + _BENDS * rises[parts, at]
     rising = most > values.max() + objective.resolution(0.0)
     order = [i for i in np.argsort(-most, kind="stable") if rising[i]]
-    return different([set_.draw_back(np.sign(slopes[i, at[i]])) for i in order])
+    return different([set_.draw_back(box.corners(slopes[i, at[i]])) for i in order])
 
 
 def different(points: Sequence[Array]) -> list[Array]:

@@ -59,7 +59,7 @@ def optimality(
         slopes: (n,) of the objective with the scaled parameters.
         round_off: of the objective, in SI: a slope no larger is none.
     """
-    side = np.where(np.abs(u) >= 1.0 - _AT_BOUND, np.sign(u), 0.0)
+    side = tolerances.box.sides_of(u, _AT_BOUND)
     bounds = np.flatnonzero(side)
     edges = np.flatnonzero(tolerances.margins(u) <= _AT_EDGE)
     outward = np.concatenate([np.diag(side)[bounds], -tolerances.jacobian(u)[edges]]).T
@@ -75,7 +75,7 @@ def optimality(
     labels = [tolerances.margin_labels[i] for i in edges]
     return Optimality(
         slopes=tuple(slopes.tolist()),
-        active=tuple({1.0: "M", -1.0: "m", 0.0: ""}[s] for s in side.tolist()),
+        active=tuple({1: "M", -1: "m", 0: ""}[s] for s in side.tolist()),
         multipliers=tuple(of_bounds.tolist()),
         constraints=tuple(
             zip(labels, multipliers[len(bounds) :].tolist(), strict=True)

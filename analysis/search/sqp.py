@@ -281,7 +281,7 @@ class _Sqp:
         self._history: list[Iteration] = []
 
     def run(self) -> Ascent:
-        u0 = np.array(self._start.u, dtype=float)
+        u0, box = np.array(self._start.u, dtype=float), self._set.box
         try:
             scale, stretch = self._scales(u0)
             self._log(u0)
@@ -291,7 +291,7 @@ class _Sqp:
                 u0 * stretch,
                 jac=lambda x: -self.gradient(x / stretch) / (scale * stretch),
                 method="SLSQP",
-                bounds=Bounds(-stretch, stretch),
+                bounds=Bounds(box.lower * stretch, box.upper * stretch),
                 constraints=self._constraints(stretch),
                 callback=lambda x: self._log(x / stretch),
                 options={

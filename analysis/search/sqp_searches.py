@@ -49,9 +49,10 @@ def sqp_from_many(
         tolerance=max(settings.ascent.tolerance, _ENOUGH),
     )
     settings = dataclasses.replace(settings, ascent=patience)
+    set_ = problem.tolerances
     done = any(candidate.search == FROM_NOMINAL for candidate in known)
     count = settings.starts - 1 if done else settings.starts
-    nominal = [] if done else [np.zeros(len(problem.tolerances))]
+    nominal = [] if done else [np.zeros(len(set_))]
     starts = {}
     for k in problem.asked:
         mine = sorted(
@@ -61,11 +62,11 @@ def sqp_from_many(
         found = linearised_corners(problem, k)
         best = [*nominal, *found, *(np.array(c.u) for c in mine)]
         # All such corners; around the nominal, what is near has another side.
-        best += [problem.tolerances.draw_back(-u) for u in found]
+        best += [set_.draw_back(set_.box.opposite(u)) for u in found]
         best = different(best)[: max(count, len(nominal) + len(found))]
         # The same for each objective: what others there are changes nothing.
         rng = np.random.default_rng(settings.seed)
-        drawn = problem.tolerances.draw(max(count - len(best), 0), rng)
+        drawn = set_.draw(max(count - len(best), 0), rng)
         starts[k] = [*best, *drawn]
     return _search("multistart", problem, settings, on_progress, starts)
 

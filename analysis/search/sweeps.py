@@ -213,7 +213,8 @@ def _vertices(tolerances: ToleranceSet, held: Array) -> Iterator[tuple[Array, in
     free = np.flatnonzero(held == 0.0)
     for first in range(0, 2 ** len(free), _SWEEP):
         numbers = np.arange(first, min(first + _SWEEP, 2 ** len(free)))
-        corners = np.tile(held, (len(numbers), 1))
-        corners[:, free] = 2.0 * ((numbers[:, None] >> np.arange(len(free))) & 1) - 1.0
+        signs = np.tile(held, (len(numbers), 1))
+        signs[:, free] = 2.0 * ((numbers[:, None] >> np.arange(len(free))) & 1) - 1.0
+        corners = tolerances.box.corners(signs)
         u = tolerances.draw_back(corners)
         yield u, int((u != corners).any(axis=1).sum())

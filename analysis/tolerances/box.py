@@ -1,20 +1,22 @@
 """The tolerances: a box of parameter values around the nominal."""
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from drakesep.analysis.tolerances.sides import Sides, Tolerance
 from drakesep.systems.arrays import Array
-from drakesep.systems.checks import InputError, check_finite, check_positive, unknown
+from drakesep.systems.checks import InputError, check_finite, named, unknown
 from drakesep.systems.model.parameters import parameters, with_values
 from drakesep.systems.model.separation import Separation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Dispersion:
-    """One dispersed parameter: nominal, and tolerance to either side, in SI.
+    """One dispersed parameter: its nominal value and its tolerance, in SI.
 
     Raises:
         ValueError: the nominal is not finite or the tolerance is not positive.
@@ -22,12 +24,27 @@ class Dispersion:
 
     name: str
     nominal: float
-    tolerance: float
+    tolerance: Tolerance
 
     def __post_init__(self) -> None:
         """Check the values."""
         check_finite(f"{self.name}: nominal", self.nominal)
-        check_positive(f"{self.name}: tolerance", self.tolerance)
+        with named(self.name):
+            Sides.of(self.tolerance)
+
+    @property
+    def sides(self) -> Sides:
+        """How far it goes to either side."""
+        return Sides.of(self.tolerance)
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Its least and its greatest value."""
+        return self.nominal - self.sides.minus, self.nominal + self.sides.plus
+
+    def grown(self, factor: float) -> "Dispersion":
+        """Return it with each side multiplied; the nominal stays."""
+        return replace(self, tolerance=self.sides.grown(factor))
 
 
 class UnphysicalTolerance(InputError):
@@ -49,22 +66,29 @@ class UnphysicalTolerance(InputError):
 class ToleranceBox:
     """The set of all values within their tolerances.
 
-    A point of the box is scaled: u in [-1, 1]^n, value = nominal + tolerance u.
+    A point of the box is scaled: value = nominal + tolerance u, lower <= u <= upper.
+    The nominal is at u = 0. Where it is the middle, u goes from -1 to 1; else the
+    larger side is the tolerance, and the other ends sooner.
 
     Attributes:
         dispersions: the dispersed parameters, in order.
         nominal: (n,) nominal values, in SI.
-        tolerance: (n,) tolerances, in SI.
+        tolerance: (n,) tolerances, in SI; the larger of two sides.
+        lower: (n,) least u, -1 to 0.
+        upper: (n,) greatest u, 0 to 1.
     """
 
     def __init__(self, dispersions: Sequence[Dispersion]):
         self.dispersions = tuple(dispersions)
         self.nominal = np.array([d.nominal for d in self.dispersions])
-        self.tolerance = np.array([d.tolerance for d in self.dispersions])
+        sides = [d.sides for d in self.dispersions]
+        self.tolerance = np.array([s.larger for s in sides])
+        self.lower = np.array([-_share(s.minus, s.larger) for s in sides])
+        self.upper = np.array([_share(s.plus, s.larger) for s in sides])
 
     @classmethod
     def around(
-        cls, separation: Separation, tolerances: Mapping[str, float]
+        cls, separation: Separation, tolerances: Mapping[str, Tolerance]
     ) -> "ToleranceBox":
         """Return the box around a separation's own values.
 
@@ -84,7 +108,7 @@ class ToleranceBox:
             dispersion = Dispersion(
                 name=name, nominal=nominal[name], tolerance=tolerance
             )
-            for bound in (nominal[name] - tolerance, nominal[name] + tolerance):
+            for bound in dispersion.bounds:
                 _check_reach(separation, name, bound)
             dispersions.append(dispersion)
         return cls(dispersions)
@@ -118,6 +142,62 @@ class ToleranceBox:
         point = [values.get(d.name, d.nominal) for d in self.dispersions]
         u: Array = (np.array(point) - self.nominal) / self.tolerance
         return u
+
+    def corners(self, signs: ArrayLike) -> Array:
+        """Return points (..., n) at bounds: the upper where a sign is positive.
+
+        Args:
+            signs: (..., n) numbers; where one is zero, so is u.
+        """
+        given = np.asarray(signs, dtype=float)
+        at_bounds = np.where(given > 0.0, self.upper, self.lower)
+        return np.asarray(np.where(given == 0.0, 0.0, at_bounds))
+
+    def opposite(self, u: ArrayLike) -> Array:
+        """Return points (..., n) as far from the other bound as these are from one."""
+        return np.asarray(self.lower + self.upper - np.asarray(u, dtype=float))
+
+    def sides_of(self, u: ArrayLike, within: float) -> NDArray[np.int_]:
+        """Return (..., n) at which bound points (..., n) are.
+
+        Args:
+            u: scaled points.
+            within: how near to a bound is at it, scaled.
+
+        Returns:
+            1 at the upper, -1 at the lower, 0 between.
+        """
+        points = np.asarray(u, dtype=float)
+        at_upper = np.abs(points - self.upper) <= within
+        at_lower = np.abs(points - self.lower) <= within
+        return np.asarray(np.where(at_upper, 1, np.where(at_lower, -1, 0)))
+
+    def contains(self, u: ArrayLike) -> NDArray[np.bool_]:
+        """Return (...,) whether points (..., n) are in the box."""
+        points = np.asarray(u, dtype=float)
+        inside = (points >= self.lower) & (points <= self.upper)
+        return np.asarray(inside.all(axis=-1))
+
+    def clipped(self, u: ArrayLike) -> Array:
+        """Return points (..., n) drawn into the box, entry by entry."""
+        return np.asarray(np.clip(np.asarray(u, dtype=float), self.lower, self.upper))
+
+    def grown(self, factors: float | Array) -> "ToleranceBox":
+        """Return the box with its tolerances multiplied about the nominal.
+
+        Args:
+            factors: one for all, or (n,).
+        """
+        each = np.broadcast_to(factors, len(self)).tolist()
+        return ToleranceBox(
+            [d.grown(f) for d, f in zip(self.dispersions, each, strict=True)]
+        )
+
+
+def _share(side: float, larger: float) -> float:
+    share = side / larger
+    # Round-off must not lead beyond a bound, which may be where what exists ends.
+    return share if share * larger <= side else math.nextafter(share, 0.0)
 
 
 def _check_reach(separation: Separation, name: str, bound: float) -> None:

@@ -78,12 +78,20 @@ class WithinEllipsoid:
         """Prepare.
 
         Raises:
-            ValueError: a parameter of the ellipsoid is not dispersed.
+            ValueError: a parameter of the ellipsoid is not dispersed, or its nominal is
+                not the middle of its tolerance.
         """
+        sides = {d.name: d.sides for d in box.dispersions}
         for name in ellipsoid.names:
-            if name not in box.names:
+            if name not in sides:
                 raise InputError(
                     f"ellipsoid: {unknown('dispersed parameter', name, box.names)}"
+                )
+            if not sides[name].symmetric:
+                raise InputError(
+                    f"ellipsoid: {name} must have the same tolerance to either side, "
+                    f"got {sides[name].minus:g} below its nominal and "
+                    f"{sides[name].plus:g} above, in SI"
                 )
         self.label = f"ellipsoid of {' '.join(ellipsoid.names)}"
         self.indices = [box.names.index(name) for name in ellipsoid.names]

@@ -88,5 +88,6 @@ class PhysicalInertia:
         lowest = np.linalg.eigvalsh(white)[..., 0]
         # nominal + s deviation is singular where s = -1 / eigenvalue
         reach = np.full(lowest.shape, np.inf)
-        np.divide(-1.0, lowest, out=reach, where=lowest < 0.0)
+        with np.errstate(over="ignore"):  # so little that any factor does
+            np.divide(-1.0, lowest, out=reach, where=lowest < 0.0)
         return reach

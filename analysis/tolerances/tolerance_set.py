@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drakesep.analysis.tolerances.box import Dispersion, ToleranceBox
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.ellipsoid import (
     Ellipsoid,
     WithinEllipsoid,
@@ -53,7 +53,7 @@ class Constraint(Protocol):
 class ToleranceSet:
     """Every point that the tolerances admit.
 
-    Points are scaled, as those of a `ToleranceBox`: u in [-1, 1]^n.
+    Points are scaled, as those of a `ToleranceBox`.
 
     Attributes:
         separation: whose parameters they are.
@@ -71,8 +71,9 @@ class ToleranceSet:
         """Prepare.
 
         Raises:
-            ValueError: an ellipsoid names a parameter that is not dispersed or stands
-                in another one, or no inertia around a nominal one is possible.
+            ValueError: an ellipsoid names a parameter that is not dispersed, stands in
+                another one or has not its nominal in the middle, or no inertia around
+                a nominal one is possible.
         """
         check_apart(ellipsoids)
         self.separation = separation
@@ -104,17 +105,12 @@ class ToleranceSet:
         return self.box.values(u)
 
     def grown(self, factors: float | Array) -> "ToleranceSet":
-        """Return the set with its tolerances multiplied.
+        """Return the set with its tolerances multiplied about the nominal.
 
         Args:
             factors: one for all, or (n,).
         """
-        tolerances = self.box.tolerance * factors
-        dispersions = [
-            Dispersion(name=d.name, nominal=d.nominal, tolerance=float(tolerance))
-            for d, tolerance in zip(self.box.dispersions, tolerances, strict=True)
-        ]
-        return ToleranceSet(self.separation, ToleranceBox(dispersions), self.ellipsoids)
+        return ToleranceSet(self.separation, self.box.grown(factors), self.ellipsoids)
 
     def margins(self, u: Array) -> Array:
         """Return (..., k) margins of all constraints at points (..., n)."""
@@ -135,7 +131,7 @@ class ToleranceSet:
     def contains(self, u: ArrayLike) -> NDArray[np.bool_]:
         """Return (...,) whether points (..., n) are in the set."""
         points = np.asarray(u, dtype=float)
-        inside = (np.abs(points) <= 1.0).all(axis=-1)
+        inside = self.box.contains(points)
         for constraint in self.constraints:
             inside &= constraint.reach(points) >= 1.0 - _INSIDE
         return np.asarray(inside)
@@ -147,7 +143,7 @@ class ToleranceSet:
         not fulfilled go to where the line from their nominal values leaves it;
         constraints that share parameters go together. Everything else stays.
         """
-        drawn: Array = np.clip(np.asarray(u, dtype=float), -1.0, 1.0)
+        drawn = self.box.clipped(u)
         for indices, constraints in self._groups:
             reach = np.min([c.reach(drawn) for c in constraints], axis=0)
             factor = np.where(reach < 1.0, (1.0 - _INSIDE) * reach, 1.0)
@@ -221,7 +217,7 @@ class ToleranceSet:
         return 1.0 - float(self._can_exist(points).mean())
 
     def _draw_tolerances(self, count: int, rng: np.random.Generator) -> Array:
-        points = rng.uniform(-1.0, 1.0, size=(count, len(self)))
+        points = rng.uniform(self.box.lower, self.box.upper, size=(count, len(self)))
         for within in self._within:
             points[:, within.indices] = within.draw(count, rng)
         return points

@@ -42,6 +42,7 @@ from drakesep.case_file.values import parameter_of, values_in_si
 from drakesep.systems.checks import named
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.separation import Pair, Separation
+from drakesep.tables.columns import tolerance_text
 from drakesep.tables.roles import check_labels
 from drakesep.units import unit_of, with_unit
 
@@ -89,7 +90,7 @@ class Case(Section):
     before_separation: BeforeSeparationSection = BeforeSeparationSection()
     """Motion of the mated stack at t = 0."""
     dispersions: dict[str, Tolerance] = Field(default_factory=dict)
-    """Tolerances to either side of the values above."""
+    """Tolerances of the values above."""
     ellipsoids: list[CorrelationSection] = Field(default_factory=list)
     """Dispersed parameters that go together."""
     requirements: list[RequirementSection] = Field(default_factory=list)
@@ -152,10 +153,10 @@ class Case(Section):
                 published=tuple(published),
             )
         except UnphysicalTolerance as error:
-            key = with_unit(error.name)
-            tolerance = unit_of(error.name).from_si(tolerances[error.name])
-            got = f"{key} ± {tolerance:g}"
-            raise CaseError(f"dispersions: {got}: {error.reason}") from error
+            got = tolerance_text(error.name, tolerances[error.name])
+            raise CaseError(
+                f"dispersions: {with_unit(error.name)} {got}: {error.reason}"
+            ) from error
         check_labels(record, record.objective_names)
         return record
 

@@ -1,13 +1,17 @@
-"""Tolerances as a case file states them: numbers, shares of the nominal, patterns."""
+"""Tolerances as a case file states them: numbers, shares, bounds, sides, patterns."""
 
 import fnmatch
+import math
 import re
 from collections.abc import Mapping
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, Self, TypeAlias
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, Discriminator, Tag, model_validator
 
-from drakesep.case_file.errors import CaseError
+from drakesep.analysis.tolerances import sides
+from drakesep.analysis.tolerances.sides import Sides
+from drakesep.case_file.errors import UNNAMED, CaseError, shown
+from drakesep.case_file.section import Section
 from drakesep.systems.checks import unknown
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.separation import Separation
@@ -18,28 +22,112 @@ _PERCENT = re.compile(r"\s*(\d+(?:\.\d+)?(?:[eE]-?\d+)?)\s*%\s*")
 _WILD = re.compile(r"[*?\[]")
 
 
-def _check(value: Any) -> Any:
-    if isinstance(value, str):
-        found = _PERCENT.fullmatch(value)
-        if found is None or float(found[1]) == 0.0:
-            raise ValueError(
-                "must be a number, or a share of the nominal such as 5 %, got "
-                f"{value!r}"
-            )
-    elif isinstance(value, int | float) and not isinstance(value, bool):
-        if not value > 0:
-            raise ValueError(f"must be > 0, got {value}")
+def _check_side(value: Any) -> Any:
+    share = isinstance(value, str) and _PERCENT.fullmatch(value)
+    if share:
+        if float(share[1]) == 0.0:
+            raise ValueError(f"must be > 0, got {value!r}")
+    elif isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(
+            "must be a number, or a share of the nominal such as 5 %, got "
+            f"{shown(value)}"
+        )
+    elif not 0 <= value < math.inf:
+        raise ValueError(f"must be finite and >= 0, got {value}")
     return value
 
 
-Tolerance: TypeAlias = Annotated[float | str, BeforeValidator(_check)]
-"""To either side: a number in the unit of the key, or a share such as ``5 %``."""
+def _check(value: Any) -> Any:
+    if isinstance(value, Mapping | ToleranceSection):
+        return value
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if number and not 0 < value < math.inf:
+        raise ValueError(f"must be finite and > 0, got {value}")
+    return _check_side(value)
+
+
+Side: TypeAlias = Annotated[float | str, BeforeValidator(_check_side)]
+"""To one side: a number in the unit of the key, or a share such as ``5 %``."""
+
+
+class ToleranceSection(Section):
+    """A tolerance whose nominal need not be its middle, by its bounds or by its sides.
+
+    Numbers are in the unit of the parameter.
+    """
+
+    lower: float | None = None
+    """Least value of the parameter; with `upper`."""
+    upper: float | None = None
+    """Its greatest value."""
+    minus: Side | None = None
+    """How far it may go below its nominal, 0: not at all; with `plus`."""
+    plus: Side | None = None
+    """How far above."""
+
+    @model_validator(mode="after")
+    def _check_sides(self) -> Self:
+        keys = ("lower", "upper", "minus", "plus")
+        got = [key for key in keys if getattr(self, key) is not None]
+        if got not in (["lower", "upper"], ["minus", "plus"]):
+            raise ValueError(
+                "must have lower and upper, or minus and plus, got "
+                f"{' and '.join(got) or 'none'}"
+            )
+        if self.lower is not None and self.upper is not None:
+            if not self.lower < self.upper:
+                raise ValueError(
+                    f"upper must be > lower, got {self.lower:g} to {self.upper:g}"
+                )
+        elif self.minus == self.plus == 0:
+            raise ValueError("minus or plus must be > 0, got 0 for both")
+        return self
+
+    def in_si(self, key: str, name: str, nominal: float) -> Sides:
+        """Return it.
+
+        Args:
+            key: of the parameter, for errors.
+            name: of the parameter, without unit.
+            nominal: value of the parameter, in SI.
+
+        Raises:
+            CaseError: the nominal is beyond a bound, or a share is one of zero.
+        """
+        unit = unit_of(name)
+        if self.lower is None or self.upper is None:
+            assert self.minus is not None
+            assert self.plus is not None
+            return Sides(
+                minus=_in_si(f"{key}: minus", name, self.minus, nominal),
+                plus=_in_si(f"{key}: plus", name, self.plus, nominal),
+            )
+        lower, upper = unit.to_si(self.lower), unit.to_si(self.upper)
+        if not lower <= nominal <= upper:
+            raise CaseError(
+                f"{key}: lower and upper must hold the nominal, "
+                f"{unit.from_si(nominal):g}, got {self.lower:g} to {self.upper:g}"
+            )
+        return Sides(minus=nominal - lower, plus=upper - nominal)
+
+
+Tolerance: TypeAlias = Annotated[
+    Annotated[float | str, Tag("number")] | Annotated[ToleranceSection, Tag(UNNAMED)],
+    Discriminator(
+        lambda value: (
+            UNNAMED if isinstance(value, Mapping | ToleranceSection) else "number"
+        )
+    ),
+    BeforeValidator(_check),
+]
+"""To either side, a number in the unit of the key or a share such as ``5 %``; or bounds
+or sides."""
 
 
 def tolerances_in_si(
-    separation: Separation, dispersions: Mapping[str, float | str]
-) -> dict[str, float]:
-    """Return tolerances to either side by parameter names without units, in SI.
+    separation: Separation, dispersions: Mapping[str, Tolerance]
+) -> dict[str, sides.Tolerance]:
+    """Return tolerances by parameter names without units, in SI.
 
     Args:
         separation: gives the nominal values.
@@ -49,11 +137,11 @@ def tolerances_in_si(
 
     Raises:
         CaseError: a name is unknown, a pattern fits none, two patterns fit the same
-            parameter, or a share is one of zero.
+            parameter, a share is one of zero, or a nominal is beyond a bound.
     """
     nominal = parameters(separation)
     names = {with_unit(name): name for name in nominal}
-    found: dict[str, tuple[str, float | str]] = {}
+    found: dict[str, tuple[str, Tolerance]] = {}
     for key, value in dispersions.items():
         for fitting in _fitting(key, names):
             named = fitting in dispersions
@@ -66,7 +154,7 @@ def tolerances_in_si(
                 )
             found[fitting] = key, value
     return {
-        names[key]: _in_si(key, names[key], value, nominal[names[key]])
+        names[key]: _tolerance(key, names[key], value, nominal[names[key]])
         for key, (_, value) in found.items()
     }
 
@@ -81,6 +169,14 @@ def _fitting(key: str, names: Mapping[str, str]) -> list[str]:
     if not fitting:
         raise CaseError(f"{key}: must fit a parameter, got none")
     return fitting
+
+
+def _tolerance(
+    key: str, name: str, value: Tolerance, nominal: float
+) -> sides.Tolerance:
+    if isinstance(value, ToleranceSection):
+        return value.in_si(key, name, nominal)
+    return _in_si(key, name, value, nominal)
 
 
 def _in_si(key: str, name: str, value: float | str, nominal: float) -> float:

@@ -7,6 +7,10 @@ from pydantic import ValidationError
 from drakesep.systems.checks import InputError
 
 
+UNNAMED = ""
+"""Tag of a union's section, whose keys stand in no place of their own."""
+
+
 class CaseError(InputError):
     """A case cannot be read; the message names the key, what was wanted and got."""
 
@@ -26,6 +30,7 @@ def _explain(error: dict[str, Any]) -> str:
     place = "".join(
         f" (entry {part + 1})" if isinstance(part, int) else f".{part}"
         for part in error["loc"]
+        if part != UNNAMED
     ).lstrip(".")
     context = error.get("ctx", {})
     got = f", got {shown(error['input'])}"

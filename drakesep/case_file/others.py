@@ -26,7 +26,9 @@ from drakesep.analysis.metrics.quantities import (
 )
 from drakesep.analysis.metrics.registry import find_metric, registered_metrics
 from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.analysis.tolerances.box import Dispersion
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
+from drakesep.analysis.tolerances.sides import Tolerance
 from drakesep.case_file.errors import CaseError
 from drakesep.case_file.section import Name, Positive, Section, Vector, to_si
 from drakesep.case_file.values import parameter_of
@@ -423,7 +425,7 @@ class PublishedSection(Section):
     """What it is compared with."""
 
     def in_si(
-        self, separation: Separation, tolerances: Mapping[str, float]
+        self, separation: Separation, tolerances: Mapping[str, Tolerance]
     ) -> PublishedCase:
         """Return it.
 
@@ -442,16 +444,19 @@ class PublishedSection(Section):
         )
 
     def _values(
-        self, separation: Separation, tolerances: Mapping[str, float]
+        self, separation: Separation, tolerances: Mapping[str, Tolerance]
     ) -> dict[str, float]:
-        nominal, signs = parameters(separation), {"M": 1.0, "m": -1.0}
+        nominal = parameters(separation)
         values = {}
         for key, mark in self.values.items():
             name = parameter_of(separation, key)
             if not isinstance(mark, str):
                 values[name] = unit_of(name).to_si(mark)
             elif name in tolerances:
-                values[name] = nominal[name] + signs[mark] * tolerances[name]
+                dispersion = Dispersion(
+                    name=name, nominal=nominal[name], tolerance=tolerances[name]
+                )
+                values[name] = dispersion.bounds[mark == "M"]
             else:
                 known = map(with_unit, tolerances)
                 raise CaseError(unknown("dispersed parameter", key, known))

@@ -15,6 +15,7 @@ from drakesep.systems.checks import X_AXIS
 from drakesep.systems.equations.springs import law_name
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.separation import Pair
+from drakesep.tables.columns import tolerance_text
 from drakesep.units import unit_of, with_unit
 
 
@@ -200,12 +201,14 @@ def _listed(quantity: str, values: Iterable[float]) -> str:
 
 
 def _parameters(case: Case) -> pd.DataFrame:
-    tolerances = {d.name: d.tolerance for d in case.box.dispersions}
+    tolerances = {
+        d.name: tolerance_text(d.name, d.tolerance) for d in case.box.dispersions
+    }
     return pd.DataFrame(
         {
             "parameter": with_unit(name),
             "value": unit_of(name).from_si(value),
-            "tolerance ±": unit_of(name).from_si(tolerances.get(name, math.nan)),
+            "tolerance": tolerances.get(name, ""),
         }
         for name, value in parameters(case.separation).items()
     )

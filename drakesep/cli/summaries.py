@@ -11,6 +11,7 @@ from typing import Any, TypeAlias
 
 import pandas as pd
 
+from drakesep.analysis.tolerances.box import Dispersion
 from drakesep.case_file.case import Case
 from drakesep.studies.clearance import Clearances
 from drakesep.studies.remarks import notes_of
@@ -162,10 +163,18 @@ def of_cases(cases: Iterable[Case]) -> CasesSummary:
     return CasesSummary(cases=rows)
 
 
+def _tolerance(dispersion: Dispersion) -> float | dict[str, float]:
+    """Return a tolerance in its unit; both sides, where they differ."""
+    sides, from_si = dispersion.sides, unit_of(dispersion.name).from_si
+    if sides.symmetric:
+        return from_si(sides.plus)
+    return {"minus": from_si(sides.minus), "plus": from_si(sides.plus)}
+
+
 def of_case(case: Case) -> ShowSummary:
     """Return the summary of a case; without notes."""
     separation = case.separation
-    tolerances = in_units({d.name: d.tolerance for d in case.box.dispersions})
+    tolerances = {with_unit(d.name): _tolerance(d) for d in case.box.dispersions}
     values = in_units(parameters(separation))
     return ShowSummary(
         case=case.name,

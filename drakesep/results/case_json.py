@@ -23,6 +23,7 @@ from drakesep.analysis.clearance.contact import Contact
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
+from drakesep.analysis.tolerances.sides import Sides
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.equations.springs import PUSHERS
 from drakesep.systems.model.integration import Integration
@@ -52,7 +53,8 @@ from drakesep.tables.roles import (
 
 _RECORDS: tuple[type[Any], ...] = (
     *(AnalysisCase, ClearancePairs, PrintedResult, PublishedCase, Requirement),
-    *(Ellipsoid, Integration, Joint, Load, Part, Box, Capsule, Cone, Mesh, Sphere),
+    *(Sides, Ellipsoid, Integration, Joint, Load),
+    *(Part, Box, Capsule, Cone, Mesh, Sphere),
     *(Recontact, Attachment, Body, InitialMotion, Orbit, Pair, Separation),
     *(Changed, Nominal, Outcome, Published, SearchEnd, Worst),
     *(Clearance, Contact, ContactForces),

@@ -428,13 +428,13 @@ _WORST_CASES = (
     FileKind(
         name="sensitivities.csv",
         studies=_SEARCHED,
-        what="What a whole tolerance does, to first order.",
+        what="What a whole tolerance upward does, to first order.",
         row="worst case and parameter",
         columns=(
             _OBJECTIVE,
             _UNIT,
             Column("parameter", "", "With its unit."),
-            Column("tolerance", "in `parameter`", "To either side."),
+            Column("tolerance", "in `parameter`", "The larger of its sides."),
             Column("per_tolerance_at_nominal", _SAME, "Change, at the nominal."),
             Column("per_tolerance_at_worst", _SAME, "Change, at the worst case."),
             Column("at_worst", "", "M or m at a bound; empty within."),
@@ -483,8 +483,10 @@ _WORST_CASES = (
             Column("requirement", "", "Its quantity."),
             Column("axis", "", "Empty if it has none."),
             Column("parameter", "", "With its unit."),
-            Column("tolerance", "in `parameter`", "To either side."),
-            Column("violated_at", "in `parameter`", "The tolerance that violates it."),
+            Column("tolerance", "in `parameter`", "The larger of its sides."),
+            Column(
+                "violated_at", "in `parameter`", "The larger side that violates it."
+            ),
             Column("factor", "", "On the tolerance."),
             Column("looked_up_to", "", "Largest factor that was looked at."),
             Column("status", "", "Why it could not be found; empty if it was."),

@@ -11,6 +11,7 @@ from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.search.registry import SEARCHES
 from drakesep.results.catalogue import FILES, GEOMETRY, Column, FileKind
 from drakesep.systems.model.parameters import ParameterName
+from drakesep.systems.model.separation import STACK, InitialMotion
 from drakesep.units import records, split_unit, with_unit
 
 
@@ -113,8 +114,9 @@ def _of_parameter(column: Column, name: str) -> Column | None:
     owner, _, quantity = name.rpartition(".")
     stem, unit = split_unit(quantity)
     parts = ParameterName.of(f"{owner}.{stem}")
-    tables = [p for record in records() for p in record.PARAMETERS]
-    found = next((p for p in tables if p.stem == parts.stem), None)
+    of_stack = owner == STACK
+    tables = [r.PARAMETERS for r in records() if (r is InitialMotion) == of_stack]
+    found = next((p for t in tables for p in t if p.stem == parts.stem), None)
     if not owner or found is None:
         return None
     axis = f", {parts.axis}" if parts.axis else ""

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from drakesep.systems.equations.forces_of_run import spring_work
-from drakesep.systems.equations.mated_stack import place_in_stack
+from drakesep.systems.equations.mated_stack import mated_places, place_in_stack
 from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Attachment, Pair, Separation
@@ -112,8 +112,11 @@ def _speed_at_end(run: Run, pair: Pair) -> float:
 
 def _place_along(separation: Separation, pair: Pair) -> float:
     """Return how far B's CG stands from A's in the direction while mated, m."""
-    bodies = (separation.body(pair.A), separation.body(pair.B))
-    from_A, to_B = (np.array(place_in_stack(x, x.p_BoBcm_B)) for x in bodies)
+    places = mated_places(separation)
+    from_A, to_B = (
+        np.array(place_in_stack(places[name], separation.body(name).p_BoBcm_B))
+        for name in (pair.A, pair.B)
+    )
     return float((to_B - from_A) @ np.array(PairFacts.of(separation, pair).direction_S))
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from drakesep.analysis.metrics.objectives import Objective
+from drakesep.analysis.tolerances.sides import Sides, Tolerance
 from drakesep.files import written
 from drakesep.units import SI, Unit, unit_of, with_unit
 
@@ -23,6 +24,14 @@ def shown(objective: Objective, value: float) -> float:
     metric = objective.shown_as
     in_si = value if metric is None else metric.value(value)
     return unit_of_objective(objective).from_si(in_si)
+
+
+def tolerance_text(name: str, tolerance: Tolerance) -> str:
+    """Return a parameter's tolerance in its unit: ``± 2``, or ``-1 +3``."""
+    sides, from_si = Sides.of(tolerance), unit_of(name).from_si
+    if sides.symmetric:
+        return f"± {from_si(sides.plus):g}"
+    return f"{-from_si(sides.minus):g} {from_si(sides.plus):+g}"
 
 
 def write_csv(frame: pd.DataFrame, path: Path) -> None:

@@ -17,7 +17,7 @@ from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.tables.columns import in_units, shown, unit_of_objective
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.roles import Worst
-from drakesep.tables.table_4 import MARK
+from drakesep.tables.table_4 import MARK, MARKS
 from drakesep.units import unit_of, with_unit
 
 
@@ -140,11 +140,10 @@ def worst_points_table(worst: Sequence[WorstCase], box: ToleranceBox) -> pd.Data
     """Return a row for each parameter: M, m, or its value, at each worst case."""
     columns: dict[str, list[str]] = {"parameter": [with_unit(n) for n in box.names]}
     for case in worst:
+        sides = box.sides_of(case.u, MARK).tolist()
         columns[case.name] = [
-            ("M" if u > 0.0 else "m")
-            if abs(u) >= 1.0 - MARK
-            else f"{unit_of(name).from_si(case.values[name]):.6g}"
-            for name, u in zip(box.names, case.u, strict=True)
+            MARKS.get(side) or f"{unit_of(name).from_si(case.values[name]):.6g}"
+            for name, side in zip(box.names, sides, strict=True)
         ]
     return pd.DataFrame(columns)
 

@@ -3,7 +3,6 @@
 import itertools
 from collections.abc import Mapping, Sequence
 
-import numpy as np
 import pandas as pd
 
 from drakesep.analysis.metrics.registry import WITHIN
@@ -17,6 +16,8 @@ from drakesep.units import unit_of
 MARK = 5e-3
 """How near to a bound or to the nominal a value is marked as M, m or Nom, as a part
 of its tolerance."""
+MARKS = {1: "M", -1: "m"}
+"""Of the upper bound, and of the lower."""
 
 
 def table_4(runs: Sequence[LabelledRun], box: ToleranceBox) -> pd.DataFrame:
@@ -108,13 +109,14 @@ def _groups(box: ToleranceBox) -> dict[str, list[str]]:
 
 
 def _marks(values: Mapping[str, float], box: ToleranceBox) -> str:
-    index = [box.names.index(name) for name in values]
-    u = box.scaled(values)[index]
+    u = box.scaled(values)
+    sides = box.sides_of(u, MARK)
     marks = []
-    for (name, value), scaled in zip(values.items(), u, strict=True):
-        nearest = np.round(scaled)
-        if abs(scaled - nearest) <= MARK and abs(nearest) <= 1.0:
-            marks.append({1.0: "M", -1.0: "m", 0.0: "Nom"}[float(nearest)])
+    for name, value in values.items():
+        i = box.names.index(name)
+        if abs(u[i]) <= MARK:
+            marks.append("Nom")
         else:
-            marks.append(f"{unit_of(name).from_si(value):.6g}")
+            shown = f"{unit_of(name).from_si(value):.6g}"
+            marks.append(MARKS.get(int(sides[i])) or shown)
     return " ".join(marks)

@@ -22,6 +22,7 @@ from drakesep.systems.batch.lanes import (
     pick,
     rows,
 )
+from drakesep.systems.batch.mated_places import BatchPlaces
 from drakesep.systems.batch.springs import BatchSprings
 from drakesep.systems.batch.wrenches import WrenchSum, add_wrenches, no_wrench
 from drakesep.systems.equations import gravity as gravity_laws
@@ -80,7 +81,9 @@ class BatchEquations:
         ]
         """Attachments that let go at an angle."""
         self.springs = BatchSprings(separation, varied)
-        self._joints = BatchJoints(separation)
+        self.places = BatchPlaces(separation, varied)
+        """Of the bodies while mated."""
+        self._joints = BatchJoints(separation, self.places)
         names = [body.name for body in separation.bodies]
         self._load_bodies = [names.index(load.body) for load in separation.loads]
         attachments = [a.name for a in separation.attachments]
@@ -112,17 +115,19 @@ class BatchEquations:
         of_attachments = Attachment.PARAMETERS
         inertia = reader.vector(of_bodies, bodies, "I_BBcm_B")
         pads_A = reader.vector(of_attachments, attachments, "p_AoPad_A")
-        pads_B = [
-            pad_on_B(separation, attachment, tuple(x[i] for x in pads_A))
-            for i, attachment in enumerate(attachments)
-        ]
         n = pads_A[0].shape[-1]
+        places = self.places.read(reader, n)
+        pads_B = [
+            pad_on_B(places[a], places[b], tuple(x[i] for x in pads_A))
+            for i, (a, b) in enumerate(self.ends)
+        ]
         springs, push_axis_A = self.springs.read(reader)
         return BatchParameters(
             mass=reader.number(of_bodies, bodies, "mass"),
             p_BoBcm_B=reader.vector(of_bodies, bodies, "p_BoBcm_B"),
             I_BBcm_B=inertia,
             inverse_I_BBcm_B=newton_euler_laws.inverse(inertia),
+            mated=self.places.lanes(places, n),
             p_AoPad_A=pads_A,
             p_BoPad_B=tuple(rows([pad[c] for pad in pads_B], n) for c in range(3)),
             release_time=reader.number(of_attachments, attachments, "release_time"),
@@ -143,7 +148,7 @@ class BatchEquations:
         _, n = params.mass.shape
         A, _ = self.bodies_of(separation.pairs[0])
         motions = mated_motion(
-            separation,
+            self.places.of(params),
             params.rpy_WA,
             params.w_WA_A,
             pick(params.p_BoBcm_B, A),
@@ -162,9 +167,9 @@ class BatchEquations:
 
     def mated_place(self, pair: Pair, params: BatchParameters) -> tuple[Vector, Vector]:
         """Return B's CG in B, and its place in A while mated, of (n,), m."""
-        _, b = self.bodies_of(pair)
-        p_BoBcm_B = pick(params.p_BoBcm_B, b)
-        return p_BoBcm_B, place_in_A(self.separation, pair, p_BoBcm_B)
+        a, b = self.bodies_of(pair)
+        p_BoBcm_B, places = pick(params.p_BoBcm_B, b), self.places.of(params)
+        return p_BoBcm_B, place_in_A(places[a], places[b], p_BoBcm_B)
 
     def bodies_of(self, pair: Pair) -> tuple[int, int]:
         """Return the indices of a pair's bodies A and B."""

@@ -34,7 +34,6 @@ from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode, pick
 from drakesep.systems.batch.springs import BatchSprings
 from drakesep.systems.equations import joints as joint_laws
-from drakesep.systems.equations.mated_stack import mated_orientation
 from drakesep.systems.equations.relative_motion import BodyState
 
 
@@ -279,10 +278,7 @@ class ReleasesAtAngle:
         self._index = np.array([i for i, _ in self._joints])
         self.count = len(self._joints)
         self._ends = [equations.ends[i] for i, _ in self._joints]
-        self._mated = [
-            mated_orientation(separation.bodies[a], separation.bodies[b])
-            for a, b in self._ends
-        ]
+        self._places = equations.places
         self._axes_A = [
             separation.attachments[i].joint.x_axis_A for i, _ in self._joints
         ]
@@ -300,9 +296,10 @@ class ReleasesAtAngle:
     ) -> Lanes:
         """Return (..., e, n) how far each has turned past its angle of release, rad."""
         past = []
-        for (i, way), (a, b), q_AB, axis_A in zip(
-            self._joints, self._ends, self._mated, self._axes_A, strict=True
+        for (i, way), (a, b), axis_A in zip(
+            self._joints, self._ends, self._axes_A, strict=True
         ):
+            q_AB = self._places.orientation(a, b, params)
             q_WA, q_WB = pick(bodies, a).q_WB, pick(bodies, b).q_WB
             angle = joint_laws.twist_angle(q_WA, q_WB, q_AB, axis_A, jnp)
             past.append(way * angle - params.release_angle[i])

@@ -7,14 +7,16 @@ import numpy as np
 
 from drakesep.systems import vectors
 from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode, pick
+from drakesep.systems.batch.mated_places import BatchPlaces
 from drakesep.systems.batch.wrenches import WrenchSum
 from drakesep.systems.equations import joints as joint_laws
 from drakesep.systems.equations import relative_motion as motion_laws
 from drakesep.systems.equations.joints import NO_TURN, HeldJoint
-from drakesep.systems.equations.mated_stack import axis_on_B, mated_orientation
+from drakesep.systems.equations.mated_stack import axis_on_A, held_joint
 from drakesep.systems.equations.relative_motion import BodyState, Wrench
 from drakesep.systems.model.joints import holds_all_rotations
 from drakesep.systems.model.separation import Separation
+from drakesep.systems.vectors import Vector
 
 
 class _Joints(NamedTuple):
@@ -23,13 +25,21 @@ class _Joints(NamedTuple):
     attachments: list[int]
     joint: HeldJoint
     """Gains and axis of (j, 1); its places are parameters."""
+    axis_A: Vector
+    """Its axis as it is fixed in A."""
 
 
 class BatchJoints:
     """The wrenches of a separation's joints, on lanes."""
 
-    def __init__(self, separation: Separation):
-        self._bodies = separation.bodies
+    def __init__(self, separation: Separation, places: BatchPlaces):
+        """Prepare.
+
+        Args:
+            separation: whose joints they are.
+            places: of its bodies while mated.
+        """
+        self._places = places
         self._pairs = _group_joints(separation)
 
     def wrenches(
@@ -49,7 +59,7 @@ class BatchJoints:
             motion = motion_laws.pair_state(A, B)
             turn = NO_TURN
             if any(holds_all_rotations(group.joint.type) for group in groups):
-                q_AB = mated_orientation(self._bodies[a], self._bodies[b])
+                q_AB = self._places.orientation(a, b, params)
                 turn = joint_laws.rotation_deviation(A, B, q_AB, motion.w_AB, jnp)
             force = torque = moment = (0.0, 0.0, 0.0)
             for group in groups:
@@ -58,6 +68,12 @@ class BatchJoints:
                     p_AoPad_A=pick(params.p_AoPad_A, index),
                     p_BoPad_B=pick(params.p_BoPad_B, index),
                 )
+                if self._places.vary:
+                    q_AB = self._places.orientation(a, b, params)
+                    axis_B = vectors.unrotate(
+                        vectors.rotation_matrix(q_AB), group.axis_A
+                    )
+                    joint = joint._replace(axis_B=axis_B)
                 pull = joint_laws.pull_at_origin(
                     joint, *joint_laws.joint_pull(joint, motion, turn, jnp)
                 )
@@ -83,7 +99,7 @@ def _group_joints(separation: Separation) -> dict[tuple[int, int], list[_Joints]
     for (ends, joint_type, R_AJ), indices in alike.items():
         attachments = [separation.attachments[i] for i in indices]
         gains = np.array([a.joint.held_gains() for a in attachments])
-        axes = np.array([axis_on_B(separation, a) for a in attachments])
+        axes = np.array([held_joint(separation, a).axis_B for a in attachments])
         K_F, D_F, K_T, D_T = (
             tuple(gains[:, c].T[..., None]) for c in range(gains.shape[1])
         )
@@ -98,7 +114,8 @@ def _group_joints(separation: Separation) -> dict[tuple[int, int], list[_Joints]
             p_BoPad_B=(),  # type: ignore[arg-type]
             axis_B=tuple(axes.T[..., None]),
         )
-        pairs.setdefault(ends, []).append(_Joints(indices, held))
+        axis_A = axis_on_A(attachments[0].joint)
+        pairs.setdefault(ends, []).append(_Joints(indices, held, axis_A))
     return pairs
 
 

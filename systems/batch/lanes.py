@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, TypeAlias
 import jax
 import jax.numpy as jnp
 
+from drakesep.systems.equations.mated_stack import Place
 from drakesep.systems.model.parameter_table import ParameterTable
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.vectors import Symmetric, Vector
@@ -31,6 +32,8 @@ class BatchParameters(NamedTuple):
     """Of (m, n), kg m^2."""
     inverse_I_BBcm_B: Symmetric
     """Of (m, n), 1/(kg m^2)."""
+    mated: Place
+    """Of (m, n), where it varies; else of (0, n)."""
     p_AoPad_A: Vector
     """Of (a, n), m."""
     p_BoPad_B: Vector

@@ -13,7 +13,11 @@ from drakesep.systems.checks import (
     check_not_negative,
     check_positive,
 )
-from drakesep.systems.equations.mated_stack import mated_orientation, place_in_stack
+from drakesep.systems.equations.mated_stack import (
+    mated_orientation,
+    nominal_place,
+    place_in_stack,
+)
 from drakesep.systems.model.inertia import inertia_matrix
 from drakesep.systems.model.joints import Joint, JointType
 from drakesep.systems.model.separation import Body
@@ -109,13 +113,14 @@ def _effective(
     A: Body, B: Body, p_AoPad_A: _Matrix, axes: _Matrix
 ) -> tuple[list[float], list[float]]:
     """Return the mass and the inertia that the joint moves along each axis."""
-    R_AB = np.reshape(rotation_matrix(mated_orientation(A, B)), (3, 3))
+    places = nominal_place(A), nominal_place(B)
+    R_AB = np.reshape(rotation_matrix(mated_orientation(*places)), (3, 3))
     inverse_A = np.linalg.inv(inertia_matrix(A.I_BBcm_B))
     inverse_B = R_AB @ np.linalg.inv(inertia_matrix(B.I_BBcm_B)) @ R_AB.T
     R_SA = np.reshape(rotation_matrix(quaternion(A.rpy_AB, math)), (3, 3))
     p_SPad = R_SA @ p_AoPad_A + A.p_ABo
     r_A = p_AoPad_A - A.p_BoBcm_B
-    r_B = R_SA.T @ (p_SPad - place_in_stack(B, B.p_BoBcm_B))
+    r_B = R_SA.T @ (p_SPad - place_in_stack(places[1], B.p_BoBcm_B))
     masses, inertias = [], []
     for e in axes:
         arm_A, arm_B = np.cross(r_A, e), np.cross(r_B, e)

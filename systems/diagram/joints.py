@@ -13,7 +13,11 @@ from drakesep.systems.diagram.wrenches import WrenchSum
 from drakesep.systems.equations import joints as joint_laws
 from drakesep.systems.equations import relative_motion as motion_laws
 from drakesep.systems.equations.joints import NO_TURN, HeldJoint, Pull, Turn
-from drakesep.systems.equations.mated_stack import held_joint, mated_orientation
+from drakesep.systems.equations.mated_stack import (
+    held_joint,
+    mated_orientation,
+    mated_places,
+)
 from drakesep.systems.equations.relative_motion import BodyState, PairState
 from drakesep.systems.model.joints import JointType, holds_all_rotations
 from drakesep.systems.model.parameters import names_of
@@ -136,9 +140,9 @@ class CfeBushing(LeafSystem):
         return {*names_of(separation.attachments, JointRow._fields)}
 
     def _mated_rows(self, separation: Separation) -> list[MatedRow]:
-        bodies = separation.bodies
+        places = [*mated_places(separation).values()]
         return [
-            MatedRow(mated_orientation(bodies[a], bodies[b])) for a, b in self._pairs
+            MatedRow(mated_orientation(places[a], places[b])) for a, b in self._pairs
         ]
 
     def _calc_held(self, context: Context, output: AbstractValue) -> None:

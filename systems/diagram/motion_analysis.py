@@ -13,7 +13,7 @@ from pydrake.systems.framework import (
 from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.equations import relative_motion as motion_laws
-from drakesep.systems.equations.mated_stack import place_in_A
+from drakesep.systems.equations.mated_stack import mated_places, place_in_A
 from drakesep.systems.equations.relative_motion import BodyState, Wrench
 from drakesep.systems.model.separation import Pair, Separation
 from drakesep.systems.vectors import Vector, scale
@@ -34,10 +34,10 @@ class Measured(NamedTuple):
     @classmethod
     def of(cls, separation: Separation, pair: Pair) -> "Measured":
         """Return that of a pair of a separation."""
-        B = separation.body(pair.B)
+        B, places = separation.body(pair.B), mated_places(separation)
         return cls(
             B.p_BoBcm_B,
-            place_in_A(separation, pair, B.p_BoBcm_B),
+            place_in_A(places[pair.A], places[pair.B], B.p_BoBcm_B),
             B.mass,
             sum(B.I_BBcm_B[:3]) / 3.0,
         )

@@ -9,7 +9,7 @@ from drakesep.systems.diagram.event_latch import LatchingSystem
 from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.equations import joints as joint_laws
-from drakesep.systems.equations.mated_stack import mated_orientation
+from drakesep.systems.equations.mated_stack import mated_ends, mated_orientation
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import Quaternion, Vector
@@ -141,7 +141,7 @@ def _rows_of(separation: Separation) -> list[ReleaseRow]:
         ReleaseRow(
             a.release_time,
             a.release_angle,
-            mated_orientation(separation.body(a.A), separation.body(a.B)),
+            mated_orientation(*mated_ends(separation, a)),
             a.joint.x_axis_A,
         )
         for a in separation.attachments

@@ -14,15 +14,15 @@ from drakesep.systems.checks import InputError
 from drakesep.systems.diagram.scene import register_contact, register_illustration
 from drakesep.systems.diagram.separation_forces import SeparationForces
 from drakesep.systems.diagram.state_layout import state_layout
-from drakesep.systems.equations.mated_stack import mated_motion
-from drakesep.systems.model.parameters import names_of
+from drakesep.systems.equations.mated_stack import mated_motion, mated_places
+from drakesep.systems.model.parameters import MATED, names_of, places_of_parts
 from drakesep.systems.model.part_pairs import owners_of
 from drakesep.systems.model.separation import Body, Separation
 from drakesep.systems.vectors import Vector
 
 
-_OF_BODIES = ("mass", "p_BoBcm_B", "I_BBcm_B")
-"""Fields of bodies that `spatial_inertia` reads."""
+_OF_BODIES = ("mass", "p_BoBcm_B", "I_BBcm_B", *MATED)
+"""Fields of bodies that `spatial_inertia` reads, and `set_mated_motion`."""
 _OF_MOTION = ("rpy_WA", "w_WA_A")
 """Fields of the mated stack's motion that `set_mated_motion` reads."""
 
@@ -165,6 +165,8 @@ class SeparationSystem(Diagram):
     def parameters_read(self, separation: Separation) -> set[str]:
         """Return the names of the parameters that the plant and the forces read.
 
+        And those that go with a run to where it is measured.
+
         Args:
             separation: with the structure that this system was built for.
         """
@@ -172,6 +174,7 @@ class SeparationSystem(Diagram):
             *self.forces.parameters_read(separation),
             *names_of(separation.bodies, _OF_BODIES),
             *names_of([separation.initial], _OF_MOTION),
+            *places_of_parts(separation),
         }
 
     def contact_forces(self, context: Context) -> dict[tuple[str, str], Vector]:
@@ -261,7 +264,8 @@ def set_mated_motion(
     """
     initial = separation.initial
     c_A = separation.body(separation.A).p_BoBcm_B
-    motions = mated_motion(separation, initial.rpy_WA, initial.w_WA_A, c_A, math)
+    places = mated_places(separation).values()
+    motions = mated_motion(places, initial.rpy_WA, initial.w_WA_A, c_A, math)
     for body, (q_WB, p_WBo, w_WB, v_WBo) in zip(
         separation.bodies, motions, strict=True
     ):

@@ -12,7 +12,11 @@ from drakesep.systems.equations.joints import (
     joint_pull,
     rotation_deviation,
 )
-from drakesep.systems.equations.mated_stack import held_joint, mated_orientation
+from drakesep.systems.equations.mated_stack import (
+    held_joint,
+    mated_ends,
+    mated_orientation,
+)
 from drakesep.systems.equations.pushers import (
     positive_part,
     push_displacement,
@@ -66,8 +70,8 @@ def joint_load_over(run: Run, attachment: Attachment) -> Array:
     A, B = (_states(run, name) for name in (attachment.A, attachment.B))
     motion, turn = pair_state(A, B), NO_TURN
     if holds_all_rotations(joint.type):
-        bodies = (separation.body(name) for name in (attachment.A, attachment.B))
-        turn = rotation_deviation(A, B, mated_orientation(*bodies), motion.w_AB, np)
+        q_AB = mated_orientation(*mated_ends(separation, attachment))
+        turn = rotation_deviation(A, B, q_AB, motion.w_AB, np)
     _, pull = joint_pull(joint, motion, turn, np)
     torque, force = joint_load(joint, turn, pull)
     load = np.stack([np.broadcast_to(x, len(time)) for x in (*torque, *force)], axis=1)

@@ -1,11 +1,13 @@
 """Places and orientations of the mated stack."""
 
 import math
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple, TypeAlias
 
-from drakesep.systems.checks import Vector3
 from drakesep.systems.equations.joints import HeldJoint
-from drakesep.systems.model.separation import Attachment, Body, Pair, Separation
+from drakesep.systems.model.carriers import carriers
+from drakesep.systems.model.joints import Joint
+from drakesep.systems.model.separation import Attachment, Body, Separation
 from drakesep.systems.vectors import (
     Ops,
     Quaternion,
@@ -22,54 +24,119 @@ from drakesep.systems.vectors import (
 )
 
 
-def place_in_stack(body: Body, p_BoQ_B: Vector) -> Vector:
-    """Return where a point fixed in a body lies in the mated stack, p_AoQ_A, m."""
-    R_AB = rotation_matrix(quaternion(body.rpy_AB, math))
-    return add(body.p_ABo, rotate(R_AB, p_BoQ_B))
+class Place(NamedTuple):
+    """Where a body is in the mated stack, whose frame S is that of A."""
+
+    q_SB: Quaternion
+    p_SBo: Vector
+    """m."""
 
 
-def place_in_A(separation: Separation, pair: Pair, p_BoQ_B: Vector) -> Vector:
-    """Return where a point fixed in a pair's B lies in its A while mated, m."""
-    A = separation.body(pair.A)
-    p_SQ = place_in_stack(separation.body(pair.B), p_BoQ_B)
-    R_SA = rotation_matrix(quaternion(A.rpy_AB, math))
-    return unrotate(R_SA, subtract(p_SQ, A.p_ABo))
+Shift: TypeAlias = tuple[Vector, Vector]
+"""How a body is displaced while mated: offset, m, and roll, pitch and yaw, rad."""
 
 
-def pad_on_B(
-    separation: Separation, attachment: Attachment, p_AoPad_A: Vector
-) -> Vector:
+def nominal_place(body: Body) -> Place:
+    """Return where a body is meant to be in the mated stack."""
+    return Place(quaternion(body.rpy_AB, math), body.p_ABo)
+
+
+def mated_places(
+    separation: Separation,
+    shifts: Mapping[str, Shift] | None = None,
+    ops: Ops = math,
+) -> dict[str, Place]:
+    """Return where each body is in the mated stack, with what hangs on a displaced one.
+
+    Args:
+        separation: with the bodies.
+        shifts: of bodies that are displaced, by name; the separation's own if None.
+        ops: module of the elementary functions, of the shifts.
+    """
+    places = {body.name: nominal_place(body) for body in separation.bodies}
+    if shifts is None:
+        shifts = {
+            body.name: (body.mated_offset, body.mated_misalignment)
+            for body in separation.bodies
+            if any((*body.mated_offset, *body.mated_misalignment))
+        }
+    if not shifts:
+        return places
+    moved: dict[str | None, Place | None] = {None: None}
+    for name, carrier in carriers(separation).items():
+        place, moved[name] = places[name], moved[carrier]
+        if name in shifts:
+            offset, turn = shifts[name]
+            q_SB = multiply(place.q_SB, quaternion(turn, ops))
+            place = Place(q_SB, add(place.p_SBo, offset))
+        by = moved[carrier]
+        if by is not None:
+            place = _compose(by, place)
+        if name in shifts:
+            moved[name] = _compose(place, _inverse(places[name]))
+        places[name] = place
+    return places
+
+
+def _compose(outer: Place, inner: Place) -> Place:
+    p = add(outer.p_SBo, rotate(rotation_matrix(outer.q_SB), inner.p_SBo))
+    return Place(multiply(outer.q_SB, inner.q_SB), p)
+
+
+def _inverse(place: Place) -> Place:
+    back = conjugate(place.q_SB)
+    p = rotate(rotation_matrix(back), place.p_SBo)
+    return Place(back, subtract((0.0, 0.0, 0.0), p))
+
+
+def place_in_stack(place: Place, p_BoQ_B: Vector) -> Vector:
+    """Return where a point fixed in a body lies in the mated stack, p_SoQ_S, m."""
+    return add(place.p_SBo, rotate(rotation_matrix(place.q_SB), p_BoQ_B))
+
+
+def place_in_A(A: Place, B: Place, p_BoQ_B: Vector) -> Vector:
+    """Return where a point fixed in a body B lies in a body A while mated, m."""
+    p_SQ = place_in_stack(B, p_BoQ_B)
+    return unrotate(rotation_matrix(A.q_SB), subtract(p_SQ, A.p_SBo))
+
+
+def pad_on_B(A: Place, B: Place, p_AoPad_A: Vector) -> Vector:
     """Return where on an attachment's B the pad lies that is at a place in its A, m."""
-    p_SPad = place_in_stack(separation.body(attachment.A), p_AoPad_A)
-    B = separation.body(attachment.B)
-    R_SB = rotation_matrix(quaternion(B.rpy_AB, math))
-    return unrotate(R_SB, subtract(p_SPad, B.p_ABo))
+    return place_in_A(B, A, p_AoPad_A)
 
 
-def axis_on_B(separation: Separation, attachment: Attachment) -> Vector3:
-    """Return the x axis of an attachment's joint, or y of a universal one, in its B."""
-    joint = attachment.joint
-    axis_A = joint.y_axis_A if joint.type == "universal" else joint.x_axis_A
-    A, B = separation.body(attachment.A), separation.body(attachment.B)
-    return unrotate(rotation_matrix(mated_orientation(A, B)), axis_A)
+def axis_on_A(joint: Joint) -> Vector:
+    """Return the x axis of a joint in its A, y of a universal one: it is fixed in B."""
+    return joint.y_axis_A if joint.type == "universal" else joint.x_axis_A
 
 
-def mated_orientation(A: Body, B: Body) -> Quaternion:
+def axis_on_B(A: Place, B: Place, joint: Joint) -> Vector:
+    """Return the same axis in its B."""
+    return unrotate(rotation_matrix(mated_orientation(A, B)), axis_on_A(joint))
+
+
+def mated_orientation(A: Place, B: Place) -> Quaternion:
     """Return the orientation q_AB of one body in another while mated."""
-    q_SA, q_SB = quaternion(A.rpy_AB, math), quaternion(B.rpy_AB, math)
-    return multiply(conjugate(q_SA), q_SB)
+    return multiply(conjugate(A.q_SB), B.q_SB)
+
+
+def mated_ends(separation: Separation, attachment: Attachment) -> tuple[Place, Place]:
+    """Return where an attachment's A and B are in the mated stack."""
+    places = mated_places(separation)
+    return places[attachment.A], places[attachment.B]
 
 
 def held_joint(separation: Separation, attachment: Attachment) -> HeldJoint:
     """Return the joint of an attachment, as it stands while mated."""
     joint, pad_A = attachment.joint, attachment.p_AoPad_A
+    ends = mated_ends(separation, attachment)
     return HeldJoint(
         joint.type,
         joint.R_AJ_if_turned,
         *joint.held_gains(),
         pad_A,
-        pad_on_B(separation, attachment, pad_A),
-        axis_on_B(separation, attachment),
+        pad_on_B(*ends, pad_A),
+        axis_on_B(*ends, joint),
     )
 
 
@@ -86,18 +153,18 @@ class MatedMotion(NamedTuple):
 
 
 def mated_motion(
-    separation: Separation,
+    places: Iterable[Place],
     rpy_WA: Vector,
     w_WA_A: Vector,
     p_AoAcm_A: Vector,
     ops: Ops,
 ) -> list[MatedMotion]:
-    """Return the motion of each body of the mated stack.
+    """Return the motion of bodies of the mated stack.
 
     It moves as one rigid body, with A's origin at W's and A's CG at rest.
 
     Args:
-        separation: with the bodies and their mated places.
+        places: of the bodies in the stack.
         rpy_WA: roll, pitch and yaw of A in W, rad.
         w_WA_A: angular velocity of A in W, in A, rad/s.
         p_AoAcm_A: A's CG, m.
@@ -107,12 +174,12 @@ def mated_motion(
     R_WA = rotation_matrix(q_WA)
     w_W = rotate(R_WA, w_WA_A)
     motions = []
-    for body in separation.bodies:
-        p_AcmBo_W = rotate(R_WA, subtract(body.p_ABo, p_AoAcm_A))
+    for q_SB, p_SBo in places:
+        p_AcmBo_W = rotate(R_WA, subtract(p_SBo, p_AoAcm_A))
         motions.append(
             MatedMotion(
-                multiply(q_WA, quaternion(body.rpy_AB, math)),
-                rotate(R_WA, body.p_ABo),
+                multiply(q_WA, q_SB),
+                rotate(R_WA, p_SBo),
                 w_W,
                 cross(w_W, p_AcmBo_W),
             )

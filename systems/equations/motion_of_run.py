@@ -5,7 +5,11 @@ import math
 import numpy as np
 
 from drakesep.systems.arrays import Array
-from drakesep.systems.equations.mated_stack import mated_motion, place_in_A
+from drakesep.systems.equations.mated_stack import (
+    mated_motion,
+    mated_places,
+    place_in_A,
+)
 from drakesep.systems.equations.relative_motion import body_state, relative_motion
 from drakesep.systems.model.run import Trajectory
 from drakesep.systems.model.separation import Pair, Separation
@@ -25,8 +29,8 @@ def relative_motion_of(
         By the names of `RelativeMotion`'s fields.
     """
     A, B = (body_state(trajectory.of(name).T, 0, 7) for name in (pair.A, pair.B))
-    body = separation.body(pair.B)
-    mated = place_in_A(separation, pair, body.p_BoBcm_B)
+    body, places = separation.body(pair.B), mated_places(separation)
+    mated = place_in_A(places[pair.A], places[pair.B], body.p_BoBcm_B)
     motion = relative_motion(A, B, body.p_BoBcm_B, mated, np)
     return {name: np.stack(v, axis=1) for name, v in motion._asdict().items()}
 
@@ -34,7 +38,7 @@ def relative_motion_of(
 def mated_trajectory(separation: Separation) -> Trajectory:
     """Return that of the mated stack at rest, for a second."""
     rest = (0.0, 0.0, 0.0)
-    motions = mated_motion(separation, rest, rest, rest, math)
+    motions = mated_motion(mated_places(separation).values(), rest, rest, rest, math)
     states = np.array([[*m.q_WB, *m.p_WBo, *m.w_WB, *m.v_WBo] for m in motions])
     return Trajectory(
         names=tuple(body.name for body in separation.bodies),

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 from drakesep.systems.checks import X_AXIS
-from drakesep.systems.equations.mated_stack import pad_on_B
+from drakesep.systems.equations.mated_stack import mated_ends, pad_on_B
 from drakesep.systems.equations.relative_motion import BodyState, Wrench, velocity_at
 from drakesep.systems.model.pushers import Pusher
 from drakesep.systems.model.separation import Attachment, Separation
@@ -165,7 +165,7 @@ def push_place(
     pad_A = attachment.p_AoPad_A
     return PushPlace(
         pad_A,
-        pad_on_B(separation, attachment, pad_A),
+        pad_on_B(*mated_ends(separation, attachment), pad_A),
         push_axis(pusher.axis_A, pusher.tilt_y, pusher.tilt_z, math),
     )
 

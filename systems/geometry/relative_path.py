@@ -12,12 +12,19 @@ from scipy.interpolate import CubicHermiteSpline, PPoly
 
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import Vector3
-from drakesep.systems.equations.relative_motion import body_state
+from drakesep.systems.equations.relative_motion import (
+    BodyState,
+    body_state,
+    velocity_at,
+)
+from drakesep.systems.geometry.moved_parts import Displacement
 from drakesep.systems.model.run import Trajectory
 from drakesep.systems.vectors import (
+    add,
     conjugate,
     cross,
     multiply,
+    rotate,
     rotation_matrix,
     subtract,
     unrotate,
@@ -51,16 +58,33 @@ class MotionBounds(NamedTuple):
 
 
 class RelativePath:
-    """The motion of body B as seen from body A.
+    """The motion of body B as seen from body A; or of parts of them that are moved.
 
     Attributes:
         time: (n,) at which it was sampled, s.
     """
 
-    def __init__(self, trajectory: Trajectory, A: str, B: str):
-        """Take the motion of two bodies from that of all."""
+    def __init__(
+        self,
+        trajectory: Trajectory,
+        A: str,
+        B: str,
+        moved: tuple[Displacement, Displacement] = (None, None),
+    ):
+        """Take the motion of two bodies from that of all.
+
+        Args:
+            trajectory: of all bodies.
+            A: name of the body from which the other is seen.
+            B: name of the other.
+            moved: how a part of A and one of B are displaced in them: frames that are
+                moved with the parts then take the place of the bodies'.
+        """
         self.time = trajectory.time
-        a, b = (body_state(trajectory.of(name).T, 0, 7) for name in (A, B))
+        a, b = (
+            _moved(body_state(trajectory.of(name).T, 0, 7), X)
+            for name, X in zip((A, B), moved, strict=True)
+        )
         arm = subtract(b.p_WBo, a.p_WBo)
         p = unrotate(a.R_WB, arm)
         v = unrotate(a.R_WB, subtract(subtract(b.v_WBo, a.v_WBo), cross(a.w_WB, arm)))
@@ -143,3 +167,18 @@ class RelativePath:
             float(self._acceleration[mine].max()),
             2.0 * (bending + turning**2),  # R is of second degree in the quaternion
         )
+
+
+def _moved(body: BodyState, X: Displacement) -> BodyState:
+    """Return the motion of a frame that is fixed to a body, displaced from its own."""
+    if X is None:
+        return body
+    q_WF = multiply(body.q_WB, tuple(X.rotation().ToQuaternion().wxyz().tolist()))
+    arm = rotate(body.R_WB, tuple(X.translation().tolist()))
+    return BodyState(
+        q_WF,
+        rotation_matrix(q_WF),
+        add(body.p_WBo, arm),
+        body.w_WB,
+        velocity_at(body, arm),
+    )

@@ -2,9 +2,9 @@
 
 A name is ``owner.quantity``: a body's ``payload.mass``, a spring's
 ``spring_1.stroke``, an attachment's ``attachment_1.release_time``, a load's
-``thruster_1.factor``, the mated stack's ``before_separation.rate_x``. Values are in SI
-and radians. What a record's parameters are stands in its table; see
-`drakesep.systems.model.parameter_table`.
+``thruster_1.factor``, a part's ``antenna.position_x``, the mated stack's
+``before_separation.rate_x``. Values are in SI and radians. What a record's parameters
+are stands in its table; see `drakesep.systems.model.parameter_table`.
 """
 
 import dataclasses
@@ -14,14 +14,15 @@ from typing import Any, NamedTuple
 
 from drakesep.systems.checks import InputError, check_finite, unknown
 from drakesep.systems.model.parameter_table import Parameter, split_axis
-from drakesep.systems.model.separation import STACK, Separation
+from drakesep.systems.model.parts import Part
+from drakesep.systems.model.separation import STACK, Body, Separation
 
 
 class ParameterName(NamedTuple):
     """A parameter's name, taken apart."""
 
     owner: str
-    """Name of the body, attachment, spring or load, or the mated stack's."""
+    """Name of the body, attachment, spring, load or part, or the mated stack's."""
     stem: str
     axis: str
     """Empty if it has none."""
@@ -45,8 +46,22 @@ def _records(separation: Separation) -> tuple[Any, ...]:
         *separation.attachments,
         *separation.springs,
         *separation.loads,
+        *parts_of(separation),
         separation.initial,
     )
+
+
+def parts_of(separation: Separation) -> tuple[Part, ...]:
+    """Return the parts of all bodies."""
+    return tuple(part for body in separation.bodies for part in body.parts)
+
+
+def places_of_parts(separation: Separation) -> tuple[str, ...]:
+    """Return the names of the parameters that say where parts are in their bodies.
+
+    No motion depends on them: they go with a run to where it is measured.
+    """
+    return names_of(parts_of(separation), Part.PARAMETERS.by_field)
 
 
 def _owner_of(record: Any) -> str:
@@ -76,25 +91,32 @@ def _declared(records: Iterable[Any]) -> Iterator[tuple[str, Parameter, Any]]:
 def declarations(separation: Separation) -> dict[str, Parameter]:
     """Return what is declared of each parameter of the separation, by name.
 
-    A release by time has no angle, and one by angle no time.
+    A release by time has no angle, and one by angle no time; and A, in whose frame the
+    stack is placed, sits where it does.
     """
-    return {
-        name: parameter
-        for name, parameter, record in _declared(_records(separation))
-        if not (parameter.optional and math.isinf(parameter.of(record)))
-    }
+    return {name: parameter for name, parameter, _ in _of(separation)}
+
+
+def _of(separation: Separation) -> Iterator[tuple[str, Parameter, float]]:
+    """Yield the name of each parameter, its declaration and its value."""
+    base = separation.body(separation.A)
+    for name, parameter, record in _declared(_records(separation)):
+        value = parameter.of(record)
+        missing = parameter.optional and math.isinf(value)
+        if not missing and not (record is base and parameter.field in MATED):
+            yield name, parameter, value
+
+
+MATED = ("mated_offset", "mated_misalignment")
+"""Fields of bodies that say how they are displaced while mated."""
 
 
 def parameters(separation: Separation) -> dict[str, float]:
     """Return every parameter of the separation with its value, in SI.
 
-    A release by time has no angle, and one by angle no time.
+    Those that `declarations` returns.
     """
-    return {
-        name: value
-        for name, parameter, record in _declared(_records(separation))
-        if math.isfinite(value := parameter.of(record))
-    }
+    return {name: value for name, _, value in _of(separation)}
 
 
 def check_read(names: Iterable[str], read: Collection[str], reader: str) -> None:
@@ -121,7 +143,8 @@ def with_values(separation: Separation, values: Mapping[str, float]) -> Separati
         values: new values by parameter name, in SI.
 
     Raises:
-        ValueError: a name is unknown, or a value is not finite or not physical.
+        ValueError: a name is unknown, a value is not finite or not physical, or a part
+            would move that pushes others where it touches them.
     """
     known = parameters(separation)
     changes: dict[str, dict[str, float]] = {}
@@ -131,6 +154,7 @@ def with_values(separation: Separation, values: Mapping[str, float]) -> Separati
         check_finite(name, value)
         owner, _, quantity = name.rpartition(".")
         changes.setdefault(owner, {})[quantity] = float(value)
+    _check_pushing_parts(separation, values)
 
     new = {
         owner: _replace(record, changes.get(owner, {}))
@@ -138,7 +162,7 @@ def with_values(separation: Separation, values: Mapping[str, float]) -> Separati
     }
     return dataclasses.replace(
         separation,
-        bodies=tuple(new[body.name] for body in separation.bodies),
+        bodies=tuple(_with_parts(new[body.name], new) for body in separation.bodies),
         attachments=tuple(
             dataclasses.replace(
                 new[attachment.name],
@@ -149,6 +173,23 @@ def with_values(separation: Separation, values: Mapping[str, float]) -> Separati
         loads=tuple(new[load.name] for load in separation.loads),
         initial=new[STACK],
     )
+
+
+def _with_parts(body: Body, new: Mapping[str, Any]) -> Body:
+    parts = tuple(new[part.name] for part in body.parts)
+    return body if parts == body.parts else dataclasses.replace(body, parts=parts)
+
+
+def _check_pushing_parts(separation: Separation, names: Iterable[str]) -> None:
+    if separation.recontact is None:
+        return
+    places = places_of_parts(separation)
+    for name in names:
+        if name in places:
+            raise InputError(
+                f"{name}: must stay as it is where parts push each other, got a "
+                "recontact; leave one of both out"
+            )
 
 
 def _replace(record: Any, changes: Mapping[str, float]) -> Any:

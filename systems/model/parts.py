@@ -7,7 +7,7 @@ Frozen records in SI, free of Drake, as those of `drakesep.systems.model.separat
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeAlias
+from typing import ClassVar, TypeAlias
 
 from drakesep.systems.checks import (
     InputError,
@@ -15,6 +15,12 @@ from drakesep.systems.checks import (
     check_entries,
     check_not_negative,
     check_positive,
+)
+from drakesep.systems.model.parameter_table import (
+    ROLL_PITCH_YAW,
+    XYZ,
+    ParameterTable,
+    vector,
 )
 
 
@@ -148,7 +154,11 @@ class Part:
     role: str = ""
     """What it is, for tables: an antenna, a nozzle."""
 
+    PARAMETERS: ClassVar[ParameterTable] = ParameterTable(
+        *vector("position", "p_BoGo_B", XYZ, "length"),
+        *vector("attitude", "rpy_BG", ROLL_PITCH_YAW, "angle"),
+    )
+
     def __post_init__(self) -> None:
         """Check the values."""
-        check_entries(f"{self.name}: position", self.p_BoGo_B, 3)
-        check_entries(f"{self.name}: attitude", self.rpy_BG, 3)
+        self.PARAMETERS.check(f"{self.name}: ", self)

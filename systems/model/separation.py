@@ -68,6 +68,11 @@ class Body:
     """Place of the body's origin in the frame of A while mated, m."""
     rpy_AB: Vector3 = (0.0, 0.0, 0.0)
     """Roll, pitch and yaw of the body in the frame of A while mated, rad."""
+    mated_offset: Vector3 = (0.0, 0.0, 0.0)
+    """By how much it sits beside its place while mated, in A, m."""
+    mated_misalignment: Vector3 = (0.0, 0.0, 0.0)
+    """Roll, pitch and yaw by which it is turned from its attitude while mated, about
+    its own origin and axes, rad. What hangs on it is displaced with it."""
     parts: tuple[Part, ...] = ()
     """Parts of it that may come near others."""
 
@@ -75,6 +80,14 @@ class Body:
         scalar("mass", "mass", POSITIVE),
         *vector("cg", "p_BoBcm_B", XYZ, "length", label="CG"),
         *vector("inertia", "I_BBcm_B", ENTRIES, "inertia"),
+        *vector("mated_offset", "mated_offset", XYZ, "length", label="mated offset"),
+        *vector(
+            "mated_misalignment",
+            "mated_misalignment",
+            ROLL_PITCH_YAW,
+            "angle",
+            label="mated misalignment",
+        ),
     )
 
     def __post_init__(self) -> None:
@@ -255,6 +268,12 @@ class Separation:
             raise InputError(
                 f"{base.name}: mated place must be zero, since the stack is placed in "
                 f"its frame; got position {base.p_ABo}, attitude {base.rpy_AB}"
+            )
+        if any((*base.mated_offset, *base.mated_misalignment)):
+            raise InputError(
+                f"{base.name}: mated offset and misalignment must be zero, since the "
+                f"stack is placed in its frame; got {base.mated_offset} and "
+                f"{base.mated_misalignment}"
             )
         for attachment in self.attachments:
             if self.duration <= attachment.release_time < math.inf:

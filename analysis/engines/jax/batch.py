@@ -58,6 +58,7 @@ from drakesep.systems.model.parameters import (
     check_read,
     declarations,
     parameters,
+    places_of_parts,
     with_values,
 )
 from drakesep.systems.model.run import Run, RunStatus
@@ -189,7 +190,8 @@ class Batch:
         self._nominal = nominal
         self.nominal = np.array([nominal[name] for name in names])
         self._equations = BatchEquations(separation, names)
-        check_read(names, self._equations.read, "the batch engine")
+        read = {*self._equations.read, *places_of_parts(separation)}
+        check_read(names, read, "the batch engine")
         state = functools.partial(
             BatchIntegrator, self._equations, tolerance=tolerance, max_steps=max_steps
         )

@@ -12,6 +12,7 @@ from drakesep.analysis.margins.tolerance_margins import MOST, Limit, grow
 from drakesep.analysis.metrics.objectives import of_run
 from drakesep.analysis.search.problem import Problem
 from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.analysis.tolerances.sides import Sides
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.run import Run, RunStatus
@@ -21,6 +22,7 @@ PAIR = generic_pair()
 NAMES = ("upper.cg_x", "upper.cg_y", "upper.mass")
 BOX = ToleranceBox.around(PAIR, dict(zip(NAMES, (0.02, 0.01, 400.0), strict=True)))
 SET = ToleranceSet(PAIR, BOX)
+VALUES = parameters(PAIR)
 
 
 def problem(function, tolerances=SET):
@@ -37,6 +39,33 @@ def problem(function, tolerances=SET):
         [of_run(deviation, "f")],
     )
     return Problem(tolerances=tolerances, evaluator=evaluator)
+
+
+def test_sides_grow_in_proportion_about_the_nominal():
+    """-1 to +4, none to +400 kg: the sum of what each gives at its worse bound."""
+    sides = (Sides(minus=0.005, plus=0.02), 0.01, Sides(minus=0.0, plus=400.0))
+    box = ToleranceBox.around(PAIR, dict(zip(NAMES, sides, strict=True)))
+    g = np.array([-1.0, 2.0, -0.5])  # worse at -0.25, 1 and 0 of the larger sides
+    u = (-0.25, 1.0, 0.0)
+    limits = [
+        Limit(objective=0, value=4.5, u=u),
+        *(Limit(objective=0, value=4.5, u=u, parameter=i) for i in range(3)),
+    ]
+    asked = problem(lambda v: g @ v, ToleranceSet(PAIR, box))
+    together, x, y, mass = grow(asked, limits)
+    assert together.factor == pytest.approx(4.5 / 2.25, rel=1e-5)
+    assert together.values == pytest.approx(
+        # CG y is -20 mm nominally.
+        dict(zip(NAMES, (VALUES["upper.cg_x"] - 0.01, 0.0, 1200.0), strict=True)),
+        abs=1e-6,
+    )
+    assert y.factor == pytest.approx((4.5 - 0.25) / 2.0, rel=1e-5)
+    # 0.25 k = 2.5 is at k = 10, beyond the factors that are looked at.
+    assert math.isinf(x.factor)
+    # The bound that matters is the nominal, however large the tolerance; and there is
+    # no lower one where the mass would be negative.
+    assert math.isinf(mass.factor)
+    assert mass.most == MOST
 
 
 def test_linear_function():

@@ -24,6 +24,7 @@ from drakesep.analysis.analysis_case import (
 from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
+from drakesep.analysis.tolerances.sides import Sides
 from drakesep.case_file.attachments import SpringSection
 from drakesep.case_file.case import Case
 from drakesep.case_file.reader import load_case
@@ -191,6 +192,8 @@ dispersions:
   before_separation.rate_y_deg_s: 0.625
   bolt.release_time_s: 0.0085
   jet.factor: 0.095
+  craft.cg_y_mm: {lower: -123.0625, upper: 256.4375}
+  craft.cg_z_mm: {minus: 2.875, plus: 7.625}
 ellipsoids:
   - parameters: [craft.mass_kg, craft.cg_x_mm, jet.factor]
     correlation: [[1, 0.31, -0.21], [0.31, 1, 0.11], [-0.21, 0.11, 1]]
@@ -427,6 +430,8 @@ def record_of_main(folder) -> AnalysisCase:
             "before_separation.rate_y": 0.625 * DEG,
             "bolt.release_time": 0.0085,
             "jet.factor": 0.095,
+            "craft.cg_y": Sides(minus=0.1023125, plus=0.2771875),
+            "craft.cg_z": Sides(minus=0.002875, plus=0.007625),
         },
         ellipsoids=(
             Ellipsoid(
@@ -751,22 +756,27 @@ UNITS |= {"release_angle": ("deg", DEG), "force_max": ("N", 1.0)}
 UNITS |= {"stroke": ("mm", 1e-3), "tilt": ("deg", DEG), "design_mass": ("kg", 1.0)}
 UNITS |= {"damping": ("N_s_m", 1.0), "start": ("s", 1.0), "factor": ("", 1.0)}
 UNITS |= {"attitude": ("deg", DEG), "rate": ("deg_s", DEG)}
+UNITS |= {"mated_offset": ("mm", 1e-3), "mated_misalignment": ("deg", DEG)}
 BODY = [
     ("mass", [""]),
     ("cg", "xyz"),
     ("inertia", ["xx", "yy", "zz", "xy", "xz", "yz"]),
 ]
+SITTING = [("mated_offset", "xyz"), ("mated_misalignment", ["roll", "pitch", "yaw"])]
 TILTS = ("tilt", "yz")
 TIMED = [("position", "xyz"), ("release_time", [""])]
 LOAD = [("position", "xyz"), ("start", [""]), ("factor", [""])]
+PART = [("position", "xyz"), ("attitude", ["roll", "pitch", "yaw"])]
 WOUND = [("force_max", [""]), ("stroke", [""]), ("damping", [""]), TILTS]
 PARAMETERS = {
-    **dict.fromkeys(("carrier", "craft", "tail"), BODY),
+    "carrier": BODY,  # in whose frame the stack is placed
+    **dict.fromkeys(("craft", "tail"), BODY + SITTING),
     "hinge": [("position", "xyz"), ("release_time", [""]), ("release_angle", [""])],
     **dict.fromkeys(("bolt", "latch", "strap"), TIMED),
     "timed": [("force_max", [""]), ("stroke", [""]), TILTS, ("design_mass", [""])],
     **dict.fromkeys(("wound", "measured"), WOUND),
     **dict.fromkeys(("jet", "gust"), LOAD),
+    **dict.fromkeys(("plate", "ball", "rod", "skirt", "nose", "block"), PART),
     "before_separation": [("attitude", ["roll", "pitch", "yaw"]), ("rate", "xyz")],
 }
 """Of each owner in MAIN, what may be set and dispersed."""

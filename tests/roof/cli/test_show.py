@@ -1,5 +1,7 @@
 """What `show` prints of a case, cell by cell, against the file."""
 
+import json
+
 import pytest
 from command_line import run
 from small_case import small_case, write_case
@@ -24,6 +26,7 @@ def data():
     data["dispersions"]["before_separation.rate_y_deg_s"] = 0.05
     data["dispersions"]["two.release_time_s"] = 0.004
     data["attachments"]["two"]["release_time_s"] = 0.05
+    data["dispersions"]["lower.cg_x_mm"] = {"lower": -810, "upper": -780}
     return data
 
 
@@ -66,7 +69,10 @@ def test_parameters(data, rows):
         [[got, tolerance]] = rows[name]
         assert float(got) == pytest.approx(value, rel=1e-4), name
         expected = data["dispersions"].get(name)
-        assert tolerance == ("" if expected is None else f"{expected:g}"), name
+        if name == "lower.cg_x_mm":
+            assert tolerance == "-10 +20"
+            continue
+        assert tolerance == ("" if expected is None else f"± {expected:g}"), name
     assert set(data["dispersions"]) <= set(rows)
 
 
@@ -115,3 +121,14 @@ def test_first_lines(shown):
         "run: 0.8 s with runge_kutta3 at accuracy 1e-06",
     ):
         assert text in motion
+
+
+def test_sides_of_a_tolerance_in_json(data, tmp_path, capsys, monkeypatch):
+    case = write_case(tmp_path, data)
+    code, out, _ = run(capsys, monkeypatch, "show", case, "--json")
+    assert code == 0
+    rows = {row["parameter"]: row for row in json.loads(out)["parameters"]}
+    sides = {"minus": pytest.approx(10.0), "plus": pytest.approx(20.0)}
+    assert rows["lower.cg_x_mm"]["tolerance"] == sides
+    assert rows["two.release_time_s"]["tolerance"] == pytest.approx(0.004)
+    assert rows["lower.mass_kg"]["tolerance"] is None
