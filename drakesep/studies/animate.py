@@ -19,6 +19,10 @@ from drakesep.tables.roles import Changed, Nominal, Worst, label_of
 from drakesep.tables.run_tables import shown_first
 
 
+_NAMED = 3
+"""Bodies whose names stand in a title, at most."""
+
+
 def animate(
     case: Case | AnalysisCase | str | Path,
     runs: Mapping[str, Mapping[str, float]] | None = None,
@@ -111,4 +115,7 @@ def _all_that_leave(separation: Separation) -> str:
     leaving: dict[str, list[str]] = {}
     for pair in separation.pairs:
         leaving.setdefault(pair.A, []).append(pair.B)
-    return "; ".join(f"{', '.join(Bs)} from {A}" for A, Bs in leaving.items())
+    return "; ".join(
+        f"{', '.join(Bs) if len(Bs) <= _NAMED else f'{len(Bs)} bodies'} from {A}"
+        for A, Bs in leaving.items()
+    )
