@@ -321,7 +321,7 @@ class AnalysisCase:
         """Names of the case's objectives: the paper's, and of each requirement."""
         names = [objective.name for objective in self.paper_objectives]
         names += [name for r in self.requirements for name in self.names_towards(r)]
-        names += [objective.name for objective in self._until_violation]
+        names += [o.name for o in (*self._until_violation, *self._ends_of_windows)]
         return tuple(dict.fromkeys(names))
 
     @property
@@ -334,10 +334,12 @@ class AnalysisCase:
         """What leads out of each requirement.
 
         Beside the paper's objectives also the time to a deviation's limit, which the
-        paper's Table 4 has, of each pair that has one.
+        paper's Table 4 has, of each pair that has one. And of clearances that matter
+        until B has moved so far, what keeps it back: where it does not get there, there
+        is no verdict.
         """
         objectives = [o for limit in self.requirements for o in self.towards(limit)]
-        objectives += self._until_violation
+        objectives += [*self._until_violation, *self._ends_of_windows]
         return tuple({objective.name: objective for objective in objectives}.values())
 
     @property
@@ -349,6 +351,33 @@ class AnalysisCase:
             for pair, limits in self.limits_of_pairs.items()
             if any(map(math.isfinite, limits))
         )
+
+    @property
+    def _ends_of_windows(self) -> tuple[Objective, ...]:
+        windows = {r.metric for r in self.requirements if r.measured_apart}
+        return tuple(
+            lowest(f"{prefix}{_PROGRESS}")
+            for prefix in ("", *(f"{pair.B}." for pair in self.separation.others))
+            if any(self._ends_with(metric, prefix) for metric in windows)
+        )
+
+    def _ends_with(self, metric: str, prefix: str) -> bool:
+        """Return whether a clearance's window ends when B of a pair has moved so far.
+
+        Args:
+            metric: name of the clearance.
+            prefix: of the metrics of the pair; empty: of the first.
+        """
+        named = _clearance_named(metric)
+        if self._until_separation(named) is None:
+            return False
+        return not named.to or prefix == (f"{named.pair}." if named.pair else "")
+
+    def _until_separation(self, clearance: Metric) -> float | None:
+        """Return how far B is to move until a clearance does not matter, m."""
+        if clearance.stem == CLEARANCE and not clearance.pair:
+            return self.clearance.until_separation
+        return clearance.until_separation
 
     @property
     def metrics(self) -> tuple[str, ...]:
@@ -392,15 +421,19 @@ class AnalysisCase:
         from drakesep.analysis.clearance.objective import LowestClearance
 
         self._check_parts(metric)
-        named, until = _clearance_named(metric), self.clearance.until_separation
+        named = _clearance_named(metric)
         return LowestClearance(
             self.separation,
             self._parts_apart(named),
             touching=self.clearance.touching,
-            until_separation=until if metric == CLEARANCE else named.until_separation,
+            until_separation=self._until_separation(named),
             leaving=(named.pair or self.separation.B) if named.to else "",
             metric=metric,
         )
+
+
+_PROGRESS = "longitudinal_displacement_at_end"
+"""Metric of how far B of a pair gets in its direction."""
 
 
 def _clearance_named(metric: str) -> Metric:

@@ -35,13 +35,18 @@ def first_contact(parts: PartDistance, start: float, end: float) -> Contact | No
         if nearest is None:
             continue
         if b - a < _INSTANT:
-            return Contact(time=a, closing_speed=_closing_speed(parts, a))
+            return contact_at(parts, a)
         middle = 0.5 * (a + b)
         if nearest.distance <= TOUCHING:
             stack = [(a, middle)]
         else:
             stack += [(middle, b), (a, middle)]
     return None
+
+
+def contact_at(parts: PartDistance, t: float) -> Contact:
+    """Return the contact of two parts that touch, or overlap, at a time, s."""
+    return Contact(time=t, closing_speed=_closing_speed(parts, t))
 
 
 def _closing_speed(parts: PartDistance, t: float) -> float:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from drakesep.analysis.clearance.contact import Contact, first_contact
+from drakesep.analysis.clearance.contact import Contact, contact_at, first_contact
 from drakesep.analysis.clearance.part_distance import PartDistance
 from drakesep.systems.geometry.distance import TOUCHING, Nearest
 
@@ -55,13 +55,6 @@ class _Moment(NamedTuple):
     nearest: Nearest
 
 
-def smallest(parts: PartDistance, start: float, end: float) -> Clearance:
-    """Return how near two parts come between two times, s."""
-    found = smallest_below(parts, start, end, math.inf)
-    assert found is not None
-    return found
-
-
 def smallest_below(
     parts: PartDistance, start: float, end: float, than: float
 ) -> Clearance | None:
@@ -80,11 +73,18 @@ def smallest_below(
     if best.nearest.distance <= TOUCHING + ACCURACY:
         contact = first_contact(parts, start, end)
     if contact is None:
-        best = _polished(parts, best, start, end)
-    else:
-        touching = parts.at(contact.time)._replace(distance=0.0)
-        best = _Moment(contact.time, touching)
-    return _clearance(parts, best, contact)
+        return _clearance(parts, _polished(parts, best, start, end), None)
+    return _touching(parts, contact)
+
+
+def overlapping(parts: PartDistance, t: float) -> Clearance:
+    """Return that of two parts that overlap, or one in the other, at a time, s."""
+    return _touching(parts, contact_at(parts, t))
+
+
+def _touching(parts: PartDistance, contact: Contact) -> Clearance:
+    touching = parts.at(contact.time)._replace(distance=0.0)
+    return _clearance(parts, _Moment(contact.time, touching), contact)
 
 
 def _smallest_below(

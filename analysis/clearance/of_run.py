@@ -8,7 +8,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drakesep.analysis.clearance.of_pair import Clearance, smallest, smallest_below
+from drakesep.analysis.clearance.of_pair import (
+    ACCURACY,
+    Clearance,
+    overlapping,
+    smallest_below,
+)
 from drakesep.analysis.clearance.part_distance import PartDistance
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, check_finite
@@ -115,10 +120,10 @@ class ClearanceAnalysis:
             RuntimeError: the run failed.
         """
         end = _end(run, until)
-        return [
-            smallest(parts, self._start_before(end, run, parts), end)
-            for parts in self._along_run(run)
+        found = [
+            self._below(math.inf, run, parts, end) for parts in self._along_run(run)
         ]
+        return [one for one in found if one is not None]
 
     def smallest(
         self, run: Run, *, until: float | None = None, than: float = math.inf
@@ -145,9 +150,25 @@ class ClearanceAnalysis:
         best: Clearance | None = None
         for parts in along:
             limit = than if best is None else best.minimum
-            start = self._start_before(end, run, parts)
-            best = smallest_below(parts, start, end, limit) or best
+            best = self._below(limit, run, parts, end) or best
         return best
+
+    def _below(
+        self, than: float, run: Run, parts: PartDistance, end: float
+    ) -> Clearance | None:
+        """Return how near a pair comes to a time, s; None if not nearer than that, m.
+
+        What overlaps where it stands nominally is a mistake; elsewhere, a contact.
+        """
+        start = self._start_before(end, run, parts)
+        apart = frozenset(parts.names) not in self._touching
+        if apart and self._is_moved(run) and parts.overlap(0.0):
+            return overlapping(parts, 0.0) if than > ACCURACY else None
+        return smallest_below(parts, start, end, than)
+
+    def _is_moved(self, run: Run) -> bool:
+        """Return whether a body or a part stands elsewhere in a run than nominally."""
+        return _places(run.separation) != _places(self.separation)
 
     def over_time(self, run: Run) -> Array:
         """Return (n, k) how near each pair is at the n sample times of a run, m.
@@ -243,13 +264,10 @@ class ClearanceAnalysis:
         return start if start < end else 0.0
 
     def _start(self, run: Run, parts: PartDistance) -> float:
-        """Return from when a pair is measured, s; infinite if it never parts.
-
-        What overlaps where it stands nominally is a mistake; elsewhere, a contact.
-        """
+        """Return from when a pair is measured, s; infinite if it never parts."""
         if frozenset(parts.names) in self._touching:
             return _parted(parts)
-        if _places(run.separation) == _places(self.separation):
+        if not self._is_moved(run):
             _check_apart(parts)
         return 0.0
 

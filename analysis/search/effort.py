@@ -66,7 +66,8 @@ class SearchSettings:
         settings = cls(
             starts=max(2, most.starts >> grade),
             samples=max(32, most.samples >> 2 * grade),
-            vertices=max(32, most.vertices >> 2 * grade),
+            # Of few parameters they cost less than flips, which each objective needs.
+            vertices=max(1024, most.vertices >> 2 * grade),
             flips=max(64, most.flips >> 2 * grade),
             corners=most.corners >> 2 * grade,
         )

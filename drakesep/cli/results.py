@@ -86,6 +86,8 @@ def print_worst_cases(console: Console, study: WorstCases) -> None:
     for one in study.runs:
         if not one.outcome.as_wanted:
             console.print(f"{one.label}: {one.status}", markup=False)
+    for failed in study.failed_searches:
+        console.print(failed, markup=False)
     print_notes(console, notes_of(study.remarks, nominal_of(study.runs).label))
 
 

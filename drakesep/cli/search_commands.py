@@ -47,7 +47,9 @@ SeedOption = Annotated[
 _OBJECTIVE = (
     "L1, L2, Linf, PM, one of a requirement, or highest_ or lowest_ and a metric"
 )
-_WHAT_FAILED = "a run or a search failed; see status in worst_cases.csv"
+_WHAT_FAILED = (
+    "a run or a search failed; see status in worst_cases.csv and failed in searches.csv"
+)
 
 
 def worst_case(

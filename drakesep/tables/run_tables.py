@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from drakesep.analysis.clearance.objective import LOWEST
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
@@ -157,8 +156,14 @@ def shown_first(worst: Sequence[str]) -> list[str]:
     of_paper = {label_of(Worst(name)) for name in OBJECTIVES}
     if of_paper.isdisjoint(worst):
         return list(worst)
-    lowest = label_of(Worst(LOWEST))
-    return [label for label in worst if label in of_paper or lowest in label]
+    return [label for label in worst if label in of_paper or _of_clearance(label)]
+
+
+def _of_clearance(label: str) -> bool:
+    """Return whether a run's label says that it is the worst case of a clearance."""
+    lowest = label_of(Worst("lowest_"))
+    found = find_metric(label.removeprefix(lowest))
+    return label.startswith(lowest) and found is not None and not found[0].of_every_run
 
 
 def metrics_table(metrics: Mapping[str, float]) -> pd.DataFrame:

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.objective import LowestClearance
-from drakesep.analysis.clearance.of_pair import Clearance
+from drakesep.analysis.clearance.of_pair import ACCURACY, Clearance
 from drakesep.analysis.engines.jax.batch import TOLERANCE
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.search.judge import WorstCase
@@ -127,11 +127,13 @@ def _nearest_looked_for(
 ) -> list[LabelledRun]:
     """Return runs with how near they come, where it is nearer than those measured.
 
-    Where another run comes nearer than the worst clearance, the search for that has
-    failed, and its run says so. A run whose window does not end tells nothing.
+    Where another run comes nearer than the worst clearance, by more than both may be
+    off, the search for that has failed, and its run says so. A run whose window does
+    not end tells nothing.
     """
     metric = clearance.metric
     least = min(o.nearest[metric].minimum for o in runs if metric in o.nearest)
+    missed_below = least - 2.0 * ACCURACY
     nearest: LabelledRun | None = None
     looked: dict[int, Clearance | None] = {}
     measured_runs = []
@@ -153,7 +155,7 @@ def _nearest_looked_for(
                 if nearer.minimum < least:
                     least, nearest = nearer.minimum, one
         measured_runs.append(one)
-    if nearest is None:
+    if nearest is None or least >= missed_below:
         return measured_runs
     why = failed(f"{nearest.label} comes nearer, to {1e3 * least:.3f} mm")
     worst = Worst(clearance.name)

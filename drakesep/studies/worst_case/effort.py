@@ -33,7 +33,7 @@ _CORES = 2
 _ITERATIONS = 8
 """Of an ascent."""
 _ROUNDS = 1.5
-"""Of flips of bounds."""
+"""Of flips of bounds; one is flown whatever is affordable."""
 _STAGES, _OF_LIMIT, _ROOT_CALLS = 7, 50, 80
 """Of growth: stages in which all tolerances grow, runs of a limit, and calls in which
 those of all limits are flown."""
@@ -251,7 +251,8 @@ class _Costs:
     def _points(self, name: str, settings: SearchSettings) -> float:
         """Return how many points a sweep looks at; 0 of an ascent."""
         n, m = self._n, len(self._cheap)
-        flips = min(settings.flips, _ROUNDS * (64 * n + 2 * n**2), 2.0**n)
+        a_round = 64 * n + 2 * n**2
+        flips = min(max(settings.flips, a_round), _ROUNDS * a_round, 2.0**n)
         points = {
             "samples": settings.samples,
             "vertices": min(2.0**n, settings.vertices),

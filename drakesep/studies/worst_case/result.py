@@ -174,14 +174,28 @@ class WorstCases:
 
     @property
     def completed(self) -> bool:
-        """Whether no run failed, and Drake confirmed every worst case."""
-        return not any(one.outcome.failed for one in self.runs)
+        """Whether no run failed, of searches either, and Drake confirmed the worst.
+
+        A run within the tolerances that cannot be flown is not known to be harmless.
+        """
+        return not self.failure
 
     @property
     def failure(self) -> str:
         """What of the study failed; empty if it is completed."""
-        failed = [one for one in self.runs if one.outcome.failed]
-        return "; ".join(f"{one.label}: {one.status}" for one in failed)
+        failed = [f"{o.label}: {o.status}" for o in self.runs if o.outcome.failed]
+        failed += self.failed_searches
+        return "; ".join(failed)
+
+    @property
+    def failed_searches(self) -> list[str]:
+        """Of each search in which runs failed, how many, and why the first did."""
+        return [
+            f"{search.search}: {sum(search.failures.values())} of {search.points} runs "
+            f"within the tolerances failed: {next(iter(search.failures))}"
+            for search in self.searched
+            if search.failures
+        ]
 
     @property
     def verdict(self) -> str | None:

@@ -241,7 +241,7 @@ def test_bounds_over_stretches_of_time(scene):
     rng = np.random.default_rng(1)
     said = {True: 0, False: 0}
     for motion, run in itertools.islice(motions(scene), 4):
-        [parts] = ClearanceAnalysis(run.separation)._along(run.completed_trajectory)
+        [parts] = ClearanceAnalysis(run.separation)._along_run(run)
         for _ in range(20):
             start = rng.uniform(0.0, 0.9)
             end = start + 0.1 * 10.0 ** rng.uniform(-3.0, 0.0)

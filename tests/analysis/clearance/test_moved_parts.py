@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+import trimesh
 from flights import run_of, straight, trajectory
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -14,7 +15,7 @@ from drakesep.analysis.clearance.of_pair import ACCURACY
 from drakesep.analysis.clearance.of_run import ClearanceAnalysis
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.parameters import with_values
-from drakesep.systems.model.parts import Box, Capsule, Part, Sphere
+from drakesep.systems.model.parts import Box, Capsule, Mesh, Part, Sphere
 from drakesep.systems.model.recontact import Recontact
 
 
@@ -161,6 +162,23 @@ def test_overlap_while_mated_is_a_mistake_only_where_it_is_nominal():
     assert LowestClearance(run.separation)(nearer) == 0.0
     with pytest.raises(InputError, match="must be apart while mated"):
         ClearanceAnalysis(nearer.separation).of(nearer)
+
+
+def test_a_part_moved_inside_a_mesh_touches_it(tmp_path):
+    """Whose surface is farther away than any limit: 0.25 m."""
+    file = tmp_path / "tank.obj"
+    trimesh.creation.box((0.8, 0.8, 0.8)).export(file)
+    tank = Part(name="tank", shape=Mesh(file=file))
+    antenna = Part(name="antenna", shape=Sphere(radius=0.05))
+    run = run_of(straight(TIME, (3.0, 0.0, 0.0), (0.1, 0.0, 0.0)), [tank], [antenna])
+    analysis = ClearanceAnalysis(run.separation)
+    inside = moved(run, antenna__position_x=-2.9)
+    [found] = analysis.of(inside)
+    assert (found.minimum, found.time) == (0.0, 0.0)
+    assert found.contact is not None
+    assert analysis.smallest(inside) == found
+    [outside] = analysis.of(moved(run, antenna__position_x=-1.0))
+    assert outside.minimum == pytest.approx(2.0 - 0.4 - 0.05, abs=SOLVER)
 
 
 def test_what_pushes_must_stay_where_it_is():
