@@ -36,6 +36,7 @@ class LatchingSystem(LeafSystem):
         super().__init__()
         self._at_first = values
         self._latched = self.DeclareDiscreteState(values)
+        self._latched_ticket = self.discrete_state_ticket(self._latched)
         self._step_start = self.DeclareDiscreteState([-math.inf])
         self.DeclareInitializationDiscreteUpdateEvent(self._latch_at_start)
         self.DeclarePerStepDiscreteUpdateEvent(self._latch)
