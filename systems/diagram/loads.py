@@ -124,6 +124,11 @@ class Loads(LatchingSystem):
             for row, after in zip(self._rows.read(context), self._after, strict=True)
         ]
 
+    def _is_waiting(self, latched: list[float]) -> bool:
+        return any(
+            n < len(load.times) for n, load in zip(latched, self._loads, strict=True)
+        )
+
     def _due(self, context: Context, t: float) -> list[float]:
         passed = self._get_latched(context)
         for k, (load, begin) in enumerate(

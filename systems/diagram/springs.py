@@ -80,9 +80,12 @@ class _Push(NamedTuple):
         if at >= self.end:
             return 0.0
         law, values = self.law, self.values
-        passed = law.passed(values, at, math)
-        force: float = law.force(values, at, speed, passed, math)
-        return force if law.by_time else positive_part(force)
+        force: float
+        if law.by_time:
+            force = law.force(values, at, speed, (), math)
+            return force
+        force = law.force(values, at, speed, law.passed(values, at, math), math)
+        return positive_part(force)
 
 
 class _Pushes(NamedTuple):
@@ -200,6 +203,9 @@ class Springs(LatchingSystem):
         if all(push.law.by_time for push in pushing):
             return pushing, []
         return pushing, self._forces.read_bodies(context)
+
+    def _is_waiting(self, latched: list[float]) -> bool:
+        return not all(latched)
 
     def _needs_age(self, context: Context) -> bool:
         return self._abrupt
