@@ -111,6 +111,9 @@ class LatchingSystem(LeafSystem):
         return self._due(context, just_before) != self._get_latched(context)
 
     def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
-        """Return one for all that can still become due: Drake asks once a run."""
+        """Return one for all, while something can become due.
+
+        Drake does not ask again before the next `AdvanceTo`.
+        """
         waiting = self._is_waiting(self._get_latched(context))
         return [self._witness] if waiting else []

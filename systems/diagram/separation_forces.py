@@ -80,7 +80,7 @@ class SeparationForces(Diagram):
                 connected.
             motion_analysis: whether to measure the motion of what leaves: to have the
                 input port `plant_acceleration` and the outputs from `rate` on. Momentum
-                is integrated with the motion, for a fifth more time.
+                is integrated with the motion, which costs at every evaluation.
         """
         super().__init__()
         builder = DiagramBuilder()
