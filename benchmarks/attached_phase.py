@@ -12,7 +12,6 @@ derivatives, system by system.
 import dataclasses
 import statistics
 import time
-from collections.abc import Callable
 
 import numpy as np
 from pydrake.math import RigidTransform
@@ -20,7 +19,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import FixedOffsetFrame, LinearBushingRollPitchYaw
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import Context, System
-from single_run import STAGES, time_in_turns, whole, with_systems
+from single_run import STAGES, Evaluation, time_in_turns, whole, with_forces
 
 from drakesep.case_file.reader import load_case
 from drakesep.systems.diagram.separation_system import (
@@ -125,26 +124,13 @@ def compare_runs(name: str, separation: Separation) -> None:
         )
 
 
-def bushing_evaluator(separation: Separation) -> Callable:
-    plant, context = on_drakes_bushings(separation)
-    x = context.get_continuous_state_vector().CopyToVector()
-
-    def evaluate(t: float) -> None:
-        context.SetTimeAndContinuousState(t, x)
-        plant.EvalTimeDerivatives(context)
-
-    return evaluate
-
-
 def compare_evaluations(attachments: int) -> None:
     """Time one evaluation of the time derivatives of each, and of ours in stages."""
     separation = held_vega(attachments, with_orbit=True)
-    evaluators = {"Drake's bushing": bushing_evaluator(separation)}
-    evaluators |= {
-        name: with_systems(separation, i)[0] for i, name in enumerate(STAGES)
-    }
-    evaluators["SeparationSystem, orbit"] = whole(separation)[0]
-    evaluators["SeparationSystem"] = whole(held_vega(attachments, with_orbit=False))[0]
+    evaluators = {"Drake's bushing": Evaluation(*on_drakes_bushings(separation))}
+    evaluators |= {name: with_forces(separation, i) for i, name in enumerate(STAGES)}
+    evaluators["SeparationSystem, orbit"] = whole(separation)
+    evaluators["SeparationSystem"] = whole(held_vega(attachments, with_orbit=False))
     times = time_in_turns(evaluators, start=0.5)
     for name, values in times.items():
         pairs = zip(values, times["Drake's bushing"], strict=True)

@@ -2,22 +2,22 @@
 
     python benchmarks/single_run.py
 
-Times one evaluation of the time derivatives of the plant alone and with each
-LeafSystem added, in turns within one process, so that the ratios hold on a machine
-whose speed drifts; then whole runs.
+Times one evaluation of the time derivatives of the plant alone, with what acts added
+one by one, and of whole diagrams, in turns within one process, so that the ratios hold
+on a machine whose speed drifts; then whole runs.
 """
 
 import statistics
 import time
-from collections.abc import Callable
 
-from pydrake.systems.framework import Context, DiagramBuilder, LeafSystem
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import Adder
 
 from drakesep.case_file.reader import load_case
+from drakesep.systems.diagram.force_sum import ForceSum
 from drakesep.systems.diagram.gravity import Gravity
 from drakesep.systems.diagram.joints import CfeBushing
-from drakesep.systems.diagram.motion_analysis import MotionAnalysis
 from drakesep.systems.diagram.release import Release
 from drakesep.systems.diagram.separation_system import (
     SeparationSystem,
@@ -31,93 +31,96 @@ from drakesep.systems.simulation.simulation import Simulation
 
 
 ROUNDS, EVALUATIONS = 60, 60
-STAGES = ("plant alone", "+ springs", "+ joints", "+ gravity", "+ motion analysis")
+SETTERS = {
+    Release: Release.set_schedule,
+    Springs: Springs.set_springs,
+    CfeBushing: CfeBushing.set_joints,
+    Gravity: Gravity.set_gravity,
+}
+FORCES = (Springs, CfeBushing, Gravity)
+STAGES = ("plant alone", "+ springs", "+ joints", "+ gravity")
 
 
-def with_systems(separation: Separation, count: int) -> tuple[Callable, Context]:
-    """Return how to evaluate the plant with the first `count` systems."""
+class Evaluation:
+    """One evaluation of the time derivatives of a diagram."""
+
+    def __init__(self, diagram: Diagram, context: Context):
+        context.SetAccuracy(1e-6)
+        self._diagram, self._context = diagram, context
+
+    def advance(self, start: float) -> None:
+        """Fly there: releases happen, and springs let go of their pads."""
+        simulator = Simulator(self._diagram, self._context)
+        simulator.AdvanceTo(start)
+        simulator.AdvancePendingEvents()
+        self._state = self._context.get_continuous_state_vector().CopyToVector()
+
+    def evaluate(self, t: float) -> None:
+        """Evaluate the derivatives at a time, at the state that was flown to."""
+        self._context.SetTimeAndContinuousState(t, self._state)
+        self._diagram.EvalTimeDerivatives(self._context)
+
+
+def with_forces(separation: Separation, count: int, summed: bool = True) -> Evaluation:
+    """Return how to evaluate the plant with the first of the force systems.
+
+    Args:
+        separation: to fly.
+        count: of force systems.
+        summed: whether they are evaluated at once, or each by itself.
+    """
     builder = DiagramBuilder()
     plant = builder.AddSystem(plant_of_bodies(separation))
     plant.Finalize()
-    names = [body.name for body in separation.bodies]
-    layout = state_layout(plant, names)
+    layout = state_layout(plant, [body.name for body in separation.bodies])
     state = plant.get_state_output_port()
-    setters = []
-
-    def add(system: LeafSystem, setter: Callable) -> LeafSystem:
-        builder.AddSystem(system)
-        setters.append((system, setter))
-        return system
-
-    if count:
-        release = Release(separation, layout)
-        add(release, release.set_schedule)
-        builder.Connect(state, release.GetInputPort("plant_state"))
-    forces = []
-    if count >= 1:
-        springs = Springs(separation, layout)
-        forces.append(add(springs, springs.set_springs))
-    if count >= 2:
-        bushing = CfeBushing(separation, layout)
-        forces.append(add(bushing, bushing.set_joints))
-    if count >= 3:
-        gravity = Gravity(separation, layout)
-        forces.append(add(gravity, gravity.set_gravity))
-    if forces:
-        total = builder.AddSystem(Adder(len(forces), 6 * len(names)))
-        builder.Connect(
-            total.get_output_port(), plant.get_applied_generalized_force_input_port()
-        )
-    for i, system in enumerate(forces):
+    release = builder.AddSystem(Release(separation, layout))
+    builder.Connect(state, release.GetInputPort("plant_state"))
+    forces = [builder.AddSystem(kind(separation, layout)) for kind in FORCES[:count]]
+    for system in forces:
         builder.Connect(state, system.GetInputPort("plant_state"))
-        builder.Connect(system.GetOutputPort("wrenches"), total.get_input_port(i))
         if system.HasInputPort("released"):
             builder.Connect(release.get_output_port(), system.GetInputPort("released"))
-    if count >= 4:
-        motion = MotionAnalysis(separation, layout)
-        add(motion, motion.set_measured)
-        for port, source in {
-            "plant_state": state,
-            "plant_acceleration": plant.get_generalized_acceleration_output_port(),
-            "spring_wrenches": springs.GetOutputPort("wrenches"),
-        }.items():
-            builder.Connect(source, motion.GetInputPort(port))
+    if forces:
+        if summed:
+            total = builder.AddSystem(ForceSum(layout, count))
+            builder.Connect(state, total.GetInputPort("plant_state"))
+            inputs = [total.GetInputPort(f"acting_{i}") for i in range(count)]
+            wrenches = total.GetOutputPort("wrenches")
+        else:
+            total = builder.AddSystem(Adder(count, 6 * len(separation.bodies)))
+            inputs = [total.get_input_port(i) for i in range(count)]
+            wrenches = total.get_output_port()
+        name = "acting" if summed else "wrenches"
+        for system, port in zip(forces, inputs, strict=True):
+            builder.Connect(system.GetOutputPort(name), port)
+        builder.Connect(wrenches, plant.get_applied_generalized_force_input_port())
     diagram = builder.Build()
     context = diagram.CreateDefaultContext()
-    for system, setter in setters:
-        setter(system.GetMyMutableContextFromRoot(context), separation)
+    for system in (release, *forces):
+        setter = SETTERS[type(system)]
+        setter(system, system.GetMyMutableContextFromRoot(context), separation)
     set_mated_motion(plant, plant.GetMyMutableContextFromRoot(context), separation)
-    return _evaluator(diagram, context), context
+    return Evaluation(diagram, context)
 
 
-def whole(separation: Separation) -> tuple[Callable, Context]:
-    system = SeparationSystem(separation)
+def whole(separation: Separation, **options: bool) -> Evaluation:
+    system = SeparationSystem(separation, **options)
     context = system.CreateDefaultContext()
     system.set_separation(context, separation)
-    return _evaluator(system, context), context
+    return Evaluation(system, context)
 
 
-def _evaluator(diagram, context) -> Callable:
-    # As the simulator's start does: releases that are due happen.
-    context.SetAccuracy(1e-6)
-    diagram.ExecuteInitializationEvents(context)
-    x = context.get_continuous_state_vector().CopyToVector()
-
-    def evaluate(t: float) -> None:
-        context.SetTimeAndContinuousState(t, x)
-        diagram.EvalTimeDerivatives(context)
-
-    return evaluate
-
-
-def time_in_turns(evaluators: dict[str, Callable], start: float) -> dict[str, list]:
+def time_in_turns(evaluators: dict[str, Evaluation], start: float) -> dict[str, list]:
     """Return the seconds of one evaluation, for each round."""
+    for each in evaluators.values():
+        each.advance(start)
     times = {name: [] for name in evaluators}
     for _ in range(ROUNDS):
-        for name, evaluate in evaluators.items():
+        for name, each in evaluators.items():
             began = time.perf_counter()
             for i in range(EVALUATIONS):
-                evaluate(start + 1e-6 * i)
+                each.evaluate(start + 1e-6 * i)
             times[name].append((time.perf_counter() - began) / EVALUATIONS)
     return times
 
@@ -125,8 +128,10 @@ def time_in_turns(evaluators: dict[str, Callable], start: float) -> dict[str, li
 def main() -> None:
     case = load_case("vega")
     separation = case.separation
-    evaluators = {name: with_systems(separation, i)[0] for i, name in enumerate(STAGES)}
-    evaluators["SeparationSystem"] = whole(separation)[0]
+    evaluators = {name: with_forces(separation, i) for i, name in enumerate(STAGES)}
+    evaluators["each by itself"] = with_forces(separation, len(FORCES), summed=False)
+    evaluators["as Simulation flies it"] = whole(separation, motion_analysis=False)
+    evaluators["SeparationSystem"] = whole(separation)
     for phase, start in (("push", 0.05), ("coast", 1.0)):
         times = time_in_turns(evaluators, start)
         print(f"one evaluation in the {phase}: median, and ratio to the plant alone")
@@ -134,7 +139,7 @@ def main() -> None:
             pairs = zip(values, times[STAGES[0]], strict=True)
             ratio = statistics.median(a / b for a, b in pairs)
             print(
-                f"  {name:18} {1e6 * statistics.median(values):6.1f} us  {ratio:5.2f}"
+                f"  {name:22} {1e6 * statistics.median(values):6.1f} us  {ratio:5.2f}"
             )
 
     simulation = Simulation(separation, case.integration)

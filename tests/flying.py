@@ -10,10 +10,10 @@ from drakesep.systems.model.separation import Separation
 
 
 def start(
-    separation: Separation, accuracy: float
+    separation: Separation, accuracy: float, **options: bool
 ) -> tuple[SeparationSystem, Context, Simulator]:
     """The diagram of a separation, its Context, and a simulator at its start."""
-    system = SeparationSystem(separation)
+    system = SeparationSystem(separation, **options)
     context = system.CreateDefaultContext()
     system.set_separation(context, separation)
     return system, context, simulator_of(system, context, accuracy)

@@ -24,7 +24,7 @@ class LatchingSystem(LeafSystem):
     function ends a step in which something becomes due, within a hundredth of the
     accuracy in seconds: the Context of the whole diagram needs an accuracy.
 
-    A subclass says in `_due` what is to be latched.
+    A subclass says in `_due` what is to be latched, and in `_is_waiting` until when.
     """
 
     def __init__(self, values: list[float]):
@@ -36,6 +36,7 @@ class LatchingSystem(LeafSystem):
         super().__init__()
         self._at_first = values
         self._latched = self.DeclareDiscreteState(values)
+        self._latched_ticket = self.discrete_state_ticket(self._latched)
         self._step_start = self.DeclareDiscreteState([-math.inf])
         self.DeclareInitializationDiscreteUpdateEvent(self._latch_at_start)
         self.DeclarePerStepDiscreteUpdateEvent(self._latch)
@@ -48,6 +49,10 @@ class LatchingSystem(LeafSystem):
     @abstractmethod
     def _due(self, context: Context, t: float) -> list[float]:
         """Return the values that are to be latched at a time, s."""
+
+    @abstractmethod
+    def _is_waiting(self, latched: list[float]) -> bool:
+        """Return whether anything can still become due, after what is latched."""
 
     def _needs_age(self, context: Context) -> bool:
         """Return whether something can be due at the start of a step, unlatched.
@@ -81,11 +86,12 @@ class LatchingSystem(LeafSystem):
         return self._latch(context, update)
 
     def _latch(self, context: Context, update: DiscreteValues) -> EventStatus:
+        latched = self._get_latched(context)
+        if not self._is_waiting(latched):
+            return EventStatus.DidNothing()
         due = self._due(context, context.get_time())
         if not (
-            due != self._get_latched(context)
-            or self._is_starting(context)
-            or self._needs_age(context)
+            due != latched or self._is_starting(context) or self._needs_age(context)
         ):
             return EventStatus.DidNothing()
         update.set_value(self._latched, due)
@@ -105,5 +111,9 @@ class LatchingSystem(LeafSystem):
         return self._due(context, just_before) != self._get_latched(context)
 
     def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
-        """Return one for all: Drake does not ask again after every step."""
-        return [self._witness]
+        """Return one for all, while something can become due.
+
+        Drake does not ask again before the next `AdvanceTo`.
+        """
+        waiting = self._is_waiting(self._get_latched(context))
+        return [self._witness] if waiting else []

@@ -1,14 +1,16 @@
 """Gravity in the freely falling world."""
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import Context, LeafSystem
 
 from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
-from drakesep.systems.diagram.wrenches import WrenchSum
+from drakesep.systems.diagram.wrenches import Forces, WrenchSum
 from drakesep.systems.equations import gravity as gravity_laws
+from drakesep.systems.equations.relative_motion import BodyState
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import Symmetric, Vector
@@ -34,6 +36,20 @@ class MassRow(NamedTuple):
     """Central inertia: xx, yy, zz, xy, xz, yz, kg m^2."""
 
 
+class _Field(NamedTuple):
+    """The field about W's origin, on bodies."""
+
+    mu: float
+    radius: float
+    mean_motion: float
+    masses: list[MassRow]
+
+    def __call__(self, bodies: Sequence[BodyState], t: float, total: WrenchSum) -> None:
+        r_W = gravity_laws.orbit_position(t, self.radius, self.mean_motion, math)
+        for i, (body, row) in enumerate(zip(bodies, self.masses, strict=True)):
+            total.add(i, gravity_laws.gravity_wrench(body, *row, r_W, self.mu, math))
+
+
 class Gravity(LeafSystem):
     """The inverse-square field, less its value at W's origin, on every body.
 
@@ -45,6 +61,7 @@ class Gravity(LeafSystem):
             layout finds the motion of each body.
 
     Output ports:
+        acting: abstract: what acts until a parameter changes it, for a `ForceSum`.
         wrenches: (6 m,) N m and N in W: torque about the origin, then force, on each of
             the m bodies.
 
@@ -55,12 +72,10 @@ class Gravity(LeafSystem):
 
     def __init__(self, separation: Separation, layout: StateLayout):
         super().__init__()
-        self._count = len(separation.bodies)
-        self._layout = layout
-        self._state = self.DeclareVectorInputPort("plant_state", layout.size)
+        state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._orbit = Rows(self, _orbit_rows(separation))
         self._mass_properties = Rows(self, _mass_rows(separation))
-        self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
+        Forces(self, state, layout, self._find_acting, {self.all_parameters_ticket()})
 
     def set_gravity(self, context: Context, separation: Separation) -> None:
         """Write the orbit and the mass properties into this system's Context."""
@@ -71,17 +86,10 @@ class Gravity(LeafSystem):
         """Return the names of the parameters that the rows are made of."""
         return {*names_of(separation.bodies, MassRow._fields)}
 
-    def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
-        total = WrenchSum(self._count)
+    def _find_acting(self, context: Context) -> list[_Field]:
         [(mu, radius)] = self._orbit.read(context)
-        mean_motion = math.sqrt(mu / radius**3)
-        r_W = gravity_laws.orbit_position(context.get_time(), radius, mean_motion, math)
-        bodies = self._layout.read(self._state.Eval(context).tolist())
-        rows = self._mass_properties.read(context)
-        for i, (body, row) in enumerate(zip(bodies, rows, strict=True)):
-            wrench = gravity_laws.gravity_wrench(body, *row, r_W, mu, math)
-            total.add(i, wrench)
-        total.write(output)
+        masses = self._mass_properties.read(context)
+        return [_Field(mu, radius, math.sqrt(mu / radius**3), masses)]
 
 
 def _orbit_rows(separation: Separation) -> list[OrbitRow]:

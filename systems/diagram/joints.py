@@ -1,15 +1,14 @@
 """The attachments' joints by constraint forces (CFE)."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from pydrake.common.value import AbstractValue, Value
-from pydrake.systems.framework import BasicVector, Context, LeafSystem, ValueProducer
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
-from drakesep.systems.diagram.wrenches import WrenchSum
+from drakesep.systems.diagram.wrenches import Forces, WrenchSum
 from drakesep.systems.equations import joints as joint_laws
 from drakesep.systems.equations import relative_motion as motion_laws
 from drakesep.systems.equations.joints import NO_TURN, HeldJoint, Pull, Turn
@@ -61,6 +60,17 @@ class _Joint(NamedTuple):
     """Orientation of its frame J in A; None if it is that of A."""
 
 
+class _Pulled(NamedTuple):
+    """What joints do to two bodies."""
+
+    A: BodyState
+    motion: PairState
+    turn: Turn
+    joints: list[tuple[int, HeldJoint, Vector, Pull]]
+    """The joints, each with the index of its attachment, its pad from B's origin, in A,
+    and what it does."""
+
+
 class _Held(NamedTuple):
     """The joints that hold a pair of bodies."""
 
@@ -72,18 +82,29 @@ class _Held(NamedTuple):
     joints: list[tuple[int, HeldJoint]]
     """The joints, each with the index of its attachment."""
 
+    def pulled(self, bodies: Sequence[BodyState]) -> _Pulled:
+        """Return what they do."""
+        A, B = bodies[self.a], bodies[self.b]
+        motion = motion_laws.pair_state(A, B)
+        turn = NO_TURN
+        if self.turns:
+            turn = joint_laws.rotation_deviation(A, B, self.q_AB, motion.w_AB, math)
+        joints = [
+            (i, joint, *joint_laws.joint_pull(joint, motion, turn, math))
+            for i, joint in self.joints
+        ]
+        return _Pulled(A, motion, turn, joints)
 
-class _HeldPair(NamedTuple):
-    """Two bodies that joints still hold."""
-
-    a: int
-    b: int
-    A: BodyState
-    motion: PairState
-    turn: Turn
-    held: list[tuple[int, HeldJoint, Vector, Pull]]
-    """The joints, each with the index of its attachment, its pad from B's origin, in A,
-    and what it does."""
+    def __call__(self, bodies: Sequence[BodyState], t: float, total: WrenchSum) -> None:
+        A, motion, turn, joints = self.pulled(bodies)
+        force, torque, moment = _ZERO, _ZERO, _ZERO
+        for _, joint, r_A, pull in joints:
+            each = joint_laws.pull_at_origin(joint, r_A, pull)
+            force, torque, moment = map(add, (force, torque, moment), each)
+        torque = add(torque, joint_laws.turning_torque(turn, moment))
+        on_A, on_B = motion_laws.wrenches_at_origin(A, motion.p_AoBo, force, torque)
+        total.add(self.a, on_A)
+        total.add(self.b, on_B)
 
 
 class CfeBushing(LeafSystem):
@@ -99,6 +120,7 @@ class CfeBushing(LeafSystem):
         released: (n,) s: time of each attachment's release; infinite while it holds.
 
     Output ports:
+        acting: abstract: what acts until an event changes it, for a `ForceSum`.
         wrenches: (6 m,) N m and N in W: torque about the origin, then force, on each of
             the m bodies.
         loads: (6 n,) N m and N in the joints' frames: torque and force of each joint on
@@ -112,21 +134,19 @@ class CfeBushing(LeafSystem):
 
     def __init__(self, separation: Separation, layout: StateLayout):
         super().__init__()
-        self._count = len(separation.bodies)
         self._size = len(separation.attachments)
         self._pairs = _pairs(separation)
-        self._layout = layout
-        self._state = self.DeclareVectorInputPort("plant_state", layout.size)
+        state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._released = self.DeclareVectorInputPort("released", self._size)
         self._joints = Rows(self, _joint_rows(separation))
         self._mated = Rows(self, self._mated_rows(separation))
-        # Parameters are read once, until an attachment lets go: a quarter of the cost.
-        self._held = self.DeclareCacheEntry(
-            "held joints",
-            ValueProducer(allocate=lambda: Value[object](), calc=self._calc_held),
+        self._forces = Forces(
+            self,
+            state,
+            layout,
+            self._find_held,
             {self._released.ticket(), self.all_parameters_ticket()},
         )
-        self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
         self.DeclareVectorOutputPort("loads", 6 * self._size, self._calc_loads)
         self.DeclareVectorOutputPort("energy", 1, self._calc_energy)
 
@@ -145,7 +165,7 @@ class CfeBushing(LeafSystem):
             MatedRow(mated_orientation(places[a], places[b])) for a, b in self._pairs
         ]
 
-    def _calc_held(self, context: Context, output: AbstractValue) -> None:
+    def _find_held(self, context: Context) -> list[_Held]:
         released = self._released.Eval(context).tolist()
         rows, mated = self._joints.read(context), self._mated.read(context)
         pairs = []
@@ -159,52 +179,25 @@ class CfeBushing(LeafSystem):
             if held:
                 turns = any(holds_all_rotations(each.type) for _, each in held)
                 pairs.append(_Held(a, b, q_AB, turns, held))
-        output.set_value(pairs)
+        return pairs
 
-    def _held_pairs(self, context: Context) -> Iterator[_HeldPair]:
-        pairs = self._held.Eval(context)
-        if not pairs:
-            return
-        bodies = self._layout.read(self._state.Eval(context).tolist())
-        for a, b, q_AB, turns, joints in pairs:
-            A, B = bodies[a], bodies[b]
-            motion = motion_laws.pair_state(A, B)
-            turn = NO_TURN
-            if turns:
-                turn = joint_laws.rotation_deviation(A, B, q_AB, motion.w_AB, math)
-            held = [
-                (i, joint, *joint_laws.joint_pull(joint, motion, turn, math))
-                for i, joint in joints
-            ]
-            yield _HeldPair(a, b, A, motion, turn, held)
-
-    def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
-        total = WrenchSum(self._count)
-        for pair in self._held_pairs(context):
-            force, torque, moment = _ZERO, _ZERO, _ZERO
-            for _, joint, r_A, pull in pair.held:
-                each = joint_laws.pull_at_origin(joint, r_A, pull)
-                force, torque, moment = map(add, (force, torque, moment), each)
-            torque = add(torque, joint_laws.turning_torque(pair.turn, moment))
-            on_A, on_B = motion_laws.wrenches_at_origin(
-                pair.A, pair.motion.p_AoBo, force, torque
-            )
-            total.add(pair.a, on_A)
-            total.add(pair.b, on_B)
-        total.write(output)
+    def _pulled(self, context: Context) -> Iterator[_Pulled]:
+        held = self._forces.eval(context)
+        bodies = self._forces.read_bodies(context) if held else []
+        return (pair.pulled(bodies) for pair in held)
 
     def _calc_loads(self, context: Context, output: BasicVector) -> None:
         loads = [0.0] * (6 * self._size)
-        for pair in self._held_pairs(context):
-            for i, joint, _, pull in pair.held:
+        for pair in self._pulled(context):
+            for i, joint, _, pull in pair.joints:
                 torque, force = joint_laws.joint_load(joint, pair.turn, pull)
                 loads[6 * i : 6 * i + 6] = [*torque, *force]
         output.SetFromVector(loads)
 
     def _calc_energy(self, context: Context, output: BasicVector) -> None:
         energy = 0.0
-        for pair in self._held_pairs(context):
-            energy += sum(pull.energy for *_, pull in pair.held)
+        for pair in self._pulled(context):
+            energy += sum(pull.energy for *_, pull in pair.joints)
         output.SetFromVector([energy])
 
 

@@ -1,15 +1,17 @@
 """Thrusters, retro-rockets and disturbances: forces and torques over time."""
 
 from bisect import bisect_right
+from collections.abc import Sequence
 from typing import NamedTuple
 
-from pydrake.systems.framework import BasicVector, Context
+from pydrake.systems.framework import Context
 
 from drakesep.systems.diagram.event_latch import LatchingSystem
 from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
-from drakesep.systems.diagram.wrenches import WrenchSum
+from drakesep.systems.diagram.wrenches import Forces, WrenchSum
 from drakesep.systems.equations import loads as load_laws
+from drakesep.systems.equations.relative_motion import BodyState
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import Vector
@@ -30,6 +32,33 @@ class LoadRow(NamedTuple):
     """On its table."""
 
 
+class _Ramp(NamedTuple):
+    """A load between two rows of its table."""
+
+    body: int
+    in_body: bool
+    """Whether its axes are the body's."""
+    p_BoQ_B: Vector
+    start: float
+    end: float
+    """Times of the rows, s."""
+    forces: tuple[Vector, ...]
+    """Of both rows."""
+    torques: tuple[Vector, ...]
+    factor: float
+
+    def __call__(self, bodies: Sequence[BodyState], t: float, total: WrenchSum) -> None:
+        s = min(max(0.0, (t - self.start) / (self.end - self.start)), 1.0)
+        force, torque = (
+            load_laws.between_rows(before, after, s, self.factor)
+            for before, after in (self.forces, self.torques)
+        )
+        wrench = load_laws.load_wrench(
+            bodies[self.body], self.p_BoQ_B, force, torque, self.in_body
+        )
+        total.add(self.body, wrench)
+
+
 class Loads(LatchingSystem):
     """Acts on bodies with the forces and torques of tables over time.
 
@@ -42,6 +71,7 @@ class Loads(LatchingSystem):
         released: (n,) s: time of each attachment's release; infinite while it holds.
 
     Output ports:
+        acting: abstract: what acts until an event changes it, for a `ForceSum`.
         wrenches: (6 m,) N m and N in W: torque about the origin, then force, on each of
             the m bodies.
 
@@ -54,7 +84,6 @@ class Loads(LatchingSystem):
 
     def __init__(self, separation: Separation, layout: StateLayout):
         super().__init__([0.0] * len(separation.loads))
-        self._count = len(separation.bodies)
         bodies = [body.name for body in separation.bodies]
         attachments = [attachment.name for attachment in separation.attachments]
         self._loads = separation.loads
@@ -63,11 +92,20 @@ class Loads(LatchingSystem):
             None if load.after is None else attachments.index(load.after)
             for load in self._loads
         ]
-        self._layout = layout
-        self._state = self.DeclareVectorInputPort("plant_state", layout.size)
+        state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._released = self.DeclareVectorInputPort("released", len(attachments))
         self._rows = Rows(self, _rows_of(separation))
-        self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
+        Forces(
+            self,
+            state,
+            layout,
+            self._find_acting,
+            {
+                self._latched_ticket,
+                self._released.ticket(),
+                self.all_parameters_ticket(),
+            },
+        )
 
     def set_loads(self, context: Context, separation: Separation) -> None:
         """Write where, when and how strongly loads act, and that none has begun."""
@@ -78,43 +116,49 @@ class Loads(LatchingSystem):
         """Return the names of the parameters that the rows are made of."""
         return {*names_of(separation.loads, LoadRow._fields)}
 
-    def _elapsed(self, context: Context, k: int, t: float) -> float:
-        """Return how long a load's table has run at a time, s; negative before it."""
-        elapsed = t - self._rows.read(context)[k].start
-        after = self._after[k]
-        return (
-            elapsed if after is None else elapsed - self._released.Eval(context)[after]
+    def _begins(self, context: Context) -> list[float]:
+        """Return when the table of each load begins, s."""
+        released = self._released.Eval(context).tolist()
+        return [
+            row.start + (0.0 if after is None else released[after])
+            for row, after in zip(self._rows.read(context), self._after, strict=True)
+        ]
+
+    def _is_waiting(self, latched: list[float]) -> bool:
+        return any(
+            n < len(load.times) for n, load in zip(latched, self._loads, strict=True)
         )
 
     def _due(self, context: Context, t: float) -> list[float]:
         passed = self._get_latched(context)
-        for k, load in enumerate(self._loads):
-            elapsed = self._elapsed(context, k, t) + _ROUND_OFF
+        for k, (load, begin) in enumerate(
+            zip(self._loads, self._begins(context), strict=True)
+        ):
+            elapsed = t - begin + _ROUND_OFF
             passed[k] = max(passed[k], float(bisect_right(load.times, elapsed)))
         return passed
 
-    def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
-        total = WrenchSum(self._count)
+    def _find_acting(self, context: Context) -> list[_Ramp]:
+        rows, begins = self._rows.read(context), self._begins(context)
+        acting = []
         for k, (load, count) in enumerate(
             zip(self._loads, self._get_latched(context), strict=True)
         ):
-            row = int(count) - 1  # the last that was passed
-            if row >= 0 and load.acts_after(row):
-                p_BoQ_B, _, factor = self._rows.read(context)[k]
-                b = self._bodies[k]
-                body = self._layout.read_one(self._state.Eval(context).tolist(), b)
-                elapsed = self._elapsed(context, k, context.get_time())
-                start, end = load.times[row : row + 2]
-                s = min(max(0.0, (elapsed - start) / (end - start)), 1.0)
-                force, torque = (
-                    load_laws.between_rows(column[row], column[row + 1], s, factor)
-                    for column in (load.forces, load.torques)
+            i = int(count) - 1  # the last row that was passed
+            if i >= 0 and load.acts_after(i):
+                acting.append(
+                    _Ramp(
+                        self._bodies[k],
+                        load.axes == "body",
+                        rows[k].p_BoQ_B,
+                        begins[k] + load.times[i],
+                        begins[k] + load.times[i + 1],
+                        load.forces[i : i + 2],
+                        load.torques[i : i + 2],
+                        rows[k].factor,
+                    )
                 )
-                in_body = load.axes == "body"
-                total.add(
-                    b, load_laws.load_wrench(body, p_BoQ_B, force, torque, in_body)
-                )
-        total.write(output)
+        return acting
 
 
 def _rows_of(separation: Separation) -> list[LoadRow]:

@@ -110,14 +110,15 @@ class Release(LatchingSystem):
         angle = joint_laws.twist_angle(A.q_WB, B.q_WB, row.q_AB, row.x_axis_A, math)
         return abs(angle) >= row.release_angle
 
+    def _is_waiting(self, latched: list[float]) -> bool:
+        return any(map(math.isinf, latched))
+
     def _needs_age(self, context: Context) -> bool:
         # A command may come from an event of this instant.
         return self._get_command(context) is not None
 
     def _due(self, context: Context, t: float) -> list[float]:
         released = self._get_latched(context)
-        if all(map(math.isfinite, released)):
-            return released
         command = self._get_command(context)
         rows = self._rows.read(context)
         for i, before in enumerate(released):

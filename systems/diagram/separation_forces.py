@@ -6,6 +6,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import Adder
 
 from drakesep.systems.checks import InputError
+from drakesep.systems.diagram.force_sum import ForceSum
 from drakesep.systems.diagram.gravity import Gravity
 from drakesep.systems.diagram.joints import CfeBushing
 from drakesep.systems.diagram.loads import Loads
@@ -23,10 +24,11 @@ class SeparationForces(Diagram):
     Built once for the structure of a separation: every number in it is written into a
     Context with `set_separation`, so that a run is varied without a rebuild.
 
-    Subsystems: ``release``, ``springs``, ``cfe_bushing``, ``motion_analysis``; and
-    ``loads`` and ``gravity`` if the separation has loads or an orbit. For each other
-    body that leaves there is one more motion analysis, with outputs like the last eight
-    that have its name before theirs, as ``satellite_rate``.
+    Subsystems: ``release``, ``springs``, ``cfe_bushing``, ``force_sum``,
+    ``motion_analysis``; and ``loads`` and ``gravity`` if the separation has loads or an
+    orbit. For each other body that leaves there is one more motion analysis, with
+    outputs like the last eight that have its name before theirs, as
+    ``satellite_rate``.
 
     Input ports:
         plant_state: (s,) 1, m, rad/s and m/s in W: state of the plant, in which the
@@ -67,6 +69,7 @@ class SeparationForces(Diagram):
         layout: StateLayout,
         *,
         external_wrenches: bool = False,
+        motion_analysis: bool = True,
     ):
         """Build the diagram.
 
@@ -75,6 +78,9 @@ class SeparationForces(Diagram):
             layout: where `plant_state` holds the motion of each body.
             external_wrenches: whether to have that input port, which must then be
                 connected.
+            motion_analysis: whether to measure the motion of what leaves: to have the
+                input port `plant_acceleration` and the outputs from `rate` on. Momentum
+                is integrated with the motion, which costs at every evaluation.
         """
         super().__init__()
         builder = DiagramBuilder()
@@ -94,6 +100,7 @@ class SeparationForces(Diagram):
                 MotionAnalysis(separation, layout, pair.B),
             )
             for pair in separation.pairs
+            if motion_analysis
         }
         self._loads: Loads | None = None
         self._gravity: Gravity | None = None
@@ -106,22 +113,24 @@ class SeparationForces(Diagram):
                 "gravity", Gravity(separation, layout)
             )
             forces.append(self._gravity)
-        total = builder.AddNamedSystem(
-            "wrenches",
-            Adder(len(forces) + external_wrenches, 6 * len(separation.bodies)),
-        )
+        total = builder.AddNamedSystem("force_sum", ForceSum(layout, len(forces)))
         for i, system in enumerate(forces):
-            builder.Connect(system.GetOutputPort("wrenches"), total.get_input_port(i))
+            builder.Connect(
+                system.GetOutputPort("acting"), total.GetInputPort(f"acting_{i}")
+            )
+        wrenches = total.GetOutputPort("wrenches")
         if external_wrenches:
-            last = total.get_input_port(len(forces))
-            builder.ExportInput(last, "external_wrenches")
+            adder = builder.AddSystem(Adder(2, 6 * len(separation.bodies)))
+            builder.Connect(wrenches, adder.get_input_port(0))
+            builder.ExportInput(adder.get_input_port(1), "external_wrenches")
+            wrenches = adder.get_output_port()
 
         released = self._release.GetOutputPort("released")
         for system in (self._springs, self._bushing, self._loads):
             if system is not None:
                 builder.Connect(released, system.GetInputPort("released"))
         motions = list(self._motions.values())
-        readers = (self._release, *forces, *motions)
+        readers = (self._release, *forces, total, *motions)
         builder.ExportInput(readers[0].GetInputPort("plant_state"), "plant_state")
         for system in readers[1:]:
             builder.ConnectInput("plant_state", system.GetInputPort("plant_state"))
@@ -131,13 +140,14 @@ class SeparationForces(Diagram):
                 motion.GetInputPort("spring_wrenches"),
             )
         name = "plant_acceleration"
-        builder.ExportInput(motions[0].GetInputPort(name), name)
+        for motion in motions[:1]:
+            builder.ExportInput(motion.GetInputPort(name), name)
         for motion in motions[1:]:
             builder.ConnectInput(name, motion.GetInputPort(name))
         for name in ("trigger", "triggers"):
             builder.ExportInput(self._release.GetInputPort(name), name)
 
-        builder.ExportOutput(total.get_output_port(), "wrenches")
+        builder.ExportOutput(wrenches, "wrenches")
         builder.ExportOutput(released, "released")
         for system, port, name in (
             (self._springs, "forces", "spring_forces"),

@@ -77,6 +77,7 @@ class SeparationSystem(Diagram):
         *,
         external_wrenches: bool = False,
         illustrated: bool = False,
+        motion_analysis: bool = True,
     ):
         """Build the diagram.
 
@@ -85,6 +86,8 @@ class SeparationSystem(Diagram):
             external_wrenches: whether to have that input port, which must then be
                 connected.
             illustrated: whether the bodies' geometry is to be seen.
+            motion_analysis: whether to have the output ports from `rate` to
+                `angular_momentum_change`; see `SeparationForces`.
 
         Raises:
             ValueError: parts that push each other overlap while mated, or a mesh
@@ -105,16 +108,22 @@ class SeparationSystem(Diagram):
         layout = state_layout(plant, [body.name for body in separation.bodies])
         forces = builder.AddNamedSystem(
             "forces",
-            SeparationForces(separation, layout, external_wrenches=external_wrenches),
+            SeparationForces(
+                separation,
+                layout,
+                external_wrenches=external_wrenches,
+                motion_analysis=motion_analysis,
+            ),
         )
         state = plant.get_state_output_port()
         builder.Connect(state, forces.GetInputPort("plant_state"))
         # The bodies float, in order: their wrenches are the generalized forces, and
         # their accelerations the generalized ones.
-        builder.Connect(
-            plant.get_generalized_acceleration_output_port(),
-            forces.GetInputPort("plant_acceleration"),
-        )
+        if motion_analysis:
+            builder.Connect(
+                plant.get_generalized_acceleration_output_port(),
+                forces.GetInputPort("plant_acceleration"),
+            )
         builder.Connect(
             forces.GetOutputPort("wrenches"),
             plant.get_applied_generalized_force_input_port(),

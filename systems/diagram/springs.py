@@ -1,6 +1,7 @@
 """The separation springs, and whatever else pushes."""
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from pydrake.systems.framework import BasicVector, Context, WitnessFunction
@@ -9,9 +10,10 @@ from drakesep.systems.checks import X_AXIS
 from drakesep.systems.diagram.event_latch import LatchingSystem
 from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
-from drakesep.systems.diagram.wrenches import WrenchSum
+from drakesep.systems.diagram.wrenches import Forces, WrenchSum
 from drakesep.systems.equations.pushers import (
     AXIS,
+    PushLaw,
     positive_part,
     push_displacement,
     push_place,
@@ -37,9 +39,67 @@ class PushRow(NamedTuple):
     axis_A: Vector
 
     @property
-    def axis(self) -> Vector | None:
-        """Its axis in A; None if it is A's x axis."""
-        return None if self.axis_A == X_AXIS else self.axis_A
+    def place(self) -> tuple[Vector, Vector, Vector | None]:
+        """Where it pushes; its axis is None if it is A's x axis."""
+        axis = None if self.axis_A == X_AXIS else self.axis_A
+        return self.p_AoPad_A, self.p_BoPad_B, axis
+
+
+class _Push(NamedTuple):
+    """A spring that pushes."""
+
+    number: int
+    """Of all springs."""
+    a: int
+    b: int
+    law: PushLaw
+    values: Any
+    end: float
+    """s since its release, or m."""
+    released: float
+    """s."""
+    p_AoPad_A: Vector
+    p_BoPad_B: Vector
+    axis: Vector | None
+
+    def progress(self, bodies: Sequence[BodyState], t: float) -> tuple[float, float]:
+        """Return how far its stroke has gone, s or m, and how fast.
+
+        Args:
+            bodies: of which a law by time reads none.
+            t: s.
+        """
+        if self.law.by_time:
+            return t - self.released, 0.0
+        A, B = bodies[self.a], bodies[self.b]
+        return push_displacement(A, B, self.p_AoPad_A, self.p_BoPad_B, self.axis)
+
+    def force(self, bodies: Sequence[BodyState], t: float) -> float:
+        """Return its force, N; nothing from the end of its stroke on."""
+        at, speed = self.progress(bodies, t)
+        if at >= self.end:
+            return 0.0
+        law, values = self.law, self.values
+        force: float
+        if law.by_time:
+            force = law.force(values, at, speed, (), math)
+            return force
+        force = law.force(values, at, speed, law.passed(values, at, math), math)
+        return positive_part(force)
+
+
+class _Pushes(NamedTuple):
+    """The springs that push one body from another."""
+
+    a: int
+    b: int
+    springs: list[_Push]
+
+    def __call__(self, bodies: Sequence[BodyState], t: float, total: WrenchSum) -> None:
+        pushes = [(s.force(bodies, t), s.p_BoPad_B, s.axis) for s in self.springs]
+        on_A, on_B = push_wrenches(bodies[self.a], bodies[self.b], pushes)
+        total.add(self.a, on_A)
+        total.add(self.b, on_B)
 
 
 class Springs(LatchingSystem):
@@ -57,6 +117,7 @@ class Springs(LatchingSystem):
         released: (n,) s: time of each attachment's release; infinite while it holds.
 
     Output ports:
+        acting: abstract: what acts until an event changes it, for a `ForceSum`.
         wrenches: (6 m,) N m and N in W: torque about the origin, then force, on each of
             the m bodies.
         forces: (k,) N: force of each spring.
@@ -71,15 +132,10 @@ class Springs(LatchingSystem):
 
     def __init__(self, separation: Separation, layout: StateLayout):
         super().__init__([0.0] * len(separation.springs))
-        self._count = len(separation.bodies)
         attachments = [attachment for attachment, _ in separation.pushing]
         self._attachments = [separation.attachments.index(a) for a in attachments]
         self._ends = [separation.ends(attachment) for attachment in attachments]
-        self._groups: dict[tuple[int, int], list[int]] = {}
-        for k, ends in enumerate(self._ends):
-            self._groups.setdefault(ends, []).append(k)
-        self._layout = layout
-        self._state = self.DeclareVectorInputPort("plant_state", layout.size)
+        state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._released = self.DeclareVectorInputPort(
             "released", len(separation.attachments)
         )
@@ -88,7 +144,17 @@ class Springs(LatchingSystem):
         self._rows = Rows(self, self._rows_of(separation))
         # Force that is left at the end of a stroke is a jump, at which a step ends.
         self._abrupt = any(law.ends_in_jump for law in self._laws)
-        self.DeclareVectorOutputPort("wrenches", 6 * self._count, self._calc_wrenches)
+        self._forces = Forces(
+            self,
+            state,
+            layout,
+            self._find_acting,
+            {
+                self._latched_ticket,
+                self._released.ticket(),
+                self.all_parameters_ticket(),
+            },
+        )
         self.DeclareVectorOutputPort("forces", len(self._laws), self._calc_forces)
         self.DeclareVectorOutputPort("energy", 1, self._calc_energy)
 
@@ -115,26 +181,31 @@ class Springs(LatchingSystem):
             names |= {*names_of([spring], [*row.values._fields, *AXIS])}
         return names
 
-    def _read_bodies(self, context: Context) -> list[BodyState]:
-        return self._layout.read(self._state.Eval(context).tolist())
-
-    def _displacement(
-        self, bodies: list[BodyState], k: int, row: PushRow
-    ) -> tuple[float, float]:
-        a, b = self._ends[k]
-        return push_displacement(
-            bodies[a], bodies[b], row.p_AoPad_A, row.p_BoPad_B, row.axis
-        )
-
-    def _pushing(self, context: Context) -> list[int]:
+    def _find_acting(self, context: Context) -> list[_Pushes]:
         """Return the springs that are released, and have not let go of their pad."""
         released = self._released.Eval(context).tolist()
-        spent = self._get_latched(context)
-        return [
-            k
-            for k, i in enumerate(self._attachments)
-            if not spent[k] and math.isfinite(released[i])
+        spent, rows = self._get_latched(context), self._rows.read(context)
+        pushing: dict[tuple[int, int], list[_Push]] = {}
+        for k, (law, (a, b)) in enumerate(zip(self._laws, self._ends, strict=True)):
+            release = released[self._attachments[k]]
+            if math.isfinite(release) and not spent[k]:
+                values = rows[k].values
+                end = law.end(values, math)
+                push = _Push(k, a, b, law, values, end, release, *rows[k].place)
+                pushing.setdefault((a, b), []).append(push)
+        return [_Pushes(a, b, springs) for (a, b), springs in pushing.items()]
+
+    def _pushing(self, context: Context) -> tuple[list[_Push], list[BodyState]]:
+        """Return the springs that push, and the bodies if a displacement is asked."""
+        pushing = [
+            push for pushes in self._forces.eval(context) for push in pushes.springs
         ]
+        if all(push.law.by_time for push in pushing):
+            return pushing, []
+        return pushing, self._forces.read_bodies(context)
+
+    def _is_waiting(self, latched: list[float]) -> bool:
+        return not all(latched)
 
     def _needs_age(self, context: Context) -> bool:
         return self._abrupt
@@ -146,77 +217,28 @@ class Springs(LatchingSystem):
     def _due(self, context: Context, t: float) -> list[float]:
         """Return 1 for each spring whose stroke has been reached."""
         spent = self._get_latched(context)
-        pushing = self._pushing(context)
-        if not pushing:
-            return spent
-        rows = self._rows.read(context)
-        released = self._released.Eval(context).tolist()
-        bodies: list[BodyState] = []
-        for k in pushing:
-            if self._laws[k].by_time:
-                at = t - released[self._attachments[k]]
-            else:
-                bodies = bodies or self._read_bodies(context)
-                at, _ = self._displacement(bodies, k, rows[k])
-            spent[k] = float(at >= self._laws[k].end(rows[k].values, math))
+        pushing, bodies = self._pushing(context)
+        for push in pushing:
+            at, _ = push.progress(bodies, t)
+            spent[push.number] = float(at >= push.end)
         return spent
 
-    def _forces(
-        self, context: Context, pushing: list[int], rows: list[PushRow]
-    ) -> tuple[dict[int, float], list[BodyState]]:
-        """Return the forces before the ends, and the bodies if they had to be read."""
-        bodies: list[BodyState] = []
-        forces: dict[int, float] = {}
-        released, t = self._released.Eval(context).tolist(), context.get_time()
-        for k in pushing:
-            law, values = self._laws[k], rows[k].values
-            if law.by_time:
-                at, speed = t - released[self._attachments[k]], 0.0
-            else:
-                bodies = bodies or self._read_bodies(context)
-                at, speed = self._displacement(bodies, k, rows[k])
-            if at < law.end(values, math):
-                passed = law.passed(values, at, math)
-                force = law.force(values, at, speed, passed, math)
-                forces[k] = force if law.by_time else positive_part(force)
-        return forces, bodies
-
     def _calc_forces(self, context: Context, output: BasicVector) -> None:
-        pushing = self._pushing(context)
-        forces, _ = self._forces(context, pushing, self._rows.read(context))
-        output.SetFromVector([forces.get(k, 0.0) for k in range(len(self._ends))])
-
-    def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
-        pushing = self._pushing(context)
-        if not pushing:
-            output.SetZero()
-            return
-        total = WrenchSum(self._count)
-        rows = self._rows.read(context)
-        forces, bodies = self._forces(context, pushing, rows)
-        if forces:
-            bodies = bodies or self._read_bodies(context)
-            for (a, b), springs in self._groups.items():
-                on_A, on_B = push_wrenches(
-                    bodies[a],
-                    bodies[b],
-                    [
-                        (forces[k], rows[k].p_BoPad_B, rows[k].axis)
-                        for k in springs
-                        if k in forces
-                    ],
-                )
-                total.add(a, on_A)
-                total.add(b, on_B)
-        total.write(output)
+        forces = [0.0] * len(self._laws)
+        pushing, bodies = self._pushing(context)
+        for push in pushing:
+            forces[push.number] = push.force(bodies, context.get_time())
+        output.SetFromVector(forces)
 
     def _calc_energy(self, context: Context, output: BasicVector) -> None:
         energy = 0.0
-        bodies, rows = self._read_bodies(context), self._rows.read(context)
+        bodies, rows = self._forces.read_bodies(context), self._rows.read(context)
         spent = self._get_latched(context)
         for k in self._by_stroke:
             law, values = self._laws[k], rows[k].values
-            displacement, _ = self._displacement(bodies, k, rows[k])
+            a, b = self._ends[k]
+            place = rows[k].place
+            displacement, _ = push_displacement(bodies[a], bodies[b], *place)
             if displacement < law.end(values, math) and not spent[k]:
                 energy += law.energy(values, displacement)
         output.SetFromVector([energy])

@@ -29,9 +29,8 @@ from drakesep.systems.equations.relative_motion import (
 )
 from drakesep.systems.equations.springs import law_of
 from drakesep.systems.model.joints import holds_all_rotations
-from drakesep.systems.model.pushers import Pusher
 from drakesep.systems.model.run import Run
-from drakesep.systems.model.separation import Attachment
+from drakesep.systems.model.separation import Attachment, Separation
 
 
 def joint_loads(run: Run) -> dict[str, Array]:
@@ -113,7 +112,7 @@ def spring_force_over(run: Run, attachment: Attachment) -> Array:
     time = run.completed_trajectory.time
     release, end = run.releases[attachment.name], run.stroke_ends[spring.name]
     pushes = (release <= time) & (time < end)
-    return np.where(pushes, _force(run, attachment, spring), 0.0)
+    return np.where(pushes, _force(run, attachment), 0.0)
 
 
 def spring_work(run: Run, attachment: Attachment) -> float:
@@ -134,17 +133,40 @@ def spring_work(run: Run, attachment: Attachment) -> float:
     A, B = (_states(run, name) for name in (attachment.A, attachment.B))
     place = push_place(run.separation, attachment, spring)
     _, speed = push_displacement(A, B, *place)
-    power = _force(run, attachment, spring) * speed
+    power = _force(run, attachment) * speed
     return float(np.trapezoid(power[pushes], time[pushes]))
 
 
-def _force(run: Run, attachment: Attachment, spring: Pusher) -> Array:
+def _force(run: Run, attachment: Attachment) -> Array:
+    A, B = (_states(run, name) for name in (attachment.A, attachment.B))
+    age = run.completed_trajectory.time - run.releases[attachment.name]
+    return force_within_stroke(run.separation, attachment, A, B, age)
+
+
+def force_within_stroke(
+    separation: Separation,
+    attachment: Attachment,
+    A: BodyState,
+    B: BodyState,
+    age: Array,
+) -> Array:
+    """Return the force of the spring of an attachment, (n,) N along its axis, on B.
+
+    From its release to the end of its stroke, which this does not look at.
+
+    Args:
+        separation: as it was flown.
+        attachment: of it, with a spring.
+        A: body pushed from, at n times.
+        B: body pushed away.
+        age: (n,) time since the release, s.
+    """
+    spring = attachment.spring
+    assert spring is not None
     law = law_of(spring)
     if law.by_time:
-        age = run.completed_trajectory.time - run.releases[attachment.name]
         return np.asarray(law.force(spring, age, 0.0, (), np))
-    A, B = (_states(run, name) for name in (attachment.A, attachment.B))
-    place = push_place(run.separation, attachment, spring)
+    place = push_place(separation, attachment, spring)
     displacement, speed = push_displacement(A, B, *place)
     passed = law.passed(spring, displacement, np)
     force = law.force(spring, displacement, speed, passed, np)

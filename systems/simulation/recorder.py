@@ -5,13 +5,16 @@ at the time of its end, which is wrong for forces that depend on time, as spring
 (drake 1.51.1: 7e-4 m/s^2 of 3 in the first step of a release at accuracy 1e-6).
 """
 
+import functools
 from dataclasses import dataclass, field
 
 import numpy as np
-from pydrake.systems.framework import Context, System
+from pydrake.systems.framework import Context
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from drakesep.systems.arrays import Array
+from drakesep.systems.diagram.separation_system import SeparationSystem
+from drakesep.systems.equations.relative_motion import BodyState
 
 
 @dataclass
@@ -24,7 +27,9 @@ class _Piece:
     """At the start and at the end, or at every step."""
     ended: bool = False
 
+    @functools.cached_property
     def cubic(self) -> CubicSpline | CubicHermiteSpline:
+        """Through its steps, once it has ended."""
         if len(self.slopes) == len(self.times):
             return CubicHermiteSpline(self.times, self.states, self.slopes)
         ends = ((1, self.slopes[0]), (1, self.slopes[-1]))
@@ -40,7 +45,9 @@ class Recorder:
     taken at every step, for a fifth more time, and no step feels another.
     """
 
-    def __init__(self, system: System, context: Context, *, kinks_within_steps: bool):
+    def __init__(
+        self, system: SeparationSystem, context: Context, *, kinks_within_steps: bool
+    ):
         self._system = system
         self._context = context
         self._every_slope = kinks_within_steps
@@ -82,17 +89,20 @@ class Recorder:
         """Return the times at which steps ended, increasing, s."""
         return np.unique(np.concatenate([piece.times for piece in self._pieces]))
 
-    def sample(self, times: Array) -> tuple[Array, Array]:
-        """Return the state and its derivatives, (nx, n) each, at increasing times.
+    def bodies(self, times: Array) -> list[BodyState]:
+        """Return the bodies' motion at n increasing times; at a kink, after it."""
+        return self._system.layout.read(self._evaluate(times, 0))
 
-        At a kink they are those after it.
-        """
+    def accelerations(self, times: Array) -> list[Array]:
+        """Return (6, n) of each: angular, rad/s^2, and of its origin, m/s^2, in W."""
+        slopes = self._evaluate(times, 1)
+        return [slopes[v : v + 6] for _, v in self._system.layout.starts]
+
+    def _evaluate(self, times: Array, derivative: int) -> Array:
         starts = [piece.times[0] for piece in self._pieces]
-        owners = np.searchsorted(starts, times, side="right") - 1
-        states, slopes = [], []
-        for i, piece in enumerate(self._pieces):
-            at = times[owners == i]
-            cubic = piece.cubic()
-            states.append(cubic(at))
-            slopes.append(cubic(at, 1))
-        return np.concatenate(states).T, np.concatenate(slopes).T
+        first = np.searchsorted(times, starts)
+        parts = [
+            piece.cubic(at, derivative)
+            for piece, at in zip(self._pieces, np.split(times, first[1:]), strict=True)
+        ]
+        return np.concatenate(parts).T

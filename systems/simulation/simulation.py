@@ -9,9 +9,9 @@ from pydrake.systems.framework import Context, EventStatus
 from scipy.optimize import brentq
 
 from drakesep.systems.arrays import Array
-from drakesep.systems.diagram.motion_analysis import Measured
 from drakesep.systems.diagram.separation_system import SeparationSystem
 from drakesep.systems.equations import relative_motion as motion_laws
+from drakesep.systems.equations.momentum_of_run import momentum_given
 from drakesep.systems.equations.motion_of_run import relative_motion_of
 from drakesep.systems.equations.pushers import push_displacement, push_place
 from drakesep.systems.equations.relative_motion import BodyState
@@ -49,7 +49,8 @@ class Simulation:
     def __init__(self, separation: Separation, integration: Integration | None = None):
         self.separation = separation
         self.integration = integration or Integration()
-        self._system = SeparationSystem(separation)
+        # Momentum is summed after a run: what is integrated costs at every step.
+        self._system = SeparationSystem(separation, motion_analysis=False)
         self._read = self._system.parameters_read(separation)
 
     def run(self, values: Mapping[str, float] | None = None) -> Run:
@@ -74,11 +75,19 @@ class Simulation:
         try:
             contacts = ContactLog(self._system, context)
             recorder, releases = self._advance(simulator, context, separation, contacts)
-            ends = _find_stroke_ends(self._system, separation, recorder, releases)
+            ends = _find_stroke_ends(separation, recorder, releases)
             breaks = find_breaks(separation, releases, ends)
             times = sample_times(separation, releases, ends)
             times = _with_contacts(times, recorder.step_times(), contacts.forces)
-            motions, trajectory = _sample(self._system, separation, recorder, times)
+            momenta = momentum_given(
+                separation,
+                times,
+                recorder.step_times(),
+                recorder.bodies,
+                releases,
+                ends,
+            )
+            motions, trajectory = _sample(separation, recorder, times, momenta)
         except (RuntimeError, ArithmeticError, ValueError) as error:
             # Drake's: the step size collapsed, say. Python's: a number overflowed.
             return Run(
@@ -182,7 +191,6 @@ def _releases(separation: Separation, released: Array) -> dict[str, float]:
 
 
 def _find_stroke_ends(
-    system: SeparationSystem,
     separation: Separation,
     recorder: Recorder,
     releases: Mapping[str, float],
@@ -200,15 +208,13 @@ def _find_stroke_ends(
     for attachment, spring in separation.pushing:
         if not law_of(spring).by_time:
             release = releases[attachment.name]
-            end = _find_stroke_end(
-                system, separation, recorder, attachment, spring, release
+            ends[spring.name] = _find_stroke_end(
+                separation, recorder, attachment, spring, release
             )
-            ends[spring.name] = end
     return ends
 
 
 def _find_stroke_end(
-    system: SeparationSystem,
     separation: Separation,
     recorder: Recorder,
     attachment: Attachment,
@@ -225,7 +231,7 @@ def _find_stroke_end(
     stroke = law_of(spring).end(spring, math)
 
     def left(times: Array) -> Array:
-        bodies = system.layout.read(recorder.sample(times)[0])
+        bodies = recorder.bodies(times)
         displacement, _ = push_displacement(bodies[a], bodies[b], *place)
         return stroke - np.asarray(displacement)
 
@@ -263,22 +269,21 @@ def _with_contacts(
 
 
 def _sample(
-    system: SeparationSystem, separation: Separation, recorder: Recorder, times: Array
+    separation: Separation,
+    recorder: Recorder,
+    times: Array,
+    momenta: Mapping[str, Array],
 ) -> tuple[dict[str, Motion], Trajectory]:
     """Return the motions of the bodies that leave, by their names, and of all in W."""
-    x, xdot = recorder.sample(times)
-    bodies = system.layout.read(x)
+    bodies, accelerations = recorder.bodies(times), recorder.accelerations(times)
     names = tuple(body.name for body in separation.bodies)
     states = np.array([[*b.q_WB, *b.p_WBo, *b.w_WB, *b.v_WBo] for b in bodies])
     trajectory = Trajectory(names=names, time=times, states=np.moveaxis(states, -1, 0))
-    momenta = x[system.layout.size :].reshape(-1, 6, len(times))
     motions = {}
-    for pair, momentum in zip(separation.pairs, momenta, strict=True):
+    for pair in separation.pairs:
         b = names.index(pair.B)
-        _, v = system.layout.starts[b]
-        slopes = xdot[v : v + 6]
         motions[pair.B] = _motion(
-            separation, pair, trajectory, bodies[b], slopes, momentum
+            separation, pair, trajectory, bodies[b], accelerations[b], momenta[pair.B]
         )
     return motions, trajectory
 
@@ -288,7 +293,7 @@ def _motion(
     pair: Pair,
     trajectory: Trajectory,
     B: BodyState,
-    slopes: Array,
+    acceleration: Array,
     momentum: Array,
 ) -> Motion:
     """Return the motion of a pair.
@@ -298,17 +303,16 @@ def _motion(
         pair: in which B leaves.
         trajectory: of all bodies.
         B: its states.
-        slopes: (6, n) its accelerations in W, as in Drake's plant.
-        momentum: (6, n) given to it, over mass and mean moment of inertia.
+        acceleration: (6, n) angular, and of its origin, in W.
+        momentum: (n, 6) linear and angular, that springs gave it, in B.
     """
-    measured = Measured.of(separation, pair)
-    acceleration = motion_laws.cg_acceleration(
-        B, measured.p_BoBcm_B, tuple(slopes[:3]), tuple(slopes[3:])
-    )
+    p_BoBcm_B = separation.body(pair.B).p_BoBcm_B
+    alpha_WB, a_WBo = tuple(acceleration[:3]), tuple(acceleration[3:])
+    a_WBcm = motion_laws.cg_acceleration(B, p_BoBcm_B, alpha_WB, a_WBo)
     return Motion(
         time=trajectory.time,
-        acceleration=np.stack(acceleration, axis=1),
-        linear_momentum_change=measured.mass * momentum[:3].T,
-        angular_momentum_change=measured.inertia * momentum[3:].T,
+        acceleration=np.stack(a_WBcm, axis=1),
+        linear_momentum_change=momentum[:, :3],
+        angular_momentum_change=momentum[:, 3:],
         **relative_motion_of(separation, pair, trajectory),
     )
