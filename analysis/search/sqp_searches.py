@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from drakesep.analysis.metrics.objectives import LargestOfParts
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.linearised_corners import different, linearised_corners
 from drakesep.analysis.search.problem import (
@@ -25,6 +26,8 @@ _PATIENCE = 12
 """Iterations of one of many starts: what creeps on is none of the best."""
 _ENOUGH = 1e-8
 """Tolerance of one of many starts: maxima that differ by 1e-6 are told apart."""
+_CORNERS, _WORST = 256, 2
+"""That are looked at where nothing sweeps an objective, and those kept as starts."""
 
 
 def sqp_from_nominal(
@@ -60,7 +63,8 @@ def sqp_from_many(
             key=lambda c: -c.value,
         )
         found = linearised_corners(problem, k)
-        best = [*nominal, *found, *(np.array(c.u) for c in mine)]
+        unswept = _worst_corners(problem, settings, k)
+        best = [*nominal, *found, *unswept, *(np.array(c.u) for c in mine)]
         # All such corners; around the nominal, what is near has another side.
         best += [set_.draw_back(set_.box.opposite(u)) for u in found]
         best = different(best)[: max(count, len(nominal) + len(found))]
@@ -69,6 +73,26 @@ def sqp_from_many(
         drawn = set_.draw(max(count - len(best), 0), rng)
         starts[k] = [*best, *drawn]
     return _search("multistart", problem, settings, on_progress, starts)
+
+
+def _worst_corners(problem: Problem, settings: SearchSettings, k: int) -> list[Array]:
+    """Return the worst (n,) of some corners, all if they are few; the worst first.
+
+    For an objective that no search sweeps and of which nothing is known but its values,
+    such as a user's function of a run: its slopes may lead astray.
+    """
+    objective, set_ = problem.evaluator.objectives[k], problem.tolerances
+    if not objective.expensive or isinstance(objective, LargestOfParts):
+        return []
+    n, most = len(set_), min(_CORNERS, settings.samples)
+    if 2**n <= most:
+        signs = (np.arange(2**n)[:, None] >> np.arange(n)) & 1
+    else:
+        signs = np.random.default_rng(settings.seed).integers(2, size=(most, n))
+    corners = set_.draw_back(set_.box.corners(2.0 * signs - 1.0))
+    told = problem.evaluator.one(set_.rows(corners), [k] * len(corners))
+    order = np.argsort(-np.where(np.isnan(told.values), -np.inf, told.values))
+    return [corners[i] for i in order[:_WORST].tolist()]
 
 
 def _search(

@@ -166,11 +166,35 @@ def fails(run):
         ({"at_most": None}, "mine: must have at_most or at_least, got none"),
         ({"at_most": math.nan}, "mine: limit must be finite, got nan"),
         ({"at_least": 2.0}, "at_least must not be above at_most, got 2 and 1"),
+        ({"name": "status", "unit": ""}, "would be the column 'status' of tables"),
+        ({"name": "label", "unit": ""}, "would be the column 'label' of tables"),
+        ({"name": "rate_at_end_x_deg", "unit": "s"}, "which is another's"),
     ],
 )
 def test_what_makes_no_sense_is_refused(wrong, message):
     with pytest.raises(ValueError, match=message):
         required(**{"at_most": 1.0, **wrong})
+
+
+def test_a_corner_to_which_no_slope_leads():
+    """At the nominal the function falls with the mass, in a corner it is higher."""
+
+    def two_sided(run) -> float:
+        speed = speed_in_mm_s(run) - by_energy(500.0)
+        return max(speed, -30.0 * speed)
+
+    study = drakesep.verify(
+        case(),
+        requirements=[required(function=two_sided, at_most=60.0)],
+        samples=50,
+        starts=8,
+        growth=False,
+    )
+    worst = -30.0 * (SLOWEST - by_energy(500.0))
+    assert worst > 60.0 > FASTEST - by_energy(500.0)
+    row = study.requirements.iloc[-1]
+    assert row["worst"] == pytest.approx(worst, rel=30 * EXACT)
+    assert row["verdict"] == "not met"
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import math
 
 import pandas as pd
 import pytest
+from trade import symmetric_design
 
 import drakesep
 from drakesep.analysis.metrics.objectives import OBJECTIVES, highest
@@ -295,3 +296,24 @@ def test_failed_run_is_a_row_with_its_reason(tmp_path):
     assert row["status"].startswith("failed: ")
     assert row["payload.mass_kg"] == 1860.0
     assert not (tmp_path / "motion.csv").exists()
+
+
+def test_a_run_that_fails_within_the_tolerances_takes_the_verdict():
+    """The run is over when 510 kg would leave the springs: 520 kg never does.
+
+    A quarter of a period of the reduced mass on four springs of 500 N over 80 mm.
+    """
+    reduced = 510.0 * 2000.0 / 2510.0
+    end = 0.5 * math.pi * math.sqrt(reduced * 0.08 / 2000.0)
+    speed = {"quantity": "longitudinal_speed_m_s", "when": "at_separation"}
+    short = symmetric_design(
+        requirements=[{**speed, "at_least": 0.01}],
+        dispersions={"sc.mass_kg": 20.0},
+        run={"duration_s": end, "accuracy": 1e-8},
+    )
+    study = drakesep.verify(short, searches=["vertices", "sqp"], growth=False)
+    assert study.searches.set_index("search")["failed"]["vertices"] == 1
+    assert not study.completed
+    assert not study.passed
+    assert study.verdict is None
+    assert "vertices: 1 of 2 runs within the tolerances failed" in study.failure
