@@ -29,7 +29,7 @@ from drakesep.systems.geometry.moved_parts import displacements
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.part_pairs import owners_of, pairs_apart
 from drakesep.systems.model.run import Run
-from drakesep.systems.model.separation import Pair, Separation
+from drakesep.systems.model.separation import Pair, Separation, leaving_among
 
 
 LOWEST = f"lowest_{CLEARANCE}"
@@ -202,12 +202,14 @@ class LowestClearance(LargestOfParts):
             count: of moments.
 
         Returns:
-            (n,) how far B, the first that is meant, has moved in its direction, m; and
+            (n,) how far the body has moved in its direction that leaves, of those that
+            are meant, for the two whose parts are nearest (see `leaving_among`), m; and
             (n,) the distances, m.
         """
         times = np.append(np.linspace(0.0, self._end(run), count), found.time)
         times.sort()
-        leaves = self._leaving[0]
+        bodies = self._owners[found.first], self._owners[found.second]
+        leaves = leaving_among(self._leaving, bodies)
         moved = _path_of(leaves, run).moved(times, leaves.direction)
         pair = found.first, found.second
         return moved, self._analysis.at_times(run, times, of=[pair])[:, 0]

@@ -23,16 +23,14 @@ _WILD = re.compile(r"[*?\[]")
 
 
 def _check_side(value: Any) -> Any:
-    share = isinstance(value, str) and _PERCENT.fullmatch(value)
-    if share:
-        if float(share[1]) == 0.0:
-            raise ValueError(f"must be > 0, got {value!r}")
-    elif isinstance(value, bool) or not isinstance(value, int | float):
+    if isinstance(value, str) and _PERCENT.fullmatch(value):
+        return value
+    if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(
             "must be a number, or a share of the nominal such as 5 %, got "
             f"{shown(value)}"
         )
-    elif not 0 <= value < math.inf:
+    if not 0 <= value < math.inf:
         raise ValueError(f"must be finite and >= 0, got {value}")
     return value
 
@@ -43,7 +41,16 @@ def _check(value: Any) -> Any:
     number = isinstance(value, int | float) and not isinstance(value, bool)
     if number and not 0 < value < math.inf:
         raise ValueError(f"must be finite and > 0, got {value}")
-    return _check_side(value)
+    _check_side(value)
+    if _is_zero(value):
+        raise ValueError(f"must be > 0, got {value!r}")
+    return value
+
+
+def _is_zero(side: float | str) -> bool:
+    """Return whether a side that is checked is zero, or a share of 0 %."""
+    share = _PERCENT.fullmatch(str(side))
+    return float(share[1] if share else side) == 0.0
 
 
 Side: TypeAlias = Annotated[float | str, BeforeValidator(_check_side)]
@@ -79,7 +86,9 @@ class ToleranceSection(Section):
                 raise ValueError(
                     f"upper must be > lower, got {self.lower:g} to {self.upper:g}"
                 )
-        elif self.minus == self.plus == 0:
+        elif all(
+            _is_zero(side) for side in (self.minus, self.plus) if side is not None
+        ):
             raise ValueError("minus or plus must be > 0, got 0 for both")
         return self
 

@@ -8,7 +8,8 @@ from drakesep.systems.checks import InputError, unknown
 
 
 _TEMPLATE = Path(__file__).with_name("new_case.yaml")
-"""Its name of a case stands wherever the new one does."""
+"""Its name of a case stands wherever the new one does; in quotes as the case's name, as
+YAML would read 123, null or a date as no text."""
 
 
 def new_case(name: str, *, like: str | None = None, file: Path | None = None) -> Path:
@@ -41,7 +42,7 @@ def new_case(name: str, *, like: str | None = None, file: Path | None = None) ->
         text = _TEMPLATE.read_text(encoding="utf-8").replace("new_case", name)
     else:
         text = builtin[like].read_text(encoding="utf-8")
-        text = re.sub(r"^name: .*$", f"name: {name}", text, count=1, flags=re.M)
+        text = re.sub(r"^name: .*$", f'name: "{name}"', text, count=1, flags=re.M)
     try:
         with file.open("x", encoding="utf-8") as stream:
             stream.write(text)

@@ -1,5 +1,6 @@
 """The command that flies variants: sweep."""
 
+import math
 from typing import Annotated
 
 import typer
@@ -14,7 +15,7 @@ from drakesep.cli.options import (
 )
 from drakesep.cli.report import Report
 from drakesep.cli.results_folder import interruptible, results_folder, say_where
-from drakesep.systems.checks import InputError
+from drakesep.systems.checks import InputError, check_finite
 
 
 def sweep(
@@ -98,13 +99,24 @@ def parse_swept(texts: list[str]) -> dict[str, list[float]]:
 
 def _between(name: str, said: str) -> list[float]:
     """Return evenly spaced values, the ends among them, from FROM:TO:N."""
+    from drakesep.studies.sweep import MOST
+
     parts = said.split(":")
     if len(parts) != 3:
         raise InputError(f"{name}: must be FROM:TO:N, got {said!r}")
     first, last = (number(name, part) for part in parts[:2])
+    check_finite(name, first, last)
+    if not math.isfinite(last - first):
+        raise InputError(
+            f"{name}: FROM and TO must differ by a number that a computer can hold, "
+            f"got {said!r}"
+        )
     if not parts[2].isdecimal() or int(parts[2]) < 2:
         raise InputError(
             f"{name}: N must be a whole number of 2 or more, got {parts[2]!r}"
         )
+    # Before they are made: all of them may not fit into memory.
+    if float(parts[2]) > MOST:
+        raise InputError(f"{name}: must make at most {MOST} variants, got {parts[2]}")
     steps = int(parts[2]) - 1
     return [*(first + (last - first) * k / steps for k in range(steps)), last]

@@ -7,9 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.requirements import Requirement
-from drakesep.plots.approach import Approach
+from drakesep.plots.approach import Approach, Curve
 from drakesep.plots.style import (
     COLOURS,
     DASHES,
@@ -22,38 +21,31 @@ from drakesep.systems.arrays import Array
 from drakesep.units import unit_of
 
 
-def save_clearance(
-    time: Array,
-    separation: Array,
-    curves: Mapping[str, tuple[Array, Clearance]],
-    folder: Path,
-) -> None:
+def save_clearance(time: Array, curves: Mapping[str, Curve], folder: Path) -> None:
     """Write clearance.png into a folder."""
-    figure = clearance_figure(time, separation, curves)
+    figure = clearance_figure(time, curves)
     save_plot(figure, folder / "clearance.png")
 
 
-def clearance_figure(
-    time: Array, separation: Array, curves: Mapping[str, tuple[Array, Clearance]]
-) -> Figure:
+def clearance_figure(time: Array, curves: Mapping[str, Curve]) -> Figure:
     """Return how near pairs are, over time and over the distance of separation.
 
     Args:
         time: (n,) s.
-        separation: (n,) how far B has moved in its direction, m.
-        curves: (n,) distances, m, and the smallest, by the name of the pair.
+        curves: by the name of the pair of parts.
     """
     mm = unit_of("clearance").per_si
     figure = Figure(figsize=(12, 5.2), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
     # Contact has no place on a scale of powers: it is drawn at the lower edge.
-    least = min(_positive(distances).min() for distances, _ in curves.values())
+    least = min(_positive(curve.distance).min() for curve in curves.values())
     floor = 0.5 * mm * float(least)
-    for axes, x in zip(panels, (time, separation * mm), strict=True):
-        for i, (name, (distances, one)) in enumerate(curves.items()):
+    for i, (name, curve) in enumerate(curves.items()):
+        one = curve.smallest
+        for axes, x in zip(panels, (time, mm * curve.separation), strict=True):
             colour = COLOURS[i % len(COLOURS)]
             dashes = DASHES[i // len(COLOURS) % len(DASHES)]
-            shown = np.maximum(mm * distances, floor)
+            shown = np.maximum(mm * curve.distance, floor)
             axes.plot(x, shown, color=colour, linestyle=dashes, label=name)
             axes.plot(
                 np.interp(one.time, time, x),
@@ -62,6 +54,7 @@ def clearance_figure(
                 color=colour,
                 markersize=6 if one.contact is None else 10,
             )
+    for axes in panels:
         axes.set_yscale("log")
         axes.grid(alpha=0.3, which="both")
     panels[0].set_xlabel("time (s)")
@@ -92,7 +85,7 @@ def save_approaches(
 def approaches_figure(
     approaches: Sequence[Approach], limits: Sequence[Requirement]
 ) -> Figure:
-    """Return how near the pair that comes nearest in each run is, as B moves away.
+    """Return how near the pair that comes nearest in each run is, as its bodies part.
 
     Args:
         approaches: of each run; a panel for each clearance.

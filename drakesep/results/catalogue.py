@@ -249,7 +249,11 @@ _OF_ONE_RUN = (
             Column("clearance_mm", "mm", "Smallest distance; 0 if they touch."),
             Column("time_s", "s", "When."),
             Column(
-                "separation_mm", "mm", "How far B's origin has moved along A's x then."
+                "separation_mm",
+                "mm",
+                "How far the body that leaves has moved in its direction then, by its "
+                "origin; of two that leave, the one that leaves the other, or that "
+                "stands first in the case.",
             ),
             Column(
                 "{side}_position_{axis}_mm", "mm", "Nearest point, in its body's axes."
@@ -268,7 +272,15 @@ _OF_ONE_RUN = (
         row="sample time",
         columns=(
             _TIME,
-            Column("separation_mm", "mm", "How far B's origin has moved along A's x."),
+            Column(
+                "separation_mm",
+                "mm",
+                "How far B of the first pair has moved in its direction, by its "
+                "origin.",
+            ),
+            Column(
+                "{body}.separation_mm", "mm", "The same of another body that leaves."
+            ),
             Column("{part}_to_{part}_mm", "mm", "Distance of the two parts."),
         ),
     ),

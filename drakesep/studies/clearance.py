@@ -13,6 +13,7 @@ from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.clearance.of_run import PARTED, ClearanceAnalysis
 from drakesep.case_file.case import Case
 from drakesep.case_file.values import values_in_si
+from drakesep.plots.approach import Curve
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import CLEARANCE
 from drakesep.results.folder import Output, ResultsFolder, begun
@@ -24,7 +25,7 @@ from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.part_pairs import owners_of
 from drakesep.systems.model.run import Run
-from drakesep.systems.model.separation import Separation
+from drakesep.systems.model.separation import Pair, Separation, leaving_among
 from drakesep.systems.simulation.simulation import Simulation
 from drakesep.tables.columns import in_units, write_csv
 from drakesep.tables.labelled_run import LabelledRun, measured
@@ -64,31 +65,39 @@ class Clearances:
         return self.analysis.over_time(self.run)
 
     @functools.cached_property
-    def separation(self) -> Array:
-        """(n,) how far B's origin has moved in its direction, m."""
-        return self._moved(self._time)
+    def separations(self) -> dict[str, Array]:
+        """(n,) how far each body that leaves has moved in its direction, m.
+
+        By its origin, as seen from the body that it leaves.
+        """
+        return {p.B: self._moved(p, self._time) for p in self.run.separation.pairs}
 
     @property
     def _time(self) -> Array:
         return self.run.completed_trajectory.time
 
-    def _moved(self, times: Array) -> Array:
-        pair = self.run.separation.pairs[0]
-        return self._path.moved(times, pair.direction)
+    def _moved(self, pair: Pair, times: Array) -> Array:
+        return self._paths[pair.B].moved(times, pair.direction)
 
     @functools.cached_property
-    def _path(self) -> RelativePath:
-        flown = self.run.separation
-        return RelativePath(self.run.completed_trajectory, flown.A, flown.B)
+    def _paths(self) -> dict[str, RelativePath]:
+        flown = self.run.completed_trajectory
+        return {p.B: RelativePath(flown, p.A, p.B) for p in self.run.separation.pairs}
+
+    def _leaving(self, one: Clearance) -> Pair:
+        """Return by which pair it is said how far the bodies of two parts moved."""
+        bodies = owners_of(self.run.separation)
+        ends = bodies[one.first], bodies[one.second]
+        return leaving_among(self.run.separation.pairs, ends)
 
     @property
     def over_time(self) -> pd.DataFrame:
         """A row for each sample time: how near each pair is."""
         mm = unit_of("clearance")
-        columns = {
-            with_unit("time"): self._time,
-            with_unit("separation"): self.separation * unit_of("separation").per_si,
-        }
+        columns = {with_unit("time"): self._time}
+        for body, moved in self.separations.items():
+            of = "" if body == self.run.separation.B else f"{body}."
+            columns[f"{of}{with_unit('separation')}"] = moved * mm.per_si
         for (a, b), distances in zip(
             self.analysis.names, self.distances.T, strict=True
         ):
@@ -123,7 +132,9 @@ class Clearances:
             at = {
                 "clearance": one.minimum,
                 "time": one.time,
-                "separation": float(self._moved(np.array([one.time]))[0]),
+                "separation": float(
+                    self._moved(self._leaving(one), np.array([one.time]))[0]
+                ),
             }
             for side, point in (("first", one.p_AoCa_A), ("second", one.p_BoCb_B)):
                 for axis, x in zip("xyz", point, strict=True):
@@ -169,15 +180,15 @@ class Clearances:
         save_remarks(self.remarks, folder)
         write_csv(self.summary, folder / "clearance_summary.csv")
         write_csv(self.over_time, folder / "clearance.csv")
-        save_clearance(self._time, self.separation, self._curves, folder)
+        save_clearance(self._time, self._curves, folder)
         save_swept(self.run, self.analysis.names, folder)
         results.end(verdict="clear" if self.clear else "contact")
 
     @property
-    def _curves(self) -> dict[str, tuple[Array, Clearance]]:
-        """Distances over time and the smallest, by the name of the pair."""
+    def _curves(self) -> dict[str, Curve]:
+        """How near parts are, by the name of the pair."""
         return {
-            one.pair: (distances, one)
+            one.pair: Curve(self.separations[self._leaving(one).B], distances, one)
             for one, distances in zip(self.found, self.distances.T, strict=True)
         }
 

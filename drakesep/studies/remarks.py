@@ -131,6 +131,11 @@ class _Push(NamedTuple):
     held_by: tuple[str, ...]
     """Attachments that let go after the spring is spent."""
 
+    @property
+    def gives_more(self) -> bool:
+        """Whether it gives more than it stores."""
+        return self.given > self.stored
+
 
 def _of_springs(run: Run, told: set[str]) -> _Told:
     """Yield which springs of Eq. 5 give another energy than they store; see above."""
@@ -140,8 +145,12 @@ def _of_springs(run: Run, told: set[str]) -> _Told:
             push = _push(run, attachment, spring)
             if abs(push.given - push.stored) >= _OFF * push.stored:
                 pushes.append(push)
-    for held_by in dict.fromkeys(push.held_by for push in pushes):
-        alike = [push for push in pushes if push.held_by == held_by]
+    # Those that give more and those that give less stand apart: their misses would
+    # cancel in the sums.
+    groups: dict[tuple[tuple[str, ...], bool], list[_Push]] = {}
+    for push in pushes:
+        groups.setdefault((push.held_by, push.gives_more), []).append(push)
+    for (held_by, _), alike in groups.items():
         yield tuple(push.spring for push in alike), _of_energy(alike, held_by)
 
 

@@ -30,7 +30,7 @@ from drakesep.units import unit_of
 
 
 Engine: TypeAlias = Literal["drake", "batch"]
-_MOST = 100_000
+MOST = 100_000
 """Variants of a sweep."""
 _FEW = 100
 """Variants that Drake has flown before the batch engine's programs are compiled."""
@@ -206,8 +206,8 @@ def _grid(
     if not values:
         raise InputError("values: must be of one parameter or more, got none")
     total = math.prod(map(len, values.values()))
-    if total > _MOST:
-        raise InputError(f"values: must make at most {_MOST} variants, got {total}")
+    if total > MOST:
+        raise InputError(f"values: must make at most {MOST} variants, got {total}")
     columns: dict[str, list[float]] = {}
     for key, each in values.items():
         name = parameter_of(separation, key)

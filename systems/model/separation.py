@@ -7,7 +7,7 @@ away, W the freely falling world (see docs/frames.md).
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -224,6 +224,19 @@ class Pair:
             raise InputError(f"pair: must name two different bodies, got {self.A!r}")
         direction = unit_vector(f"pair: {self.B}: direction", self.direction)
         object.__setattr__(self, "direction", direction)
+
+
+def leaving_among(pairs: Sequence[Pair], bodies: Collection[str]) -> Pair:
+    """Return the pair that says how far two bodies have moved apart.
+
+    That of the two; if there is none, the first in which one of them leaves, whatever
+    it leaves; and the first of all if neither leaves.
+
+    Args:
+        pairs: one or more.
+        bodies: names of the two.
+    """
+    return min(pairs, key=lambda p: ({p.A, p.B} != {*bodies}, p.B not in bodies))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

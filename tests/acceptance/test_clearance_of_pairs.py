@@ -18,9 +18,12 @@ from small_case import write_case
 from trade import JOINT
 
 import drakesep
+from drakesep.analysis.clearance.objective import LowestClearance
 from drakesep.case_file.case import Case
 from drakesep.case_file.objectives import choose_objectives, clearances_of
 from drakesep.systems.model.run import Run, RunStatus, Trajectory
+from drakesep.systems.model.separation import Pair, leaving_among
+from drakesep.systems.simulation.simulation import Simulation
 
 
 ENERGY, STROKE, FORCE = 60.0, 0.08, 1500.0
@@ -119,6 +122,11 @@ def distance(factor: float, until: float) -> float:
     end = time_at(until)
     inside = minimize_scalar(apart, bounds=(0.0, end), options={"xatol": 1e-9})
     return 1e3 * (min(inside.fun, apart(0.0), apart(end)) - RADII)
+
+
+def moved(t: float) -> float:
+    """How far the spacecraft has moved along x as seen from the launch vehicle, m."""
+    return float(place(t)[0]) * SC / MU
 
 
 CLEAR = {"quantity": "clearance_mm", "pair": "sc"}
@@ -399,3 +407,64 @@ def test_clearances_of_all_parts_with_windows_of_their_own():
     # And what keeps B from the end of a window.
     names += ["longitudinal_displacement_at_end"]
     assert two.objective_names == tuple(f"lowest_{name}" for name in names)
+
+
+BOTH = [
+    {"A": "lv", "B": "nb", "direction": [0, 1, 0]},
+    {"A": "lv", "B": "sc", "direction": [1, 0, 0]},
+]
+"""The neighbour, which does not move along y, stands first."""
+TURNED = 0.5
+"""mm, within 1 m of the launch vehicle, which turns by less than 0.5 mrad: the push on
+it wanders sideways with the pad, which the thruster drives aside meanwhile."""
+
+
+def test_separation_is_that_of_the_body_that_leaves(tmp_path):
+    """Of the launch vehicle and the spacecraft the second pair's, by closed form."""
+    measured = drakesep.clearance(drifting([], pair=None, pairs=BOTH), output=tmp_path)
+    rows = measured.summary.set_index(["first", "second"])
+    for (first, second), row in rows.iterrows():
+        of_second = {first, second} == {"lv_ball", "sc_ball"}
+        expected = 1e3 * moved(row["time_s"]) if of_second else 0.0
+        assert row["separation_mm"] == pytest.approx(expected, abs=TURNED)
+    table = drakesep.read_results(tmp_path).table("clearance.csv")
+    expected = [1e3 * moved(t) for t in table["time_s"]]
+    assert table["sc.separation_mm"].to_numpy() == pytest.approx(expected, abs=TURNED)
+    assert table["separation_mm"].to_numpy() == pytest.approx(0.0, abs=TURNED)
+    drawn = measured._curves
+    assert len(drawn) == 3
+    for curve in drawn.values():
+        pair = {curve.smallest.first, curve.smallest.second}
+        end = 1e3 * curve.separation[-1]
+        at_end = expected[-1] if pair == {"lv_ball", "sc_ball"} else 0.0
+        assert end == pytest.approx(at_end, abs=TURNED)
+
+
+@pytest.mark.parametrize(
+    ("names", "end"),
+    [(("lv_ball", "sc_ball"), moved(1.8)), (("lv_ball", "nb_ball"), 0)],
+)
+def test_an_approach_is_drawn_over_the_way_of_its_body(names, end):
+    record = drifting([], pair=None, pairs=BOTH).in_si()
+    flown = Simulation(record.separation, record.integration).run()
+    clearance = LowestClearance(record.separation, [names])
+    way, _ = clearance.approach(flown, clearance.nearest(flown))
+    assert way[-1] == pytest.approx(end, abs=1e-3 * TURNED)
+
+
+@pytest.mark.parametrize(
+    ("bodies", "leaving"),
+    [
+        (("stage", "ring"), "ring"),
+        (("ring", "sat"), "sat"),  # that of the two, though the ring leaves first
+        (("stage", "sat"), "sat"),  # whatever it leaves
+        (("cube", "sat"), "sat"),
+        (("cube", "ring"), "ring"),
+        (("stage", "arm"), "ring"),  # neither leaves
+    ],
+)
+def test_which_body_leaves(bodies, leaving):
+    chain = [("stage", "ring"), ("ring", "sat"), ("stage", "cube")]
+    pairs = [Pair(A=A, B=B) for A, B in chain]
+    assert leaving_among(pairs, bodies).B == leaving
+    assert leaving_among(pairs, bodies[::-1]).B == leaving

@@ -4,6 +4,7 @@ A spring of Eq. 5 gives sqrt(F m_S L) N s, whatever it moves, and stores F L / 2
 """
 
 import math
+import re
 
 import pytest
 from command_line import run as run_command
@@ -105,6 +106,29 @@ def test_a_tenth_of_the_energy_goes_without_a_word(share):
     expected = [share * STORED] * 4
     assert works(simulated.run) == pytest.approx(expected, rel=CLOSE)
     assert bool(simulated.remarks) == (abs(share - 1.0) > 0.1)
+
+
+def test_misses_of_opposite_sign_are_told_apart():
+    """Impulses of 2 (sqrt(F L 196 kg) + sqrt(F L 36 kg)) on 400 kg: 80 J, as stored.
+
+    Those for the heavier design mass push longer, while it moves faster: they give
+    more.
+    """
+    case = timed()
+    attachments = case.model_dump(mode="json", exclude_none=True)["attachments"]
+    for name, attachment in attachments.items():
+        heavy = name in ("a1", "a3")  # in opposite corners: nothing turns
+        attachment["spring"]["design_mass_kg"] = 196.0 if heavy else 36.0
+    simulated = drakesep.simulate(case.replaced(attachments=attachments))
+    more, less = simulated.remarks
+    assert (more.about, less.about) == (("s1", "s3"), ("s2", "s4"))
+    given = [
+        float(re.search(r"give ([\d.]+) J and store 40 J", one.text)[1])
+        for one in (more, less)
+    ]
+    assert given[0] > 1.1 * 40.0
+    assert given[1] < 0.9 * 40.0
+    assert sum(given) == pytest.approx(4.0 * STORED, rel=CLOSE)
 
 
 def test_springs_by_displacement_give_what_they_store():

@@ -87,6 +87,7 @@ def test_sides_are_from_the_nominal():
             "s*.force_max_N": {"minus": 10, "plus": "3 %"},  # of 500
             "s2.force_max_N": {"lower": 400, "upper": 510},
             "a1.release_time_s": {"minus": 0, "plus": 0.01},
+            "sc.cg_x_mm": {"minus": "0 %", "plus": "1 %"},  # of 600
         }
     )
     sides = Sides(minus=10.0, plus=15.0)
@@ -96,6 +97,7 @@ def test_sides_are_from_the_nominal():
         "s3.force_max": sides,
         "s4.force_max": sides,
         "a1.release_time": Sides(minus=0.0, plus=0.01),
+        "sc.cg_x": Sides(minus=0.0, plus=0.006),
     }
 
 
@@ -137,7 +139,8 @@ def test_bounds_of_a_pattern_hold_each_nominal():
         ({"minus": 0, "plus": 0}, "minus or plus must be > 0, got 0 for both"),
         ({"minus": -1, "plus": 1}, "sc.cg_x_mm.minus: must be finite and >= 0, got -1"),
         ({"minus": 1, "plus": "a"}, "sc.cg_x_mm.plus: must be a number, or a share"),
-        ({"minus": "0 %", "plus": 1}, "sc.cg_x_mm.minus: must be > 0, got '0 %'"),
+        ({"minus": "0 %", "plus": 0}, "minus or plus must be > 0, got 0 for both"),
+        ({"minus": "0 %", "plus": "0.0 %"}, "minus or plus must be > 0, got 0 for"),
         ([2, 8], "dispersions.sc.cg_x_mm: must be a number, or a share of the nominal"),
         (True, "dispersions.sc.cg_x_mm: must be a number, or a share of the nominal"),
         (math.inf, "dispersions.sc.cg_x_mm: must be finite and > 0, got inf"),

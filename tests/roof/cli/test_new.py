@@ -82,7 +82,17 @@ def test_from_a_built_in_case(builtin, call):
         )
         if old != new
     ]
-    assert changed == [(f"name: {builtin}", "name: mine")]
+    assert changed == [(f"name: {builtin}", 'name: "mine"')]
+
+
+@pytest.mark.parametrize("more", [(), ("--from", "smallsat")])
+@pytest.mark.parametrize(
+    "name",
+    ["123", "null", "1e5", "2024-01-01", "2024-13-01", "yes", "0x1F", "my_new_case"],
+)
+def test_a_name_that_yaml_would_not_read_as_text(name, more, call):
+    assert call("new", name, *more)[0] == 0
+    assert drakesep.load_case(f"{name}.yaml").name == name
 
 
 @pytest.mark.parametrize("more", [(), ("--from", "vega")])

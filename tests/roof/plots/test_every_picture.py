@@ -21,7 +21,7 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.plots import animation as animations
-from drakesep.plots.approach import Approach
+from drakesep.plots.approach import Approach, Curve
 from drakesep.plots.clearance_plots import approaches_figure, clearance_figure
 from drakesep.plots.panels import ROTATION, TRANSLATION
 from drakesep.plots.swept_volume import swept_figure
@@ -124,7 +124,7 @@ def test_clearances():
     time = np.linspace(0.0, 2.0, 21)
     moved, distances = 0.3 * time, 0.05 + 0.02 * (time - 1.0) ** 2
     found = smallest(minimum=0.05, time=1.0)
-    figure = clearance_figure(time, moved, {"one to two": (distances, found)})
+    figure = clearance_figure(time, {"one to two": Curve(moved, distances, found)})
     for axes, x, label, at in zip(
         figure.axes,
         (time, MM * moved),

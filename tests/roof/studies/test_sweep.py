@@ -310,6 +310,16 @@ def test_values_as_they_are_written(texts, values):
         (["a=1:x:3"], "a: must be a number, got 'x'"),
         (["a=1,,2"], "a: must be a number, got ''"),
         (["a="], "a: must be a number, got ''"),
+        (["a=inf:2:3"], "a must be finite, got inf"),
+        (
+            ["a=1e308:-1e308:3"],
+            "a: FROM and TO must differ by a number that a computer can hold, got "
+            "'1e308:-1e308:3'",
+        ),
+        (
+            ["a=1:2:99999999999"],  # which would take a terabyte
+            "a: must make at most 100000 variants, got 99999999999",
+        ),
         (["a=1", "a=2"], "a: must stand once, got it twice"),
     ],
 )
