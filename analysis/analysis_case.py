@@ -385,19 +385,19 @@ class AnalysisCase:
         judges = [r.judged_by for r in self.requirements if not r.measured_apart]
         return tuple(dict.fromkeys(judges))
 
-    def reaches(self, requirement: Requirement) -> bool:
-        """Return whether runs are as long as a requirement looks at them."""
+    def tells(self, requirement: Requirement) -> bool:
+        """Return whether runs tell of a requirement: see `Metric.told_by`."""
         found = find_metric(requirement.judged_by)
-        return found is not None and found[0].reached(self.separation.duration)
+        return found is not None and found[0].told_by(self.separation)
 
     def towards(self, requirement: Requirement) -> tuple[Objective, ...]:
         """Return the objectives that lead out of a requirement.
 
-        None, if it looks at a time that no run reaches.
+        None, if no run tells of it.
         """
         if requirement.measured_apart:
             return (self.lowest_clearance(requirement.metric),)
-        return towards(requirement) if self.reaches(requirement) else ()
+        return towards(requirement) if self.tells(requirement) else ()
 
     def names_towards(self, requirement: Requirement) -> tuple[str, ...]:
         """Return the names of the objectives that lead out of a requirement."""

@@ -22,6 +22,8 @@ from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.equations.relative_motion import RelativeMotion
 from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ, with_axis
 from drakesep.systems.model.run import Motion
+from drakesep.systems.model.separation import Separation
+from drakesep.systems.sampling import NANOSECOND, tells_loads
 from drakesep.systems.vectors import Ops, Scalar
 
 
@@ -198,6 +200,11 @@ class Signal(NamedTuple):
         return _OWNERS.get(self.quantity, Owner.PAIR)
 
     @property
+    def rings(self) -> bool:
+        """Whether it rings with the joints that hold, and only samples tell it."""
+        return self.quantity in (JOINT_LOAD, "acceleration")
+
+    @property
     def of_steps(self) -> bool:
         """Whether the batch engine tells it, from its steps."""
         return self.quantity in RelativeMotion._fields
@@ -360,9 +367,25 @@ class Metric:
         return self.functional is not Functional.DISTANCE
 
     def reached(self, duration: float) -> bool:
-        """Return whether a run of such a length goes on for as long as it looks, s."""
-        ends = self.when[:2] if isinstance(self.when, Window) else (self.when,)
-        return all(isinstance(t, Moment) or t <= duration for t in ends)
+        """Return whether a run of such a length goes on for as long as it looks, s.
+
+        A window that begins where the run ends has no length: it is not reached.
+        """
+        if not isinstance(self.when, Window):
+            return isinstance(self.when, Moment) or self.when <= duration
+        start, end, _ = self.when
+        begins = isinstance(start, Moment) or start < duration - NANOSECOND
+        return begins and (isinstance(end, Moment) or end <= duration)
+
+    def told_by(self, separation: Separation) -> bool:
+        """Return whether a run of a separation tells it.
+
+        It goes on for as long as it looks, and its samples follow what rings.
+        """
+        rings = self.signal is not None and self.signal.rings
+        return self.reached(separation.duration) and (
+            not rings or tells_loads(separation)
+        )
 
     @property
     def of_steps(self) -> bool:

@@ -50,8 +50,8 @@ def metrics_of_run(
             until which all stay within theirs; infinite where there is none; or those
             of several pairs, see `Limits`.
         also: names of metrics that are not registered (see
-            `drakesep.analysis.metrics.quantities`). One that looks at a time that the
-            run does not reach is NaN.
+            `drakesep.analysis.metrics.quantities`). One that a run does not tell (see
+            `Metric.told_by`) is NaN.
 
     Raises:
         RuntimeError: the run failed.
@@ -243,9 +243,9 @@ class _Samples:
         self._whole = functools.cache(self._interpolated)
 
     @property
-    def duration(self) -> float:
-        """Of the run, s."""
-        return self._run.separation.duration
+    def separation(self) -> Separation:
+        """As it was flown."""
+        return self._run.separation
 
     def time(self, time: Time) -> float:
         """Return when a time was, s from the start."""
@@ -320,7 +320,7 @@ def _values(
     metric: Metric, samples: _Samples, deviation_limits: Sequence[float]
 ) -> dict[str, float]:
     """Return the numbers of a metric, by name."""
-    if not metric.reached(samples.duration):
+    if not metric.told_by(samples.separation):
         return dict.fromkeys(metric.names, math.nan)
     if isinstance(metric.when, Window):
         start, stop = map(samples.time, metric.when[:2])

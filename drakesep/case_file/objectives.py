@@ -52,8 +52,9 @@ def choose_objectives(
         if isinstance(name, str) and name not in known and _of_clearance(name):
             known[name] = case.lowest_clearance(name.removeprefix(_LOWEST))
     if not every and wanted is None:
+        none = "no requirement" + " that its runs tell" * bool(case.requirements)
         raise InputError(
-            f"objectives: {case.name} has no requirement and no 'objectives: paper': "
+            f"objectives: {case.name} has {none} and no 'objectives: paper': "
             f"must be given, such as {', '.join(OBJECTIVES)}, or highest_ or lowest_ "
             "and a metric; got none"
         )

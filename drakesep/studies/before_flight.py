@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 
 from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.metrics.of_run import metric_named
+from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.case_file.case import Case
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import VERIFY
@@ -47,14 +49,20 @@ def check_verifiable(case: Case) -> list[str]:
 
 
 def _never_judged(case: AnalysisCase) -> list[str]:
-    """Return which requirements look at a time that no run reaches."""
-    end = f"{case.separation.duration:g} s"
+    """Return of which requirements no run tells, and why."""
     return [
         f"Of {with_unit(r.metric)} {r.sense} {unit_of(r.metric).from_si(r.limit):g} "
-        f"there is no verdict: it looks beyond the end of the run, {end}."
+        f"there is no verdict: {_why_not(case, r)}."
         for r in case.requirements
-        if not r.measured_apart and not case.reaches(r)
+        if not r.measured_apart and not case.tells(r)
     ]
+
+
+def _why_not(case: AnalysisCase, requirement: Requirement) -> str:
+    duration = case.separation.duration
+    if not metric_named(requirement.judged_by).reached(duration):
+        return f"it looks beyond the end of the run, {duration:g} s"
+    return "joints ring for more periods than samples of a run follow"
 
 
 def _left_out(case: Case) -> list[str]:

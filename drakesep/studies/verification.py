@@ -15,6 +15,7 @@ from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.case_file.case import Case
 from drakesep.case_file.objectives import (
     Wanted,
+    case_objectives,
     choose_objectives,
     clearances_of,
     listed,
@@ -80,7 +81,7 @@ class Verification(WorstCases):
         super().save_tables(directory)
         folder = Path(directory)
         # No verdict before the worst cases are known.
-        if self.worst or (self.runs and not self.case.tolerances):
+        if self.worst or (self.runs and not self.objectives):
             write_csv(self.requirements, folder / "requirements.csv")
             if self.looks_at_paper:
                 write_csv(self.table_4, folder / "table_4.csv")
@@ -211,10 +212,13 @@ def planned(
     if not case.requirements and not requirements:
         raise InputError("requirements: a case to verify must have some, got none")
     of_functions = [o for function in requirements for o in function.objectives]
-    chosen = choose_objectives(case, None, [*listed(objectives), *of_functions])
+    also = [*listed(objectives), *of_functions]
+    # Nothing leads out of requirements of which no run tells.
+    leads = bool(also or case_objectives(case))
+    chosen = choose_objectives(case, None, also) if leads else ()
     return StudyPlan(
         asked=asked,
-        # Without dispersions, the nominal and the published runs are all there is.
+        # Without dispersions, or objectives, there are the nominal and published runs.
         objectives=chosen if case.tolerances else (),
         searches=WantedSearches.named(searches),
         clearances=clearances_of(chosen),

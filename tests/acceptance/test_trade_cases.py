@@ -7,6 +7,8 @@ import pytest
 from trade import BODIES, SPEED, symmetric_design
 
 import drakesep
+from drakesep.studies.before_flight import check_verifiable
+from drakesep.systems import sampling
 
 
 LITTLE = {"samples": 100, "starts": 2, "growth": False}
@@ -72,6 +74,103 @@ def test_band_of_a_speed_by_two_sources():
     # What the pushes turn, 3 m from the axis of 3 t m2, takes a few thousandths.
     assert extremes == pytest.approx([slow, fast, slow, fast], rel=5e-3)
     assert study.completed and not study.passed
+
+
+@pytest.mark.parametrize("dispersions", [{}, {"s1.force_max_N": 50.0}])
+@pytest.mark.parametrize(
+    "late",
+    [
+        {"quantity": "rate_modulus_deg_s", "when": {"from_s": 3.0}},
+        {"quantity": "rate_deg_s", "when": {"from_s": 2.9999999999}},
+        {"quantity": "joint_force_N", "when": {"from_s": 3.0}},
+        {"quantity": "rate_modulus_deg_s", "when": {"from_s": 4.0}},
+        {"quantity": "rate_modulus_deg_s", "when": {"at_s": 3.000001}},
+    ],
+)
+def test_what_is_required_from_the_end_on_alone_is_not_looked_at(late, dispersions):
+    """The run ends at 3 s: nothing is searched, and nothing is met."""
+    required = late | {"at_most": [1.0] * 3 if "rate_deg" in str(late) else 1.0}
+    case = symmetric_design(
+        dispersions=dispersions,
+        requirements=[required],
+        run={"duration_s": 3.0, "accuracy": 1e-8},
+    )
+    study = drakesep.verify(case, **LITTLE)
+    assert {*study.requirements["verdict"]} == {"not looked at"}
+    assert study.completed and not study.passed
+    assert not study.searched
+    assert any("it looks beyond the end" in note for note in check_verifiable(case))
+    with pytest.raises(ValueError, match=r"no requirement that its runs tell|none"):
+        drakesep.worst_case(case)
+
+
+def test_a_window_that_begins_at_the_end_has_no_value_in_a_sweep():
+    case = symmetric_design(
+        requirements=[
+            {"quantity": "rate_deg_s", "when": {"from_s": 3.0}, "at_most": [1.0] * 3}
+        ],
+        run={"duration_s": 3.0, "accuracy": 1e-8},
+    )
+    for engine in ("drake", "batch"):
+        study = drakesep.sweep(case, {"s1.force_max_N": [490.0, 500.0]}, engine=engine)
+        assert {*study.table["verdict"]} == {"not looked at"}
+
+
+def rung_joints(duration, **changes):
+    """Four joints without damping, of 1e7 N/m in all, hold until near the end.
+
+    1000 N on 2000 kg from 0.1 s on: they carry 200 N to 500 kg, each 50 N, and ring
+    with a period of 2 pi sqrt(400 kg / 1e7 N/m), 40 ms.
+    """
+    case = symmetric_design().model_dump(mode="json", exclude_none=True)
+    for pad in case["attachments"].values():
+        pad["release_time_s"] = duration - 0.5
+        pad["joint"] = {
+            "stiffness_N_m": 2.5e6,
+            "damping_N_s_m": 0.0,
+            "angular_stiffness_N_m_rad": 0.0,
+            "angular_damping_N_m_s_rad": 0.0,
+        }
+    engine = {
+        "body": "lv",
+        "position_mm": [-1200.0, 0.0, 0.0],
+        "direction": [1.0, 0.0, 0.0],
+        "times_s": [0.1, duration],
+        "thrusts_N": [1000.0, 1000.0],
+    }
+    return symmetric_design(
+        attachments=case["attachments"],
+        loads={"engine": engine},
+        run={"duration_s": duration, "accuracy": 1e-6},
+        **changes,
+    )
+
+
+FORCE = {"quantity": "joint_force_N", "of": "a1"}
+
+
+@pytest.mark.parametrize("engine", ["drake", "batch"])
+@pytest.mark.parametrize("duration", [1.2, 2.5])
+def test_a_step_on_joints_without_damping_is_carried_twice(duration, engine):
+    case = rung_joints(duration, requirements=[FORCE | {"at_most": 99.0}])
+    study = drakesep.sweep(case, {"sc.mass_kg": [500.0]}, engine=engine)
+    [row] = study.table.to_dict("records")
+    # Twenty samples a period: 1.2 % of the amplitude, which is half of the peak.
+    assert row["a1.joint_force_N"] == pytest.approx(100.0, rel=0.007)
+    assert row["verdict"] == "not met"
+
+
+def test_joints_that_ring_for_more_periods_than_are_followed_have_no_verdict(
+    monkeypatch,
+):
+    """Of some 17 periods, samples for 10: what lies between them is not known."""
+    monkeypatch.setattr(sampling, "_ROWS_OF_RINGING", 100)
+    late = {"quantity": "acceleration_m_s2", "when": {"from_s": 1.0}, "at_most": 9.0}
+    case = rung_joints(1.2, requirements=[FORCE | {"at_most": 1e6}, late])
+    study = drakesep.verify(case, **LITTLE)
+    assert {*study.requirements["verdict"]} == {"not looked at"}
+    [one, two, *_] = check_verifiable(case)
+    assert "joints ring" in one and "joints ring" in two
 
 
 def test_forces_of_joints_and_springs_have_limits():

@@ -1,0 +1,94 @@
+"""How bodies ring on their joints while these hold: small motions of the stack."""
+
+from collections.abc import Collection
+from typing import NamedTuple
+
+import numpy as np
+
+from drakesep.systems.arrays import Array
+from drakesep.systems.equations.mated_stack import (
+    Place,
+    mated_places,
+    place_in_stack,
+)
+from drakesep.systems.model.inertia import inertia_matrix
+from drakesep.systems.model.separation import Attachment, Body, Separation
+from drakesep.systems.vectors import rotation_matrix
+
+
+class JointModes(NamedTuple):
+    """Oscillations of bodies on their joints; those that creep back are left out."""
+
+    periods: Array
+    """(k,) s."""
+    decays: Array
+    """(k,) by which the logarithm of each amplitude falls, 1/s."""
+
+
+def joint_modes(separation: Separation, held: Collection[str]) -> JointModes:
+    """Return how bodies ring on some of their joints.
+
+    Of M x'' + D x' + K x = 0, with the damping of each mode by itself.
+
+    Args:
+        separation: with the bodies, in their mated places.
+        held: names of the attachments that hold.
+    """
+    attachments = [a for a in separation.attachments if a.name in held]
+    names = dict.fromkeys(name for a in attachments for name in (a.A, a.B))
+    bodies = [separation.body(name) for name in names]
+    if not bodies:
+        return JointModes(np.empty(0), np.empty(0))
+    places = mated_places(separation)
+    K, D = np.zeros((2, 6 * len(bodies), 6 * len(bodies)))
+    for attachment in attachments:
+        J = _deviation(attachment, bodies, places)
+        K_F, D_F, K_T, D_T = attachment.joint.held_gains()
+        K += J.T @ (np.array([*K_F, *K_T])[:, None] * J)
+        D += J.T @ (np.array([*D_F, *D_T])[:, None] * J)
+    root = np.zeros_like(K)
+    for i, body in enumerate(bodies):
+        root[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = _whitening(body, places[body.name])
+    squares, modes = np.linalg.eigh(root.T @ K @ root)
+    decays = 0.5 * np.einsum("ik,ij,jk->k", modes, root.T @ D @ root, modes)
+    # Round-off of what moves without the joints is no oscillation.
+    least = 1e-9 * squares.max(initial=0.0)
+    rings = (squares > least) & (squares > decays**2)
+    rates = np.sqrt(squares[rings] - decays[rings] ** 2)
+    return JointModes(2.0 * np.pi / rates, decays[rings])
+
+
+def _deviation(
+    attachment: Attachment, bodies: list[Body], places: dict[str, Place]
+) -> Array:
+    """Return (6, 6 n): a joint's deviation, in its frame, from motions of bodies in S.
+
+    A body moves by the translation of its CG, and by a rotation.
+    """
+    R_SA = _orientation(places[attachment.A])
+    R_SJ = R_SA @ np.reshape(attachment.joint.R_AJ, (3, 3))
+    pad = np.array(place_in_stack(places[attachment.A], attachment.p_AoPad_A))
+    J = np.zeros((6, 6 * len(bodies)))
+    for i, body in enumerate(bodies):
+        if body.name not in (attachment.A, attachment.B):
+            continue
+        sign = 1.0 if body.name == attachment.B else -1.0
+        cg = np.array(place_in_stack(places[body.name], body.p_BoBcm_B))
+        own = J[:, 6 * i : 6 * i + 6]
+        own[:3, :3] = own[3:, 3:] = sign * R_SJ.T
+        # Rows e . (theta x r) = theta . (r x e).
+        own[:3, 3:] = sign * np.cross(pad - cg, R_SJ.T)
+    return J
+
+
+def _whitening(body: Body, place: Place) -> Array:
+    """Return (6, 6) what makes a body's mass matrix the identity, in S."""
+    R = _orientation(place)
+    inertia = R @ inertia_matrix(body.I_BBcm_B) @ R.T
+    root = np.eye(6) / np.sqrt(body.mass)
+    root[3:, 3:] = np.linalg.inv(np.linalg.cholesky(inertia)).T
+    return root
+
+
+def _orientation(place: Place) -> Array:
+    return np.reshape(np.array(rotation_matrix(place.q_SB)), (3, 3))
