@@ -321,7 +321,7 @@ class AnalysisCase:
         """Names of the case's objectives: the paper's, and of each requirement."""
         names = [objective.name for objective in self.paper_objectives]
         names += [name for r in self.requirements for name in self.names_towards(r)]
-        names += [o.name for o in (*self._until_violation, *self._ends_of_windows)]
+        names += [o.name for o in (*self._until_violation, *self.ends_of_windows)]
         return tuple(dict.fromkeys(names))
 
     @property
@@ -339,7 +339,7 @@ class AnalysisCase:
         is no verdict.
         """
         objectives = [o for limit in self.requirements for o in self.towards(limit)]
-        objectives += [*self._until_violation, *self._ends_of_windows]
+        objectives += [*self._until_violation, *self.ends_of_windows]
         return tuple({objective.name: objective for objective in objectives}.values())
 
     @property
@@ -353,7 +353,8 @@ class AnalysisCase:
         )
 
     @property
-    def _ends_of_windows(self) -> tuple[Objective, ...]:
+    def ends_of_windows(self) -> tuple[Objective, ...]:
+        """What keeps bodies from the ends of clearances' windows."""
         windows = {r.metric for r in self.requirements if r.measured_apart}
         return tuple(
             lowest(f"{prefix}{_PROGRESS}")

@@ -51,6 +51,7 @@ class ShownRuns:
             one for one in completed.values() if isinstance(one.role, Nominal | Changed)
         )
         required = {n for r in case.requirements for n in case.names_towards(r)}
+        required |= {objective.name for objective in case.ends_of_windows}
         return cls(
             reference=reference,
             compared=tuple(

@@ -159,7 +159,10 @@ def test_requirement_on_clearance(write, tmp_path):
     [limit] = case.limits
     assert (limit.metric, limit.sense, limit.limit) == ("clearance", ">=", 0.03)
     assert limit.condition == "until 500 mm of separation"
-    assert [o.name for o in case.in_si().requirement_objectives] == ["lowest_clearance"]
+    assert [o.name for o in case.in_si().requirement_objectives] == [
+        "lowest_clearance",
+        "lowest_longitudinal_displacement_at_end",  # whether the window ends
+    ]
     with pytest.raises(CaseError, match="a clearance must have 'at_least'"):
         load(at_most=30)
     with pytest.raises(CaseError, match="at_least of a clearance must be > 0, got 0"):

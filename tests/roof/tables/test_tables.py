@@ -125,6 +125,7 @@ OBJECTIVE_NAMES = [
     "lowest_longitudinal_speed_after_separation",
     "lowest_clearance",
     "lowest_deviation_within_limits_until",
+    "lowest_longitudinal_displacement_at_end",
 ]
 
 
