@@ -72,6 +72,7 @@ def test_worst_cases(vega_verification):
         "worst_lowest_longitudinal_speed_after_separation",
         "worst_lowest_clearance",
         "worst_lowest_deviation_within_limits_until",
+        "worst_lowest_longitudinal_displacement_at_end",
     ]
 
 
