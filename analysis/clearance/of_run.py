@@ -120,9 +120,8 @@ class ClearanceAnalysis:
             RuntimeError: the run failed.
         """
         end = _end(run, until)
-        found = [
-            self._below(math.inf, run, parts, end) for parts in self._along_run(run)
-        ]
+        along, moved = self._along_run(run), self._is_moved(run)
+        found = [self._below(math.inf, parts, end, moved) for parts in along]
         return [one for one in found if one is not None]
 
     def smallest(
@@ -147,22 +146,23 @@ class ClearanceAnalysis:
         along = self._along_run(run)
         if math.isinf(than):
             along = _first(_nearest_of(along, 0.5 * end)[0], along)
+        moved = self._is_moved(run)
         best: Clearance | None = None
         for parts in along:
             limit = than if best is None else best.minimum
-            best = self._below(limit, run, parts, end) or best
+            best = self._below(limit, parts, end, moved) or best
         return best
 
     def _below(
-        self, than: float, run: Run, parts: PartDistance, end: float
+        self, than: float, parts: PartDistance, end: float, moved: bool
     ) -> Clearance | None:
         """Return how near a pair comes to a time, s; None if not nearer than that, m.
 
         What overlaps where it stands nominally is a mistake; elsewhere, a contact.
         """
-        start = self._start_before(end, run, parts)
+        start = self._start_before(end, parts, moved)
         apart = frozenset(parts.names) not in self._touching
-        if apart and self._is_moved(run) and parts.overlap(0.0):
+        if apart and moved and parts.overlap(0.0):
             return overlapping(parts, 0.0) if than > ACCURACY else None
         return smallest_below(parts, start, end, than)
 
@@ -208,7 +208,8 @@ class ClearanceAnalysis:
         """
         bodies = dict(zip(self.names, self.bodies, strict=True))
         along = self._along_run(run)
-        starts = {parts.names: self._start(run, parts) for parts in along}
+        moved = self._is_moved(run)
+        starts = {parts.names: self._start(parts, moved) for parts in along}
         found = []
         for t in times:
             # A pair that has not parted yet comes after all others.
@@ -258,16 +259,16 @@ class ClearanceAnalysis:
             along.append(PartDistance(proximity, names, paths[key], by))
         return along
 
-    def _start_before(self, end: float, run: Run, parts: PartDistance) -> float:
-        start = self._start(run, parts)
+    def _start_before(self, end: float, parts: PartDistance, moved: bool) -> float:
+        start = self._start(parts, moved)
         # What has not parted by then is in contact all the time.
         return start if start < end else 0.0
 
-    def _start(self, run: Run, parts: PartDistance) -> float:
+    def _start(self, parts: PartDistance, moved: bool) -> float:
         """Return from when a pair is measured, s; infinite if it never parts."""
         if frozenset(parts.names) in self._touching:
             return _parted(parts)
-        if not self._is_moved(run):
+        if not moved:
             _check_apart(parts)
         return 0.0
 
