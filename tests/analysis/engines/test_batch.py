@@ -263,9 +263,11 @@ def test_what_is_not_asked_for_is_left_out(vega, vega_batch, left):
     without = {metric.stem for metric in registered_metrics()}.difference(left)
     batch = Batch(vega.separation, vega.box.names, without=without)
     rows = vega.box.nominal[None] * [[1.0], [1.0 + 1e-4]]
-    assert list(batch.run(rows).metrics) == list(batch.metrics) == left
-    expected = vega_batch.run(rows).metrics[left]
-    assert_close(batch.run(rows).metrics.to_numpy(), expected.to_numpy())
+    got = batch.run(rows).metrics
+    assert list(got) == list(batch.metrics) == left
+    assert len(got) == len(rows)
+    if left:
+        assert_close(got.to_numpy(), vega_batch.run(rows).metrics[left].to_numpy())
 
 
 def test_convergence_over_the_whole_box(vega, vega_batch, fine_batch):
