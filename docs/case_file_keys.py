@@ -45,6 +45,7 @@ WORDS = {
     dispersions.Tolerance: "number > 0, a share such as `5 %`, or section",
     dispersions.Side: "number >= 0, or a share such as `5 %`",
     float: "number",
+    bool: "`true` or `false`",
     int: "whole number",
     list[str]: "list of names",
     list[list[float]]: "rows of numbers",

@@ -11,8 +11,8 @@ from .diagram.separation_forces import SeparationForces as SeparationForces
 from .diagram.separation_system import SeparationSystem as SeparationSystem
 from .diagram.separation_system import set_mass_properties as set_mass_properties
 from .diagram.separation_system import set_mated_motion as set_mated_motion
-from .equations.forces_of_run import joint_loads as joint_loads
 from .equations.forces_of_run import spring_forces as spring_forces
+from .equations.loads_of_run import joint_loads as joint_loads
 from .model.integration import Integration as Integration
 from .model.joints import Joint as Joint
 from .model.loads import Load as Load

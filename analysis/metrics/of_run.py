@@ -27,7 +27,8 @@ from drakesep.analysis.metrics.registry import METRICS, find_metric, registered_
 from drakesep.analysis.metrics.requirements import Limits, limits_of
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
-from drakesep.systems.equations.forces_of_run import joint_load_over, spring_force_over
+from drakesep.systems.equations.forces_of_run import spring_force_over
+from drakesep.systems.equations.loads_of_run import joint_load_over
 from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Attachment, Separation

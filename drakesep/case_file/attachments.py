@@ -42,25 +42,46 @@ class AxesSection(Section):
 
 
 class JointSection(Section):
-    """A joint by constraint forces; a gain is one number, or one for each axis."""
+    """A joint by constraint forces; a gain is one number, or one for each axis.
+
+    A rigid one has no gains.
+    """
 
     type: JointType = "fixed"
     """Which directions it holds."""
-    stiffness_N_m: Gains
-    """Of translation (K_F of Eq. 3)."""
-    damping_N_s_m: Gains
-    """Of translation (D_F of Eq. 3)."""
-    angular_stiffness_N_m_rad: Gains
-    """Of rotation (K_T of Eq. 4)."""
-    angular_damping_N_m_s_rad: Gains
-    """Of rotation (D_T of Eq. 4)."""
+    rigid: bool = False
+    """Whether it holds exactly, without stiffness and damping."""
+    stiffness_N_m: Gains | None = None
+    """Of translation (K_F of Eq. 3); needed unless the joint is rigid."""
+    damping_N_s_m: Gains | None = None
+    """Of translation (D_F of Eq. 3); needed unless the joint is rigid."""
+    angular_stiffness_N_m_rad: Gains | None = None
+    """Of rotation (K_T of Eq. 4); needed unless the joint is rigid."""
+    angular_damping_N_m_s_rad: Gains | None = None
+    """Of rotation (D_T of Eq. 4); needed unless the joint is rigid."""
     axes: AxesSection = AxesSection(x=(1.0, 0.0, 0.0), y=(0.0, 1.0, 0.0))
     """Of its frame; by default those of A."""
+
+    @model_validator(mode="after")
+    def _check_gains(self) -> Self:
+        for key in (
+            "stiffness_N_m",
+            "damping_N_s_m",
+            "angular_stiffness_N_m_rad",
+            "angular_damping_N_m_s_rad",
+        ):
+            given = getattr(self, key) is not None
+            if given and self.rigid:
+                raise ValueError(f"{key}: a rigid joint has none")
+            if not given and not self.rigid:
+                raise ValueError(f"{key}: missing; a joint that is not rigid needs it")
+        return self
 
     def in_si(self) -> Joint:
         """Return the joint."""
         return Joint(
             type=self.type,
+            rigid=self.rigid,
             K_F=self.stiffness_N_m,
             D_F=self.damping_N_s_m,
             K_T=self.angular_stiffness_N_m_rad,

@@ -21,7 +21,8 @@ from drakesep.results.case_json import from_json, to_json
 from drakesep.results.catalogue import RUNS
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
-from drakesep.systems.equations.forces_of_run import joint_loads, spring_forces
+from drakesep.systems.equations.forces_of_run import spring_forces
+from drakesep.systems.equations.loads_of_run import joint_loads
 from drakesep.systems.equations.motion_of_run import relative_motion_of
 from drakesep.systems.model.parameter_table import XYZ
 from drakesep.systems.model.parameters import parameters, with_values

@@ -23,6 +23,7 @@ from drakesep.systems.batch.lanes import (
     rows,
 )
 from drakesep.systems.batch.mated_places import BatchPlaces
+from drakesep.systems.batch.rigid_joints import BatchRigidJoints
 from drakesep.systems.batch.springs import BatchSprings
 from drakesep.systems.batch.wrenches import WrenchSum, add_wrenches, no_wrench
 from drakesep.systems.equations import gravity as gravity_laws
@@ -84,6 +85,7 @@ class BatchEquations:
         self.places = BatchPlaces(separation, varied)
         """Of the bodies while mated."""
         self._joints = BatchJoints(separation, self.places)
+        self._rigid_joints = BatchRigidJoints(separation, self.places)
         names = [body.name for body in separation.bodies]
         self._load_bodies = [names.index(load.body) for load in separation.loads]
         attachments = [a.name for a in separation.attachments]
@@ -285,11 +287,15 @@ class BatchEquations:
         if self.separation.springs:
             springs = self.springs.wrenches(timed.spring_force, bodies, params, mode)
             total = add_wrenches(total, springs)
-        if holding:
+        if holding and self._joints:
             joints = self._joints.wrenches(bodies, params, mode)
             total = add_wrenches(total, joints)
         if self.separation.loads:
             total = add_wrenches(total, self._load_wrenches(timed, bodies, params))
+        if holding and self._rigid_joints:
+            # Last: what they do follows from all else.
+            rigid = self._rigid_joints.wrenches(bodies, total, params, mode)
+            total = add_wrenches(total, rigid)
         return total
 
     def spring_wrench_on(

@@ -1,4 +1,4 @@
-"""The joints of a batch, on lanes."""
+"""The joints of a batch that are springs, on lanes."""
 
 from typing import Any, NamedTuple
 
@@ -30,7 +30,7 @@ class _Joints(NamedTuple):
 
 
 class BatchJoints:
-    """The wrenches of a separation's joints, on lanes."""
+    """The wrenches of a separation's joints that are springs, on lanes."""
 
     def __init__(self, separation: Separation, places: BatchPlaces):
         """Prepare.
@@ -41,6 +41,10 @@ class BatchJoints:
         """
         self._places = places
         self._pairs = _group_joints(separation)
+
+    def __bool__(self) -> bool:
+        """Return whether there are any."""
+        return bool(self._pairs)
 
     def wrenches(
         self, bodies: BodyState, params: BatchParameters, mode: Mode
@@ -93,6 +97,8 @@ def _group_joints(separation: Separation) -> dict[tuple[int, int], list[_Joints]
     alike: dict[Any, list[int]] = {}
     for i, attachment in enumerate(separation.attachments):
         joint = attachment.joint
+        if joint.rigid:
+            continue
         key = separation.ends(attachment), joint.type, joint.R_AJ_if_turned
         alike.setdefault(key, []).append(i)
     pairs: dict[tuple[int, int], list[_Joints]] = {}

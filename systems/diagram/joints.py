@@ -214,6 +214,8 @@ def _pairs(separation: Separation) -> dict[tuple[int, int], list[_Joint]]:
     pairs: dict[tuple[int, int], list[_Joint]] = {}
     for i, attachment in enumerate(separation.attachments):
         joint = attachment.joint
+        if joint.rigid:
+            continue
         ends = separation.ends(attachment)
         pairs.setdefault(ends, []).append(_Joint(i, joint.type, joint.R_AJ_if_turned))
     return pairs

@@ -69,9 +69,16 @@ def add_separation(
     Raises:
         ValueError: the plant is discrete or not finalized, has no such body or one of
             another mass, its input port for spatial forces is taken, or the separation
-            has recontact.
+            has recontact or rigid joints.
     """
     _check_plant(builder, plant)
+    for attachment in separation.attachments:
+        if attachment.joint.rigid:
+            raise InputError(
+                f"{attachment.name}: must not be rigid beside a plant of one's own, of "
+                "which not all that acts on the bodies is seen; give it stiffness and "
+                "damping, as propose_joint does"
+            )
     if separation.recontact is not None:
         raise InputError(
             "recontact: must be None here: contact is the plant's own; before it is "

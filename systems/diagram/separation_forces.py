@@ -12,6 +12,7 @@ from drakesep.systems.diagram.joints import CfeBushing
 from drakesep.systems.diagram.loads import Loads
 from drakesep.systems.diagram.motion_analysis import MotionAnalysis
 from drakesep.systems.diagram.release import Release
+from drakesep.systems.diagram.rigid_joints import RigidJoints
 from drakesep.systems.diagram.springs import Springs
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.equations.springs import law_of
@@ -25,10 +26,10 @@ class SeparationForces(Diagram):
     Context with `set_separation`, so that a run is varied without a rebuild.
 
     Subsystems: ``release``, ``springs``, ``cfe_bushing``, ``force_sum``,
-    ``motion_analysis``; and ``loads`` and ``gravity`` if the separation has loads or an
-    orbit. For each other body that leaves there is one more motion analysis, with
-    outputs like the last eight that have its name before theirs, as
-    ``satellite_rate``.
+    ``motion_analysis``; and ``loads``, ``gravity`` and ``rigid_joints`` if the
+    separation has loads, an orbit or rigid joints. For each other body that leaves
+    there is one more motion analysis, with outputs like the last eight that have its
+    name before theirs, as ``satellite_rate``.
 
     Input ports:
         plant_state: (s,) 1, m, rad/s and m/s in W: state of the plant, in which the
@@ -119,18 +120,32 @@ class SeparationForces(Diagram):
                 system.GetOutputPort("acting"), total.GetInputPort(f"acting_{i}")
             )
         wrenches = total.GetOutputPort("wrenches")
+        loads = self._bushing.GetOutputPort("loads")
         if external_wrenches:
             adder = builder.AddSystem(Adder(2, 6 * len(separation.bodies)))
             builder.Connect(wrenches, adder.get_input_port(0))
             builder.ExportInput(adder.get_input_port(1), "external_wrenches")
             wrenches = adder.get_output_port()
+        self._rigid: RigidJoints | None = None
+        if any(attachment.joint.rigid for attachment in separation.attachments):
+            # Last: what they do follows from all else.
+            self._rigid = builder.AddNamedSystem(
+                "rigid_joints", RigidJoints(separation, layout)
+            )
+            builder.Connect(wrenches, self._rigid.GetInputPort("other_wrenches"))
+            wrenches = self._rigid.GetOutputPort("total")
+            both = builder.AddSystem(Adder(2, 6 * len(separation.attachments)))
+            builder.Connect(loads, both.get_input_port(0))
+            builder.Connect(self._rigid.GetOutputPort("loads"), both.get_input_port(1))
+            loads = both.get_output_port()
 
         released = self._release.GetOutputPort("released")
-        for system in (self._springs, self._bushing, self._loads):
+        for system in (self._springs, self._bushing, self._loads, self._rigid):
             if system is not None:
                 builder.Connect(released, system.GetInputPort("released"))
         motions = list(self._motions.values())
-        readers = (self._release, *forces, total, *motions)
+        rigid = [] if self._rigid is None else [self._rigid]
+        readers = (self._release, *forces, total, *rigid, *motions)
         builder.ExportInput(readers[0].GetInputPort("plant_state"), "plant_state")
         for system in readers[1:]:
             builder.ConnectInput("plant_state", system.GetInputPort("plant_state"))
@@ -149,13 +164,13 @@ class SeparationForces(Diagram):
 
         builder.ExportOutput(wrenches, "wrenches")
         builder.ExportOutput(released, "released")
-        for system, port, name in (
-            (self._springs, "forces", "spring_forces"),
-            (self._springs, "energy", "spring_energy"),
-            (self._bushing, "loads", "joint_loads"),
-            (self._bushing, "energy", "joint_energy"),
+        for output, name in (
+            (self._springs.GetOutputPort("forces"), "spring_forces"),
+            (self._springs.GetOutputPort("energy"), "spring_energy"),
+            (loads, "joint_loads"),
+            (self._bushing.GetOutputPort("energy"), "joint_energy"),
         ):
-            builder.ExportOutput(system.GetOutputPort(port), name)
+            builder.ExportOutput(output, name)
         for body, motion in self._motions.items():
             for i in range(motion.num_output_ports()):
                 output, prefix = motion.get_output_port(i), f"{body}_"
@@ -193,6 +208,8 @@ class SeparationForces(Diagram):
         self._bushing.set_joints(of(self._bushing), separation)
         for motion in self._motions.values():
             motion.set_measured(of(motion), separation)
+        if self._rigid is not None:
+            self._rigid.set_joints(of(self._rigid), separation)
         if self._loads is not None:
             self._loads.set_loads(of(self._loads), separation)
         if self._gravity is not None:
@@ -211,6 +228,7 @@ class SeparationForces(Diagram):
             self._bushing,
             self._loads,
             self._gravity,
+            self._rigid,
         ):
             if system is not None:
                 names |= system.parameters_read(separation)
@@ -235,7 +253,8 @@ def _structure(separation: Separation) -> dict[str, object]:
         "attachments": tuple((a.name, a.A, a.B) for a in attachments),
         "releases by angle": tuple(math.isfinite(a.release_angle) for a in attachments),
         "joints": tuple(
-            (a.joint.type, a.joint.x_axis_A, a.joint.y_axis_A) for a in attachments
+            (a.joint.type, a.joint.rigid, a.joint.x_axis_A, a.joint.y_axis_A)
+            for a in attachments
         ),
         "springs": tuple(
             a.spring and (law_of(a.spring), a.spring.name) for a in attachments

@@ -1,80 +1,20 @@
-"""What joints and springs do over a run, from the motion of its bodies.
+"""What springs do over a run, from the motion of its bodies.
 
-A run keeps its motion; loads and forces follow from it by the laws that drove it.
+A run keeps its motion; forces follow from it by the laws that drove it.
 """
 
 import numpy as np
 
 from drakesep.systems.arrays import Array
-from drakesep.systems.equations.joints import (
-    NO_TURN,
-    joint_load,
-    joint_pull,
-    rotation_deviation,
-)
-from drakesep.systems.equations.mated_stack import (
-    held_joint,
-    mated_ends,
-    mated_orientation,
-)
 from drakesep.systems.equations.pushers import (
     positive_part,
     push_displacement,
     push_place,
 )
-from drakesep.systems.equations.relative_motion import (
-    BodyState,
-    body_state,
-    pair_state,
-)
+from drakesep.systems.equations.relative_motion import BodyState, body_state
 from drakesep.systems.equations.springs import law_of
-from drakesep.systems.model.joints import holds_all_rotations
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Attachment, Separation
-
-
-def joint_loads(run: Run) -> dict[str, Array]:
-    """Return the loads of each joint at the times of a run's trajectory.
-
-    Args:
-        run: a completed run.
-
-    Returns:
-        By the attachments' names, what `joint_load_over` returns.
-
-    Raises:
-        RuntimeError: the run failed.
-    """
-    attachments = run.separation.attachments
-    return {each.name: joint_load_over(run, each) for each in attachments}
-
-
-def joint_load_over(run: Run, attachment: Attachment) -> Array:
-    """Return the load of the joint of an attachment at the times of a run.
-
-    Args:
-        run: a completed run.
-        attachment: of its separation.
-
-    Returns:
-        (n, 6): torque about B's pad, N m, and force, N, on B, in the joint's frame,
-        fixed in A, as the port `joint_loads` has them; zero from the release on.
-
-    Raises:
-        RuntimeError: the run failed.
-    """
-    time = run.completed_trajectory.time
-    separation = run.separation
-    joint = held_joint(separation, attachment)
-    A, B = (_states(run, name) for name in (attachment.A, attachment.B))
-    motion, turn = pair_state(A, B), NO_TURN
-    if holds_all_rotations(joint.type):
-        q_AB = mated_orientation(*mated_ends(separation, attachment))
-        turn = rotation_deviation(A, B, q_AB, motion.w_AB, np)
-    _, pull = joint_pull(joint, motion, turn, np)
-    torque, force = joint_load(joint, turn, pull)
-    load = np.stack([np.broadcast_to(x, len(time)) for x in (*torque, *force)], axis=1)
-    return np.where((time < run.releases[attachment.name])[:, None], load, 0.0)
 
 
 def spring_forces(run: Run) -> dict[str, Array]:

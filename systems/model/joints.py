@@ -47,6 +47,7 @@ class Constraints(NamedTuple):
 _A_AXES = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 _ALL, _NONE = (True, True, True), (False, False, False)
 _NOT_X = (False, True, True)
+_NO_GAINS = (0.0, 0.0, 0.0)
 CONSTRAINTS: dict[JointType, Constraints] = {
     "fixed": Constraints(_ALL, _ALL),
     "revolute": Constraints(_ALL, _NOT_X),
@@ -70,21 +71,25 @@ def holds_all_rotations(joint_type: JointType) -> bool:
 class Joint:
     """A joint by constraint forces: its type, its frame and its gains, Eq. 3-4.
 
-    Gains of directions that the type leaves free are not used.
+    Or a rigid one, which holds Eq. 1 and 2 exactly, and has no gains. Gains of
+    directions that the type leaves free are not used.
 
     Raises:
-        ValueError: the type is unknown, a gain is negative or not finite, or the axes
-            are not of unit length or not at a right angle.
+        ValueError: the type is unknown, a gain is missing, negative or not finite, a
+            rigid joint has one, or the axes are not of unit length or not at a right
+            angle.
     """
 
     type: JointType = "fixed"
-    K_F: Gains
-    """Stiffness in translation, N/m."""
-    D_F: Gains
+    rigid: bool = False
+    """Whether it holds exactly."""
+    K_F: Gains | None = None
+    """Stiffness in translation, N/m; zero of a rigid joint, as the others."""
+    D_F: Gains | None = None
     """Damping in translation, N s/m."""
-    K_T: Gains
+    K_T: Gains | None = None
     """Stiffness in rotation, N m/rad."""
-    D_T: Gains
+    D_T: Gains | None = None
     """Damping in rotation, N m s/rad."""
     x_axis_A: Vector3 = (1.0, 0.0, 0.0)
     """The x axis of the joint's frame, in A."""
@@ -97,6 +102,14 @@ class Joint:
             raise InputError(f"joint: {unknown('type', self.type, JOINT_TYPES)}")
         for name in ("K_F", "D_F", "K_T", "D_T"):
             gains = getattr(self, name)
+            if self.rigid:
+                if gains not in (None, _NO_GAINS):
+                    raise InputError(
+                        f"joint {name}: a rigid joint has none, got {gains}"
+                    )
+                gains = _NO_GAINS
+            if gains is None:
+                raise InputError(f"joint {name}: missing, and the joint is not rigid")
             if not isinstance(gains, tuple | list):
                 gains = (gains,) * 3
             check_entries(f"joint {name}", gains, 3)
@@ -146,8 +159,8 @@ class Joint:
         )
 
 
-def _held(gains: Gains, directions: tuple[bool, bool, bool]) -> Vector3:
-    assert not isinstance(gains, float | int)  # since Joint's own check
+def _held(gains: Gains | None, directions: tuple[bool, bool, bool]) -> Vector3:
+    assert isinstance(gains, tuple)  # since Joint's own check
     x, y, z = (
         gain if held else 0.0 for gain, held in zip(gains, directions, strict=True)
     )

@@ -360,6 +360,12 @@ class Separation:
                 "recontact: needs geometry on two bodies, got "
                 f"{' and '.join(shaped) or 'none'}"
             )
+        rigid = [a.name for a in self.attachments if a.joint.rigid]
+        if self.recontact is not None and rigid:
+            raise InputError(
+                f"recontact: {rigid[0]} must not be rigid, since rigid joints do not "
+                "see what contact does to their bodies; give it stiffness and damping"
+            )
 
     def body(self, name: str) -> Body:
         """Return the body of this name."""

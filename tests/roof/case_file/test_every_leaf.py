@@ -29,6 +29,7 @@ from drakesep.case_file.attachments import SpringSection
 from drakesep.case_file.case import Case
 from drakesep.case_file.reader import load_case
 from drakesep.case_file.section import Section
+from drakesep.systems.checks import InputError
 from drakesep.systems.equations.springs import PUSHERS
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.joints import Joint
@@ -554,7 +555,7 @@ attachments:
   three: {A: base, B: orb, position_mm: [1, 2, 3], joint: *slack}
   four: {A: base, B: egg, position_mm: [1, 2, 3], joint: *slack}
   five: {A: base, B: pill, position_mm: [1, 2, 3], joint: *slack}
-  six: {A: base, B: slab, position_mm: [1, 2, 3], joint: *slack}
+  six: {A: base, B: slab, position_mm: [1, 2, 3], joint: {rigid: true}}
 run: {duration_s: 0.1}
 """
 """Bodies whose mass properties are computed; mesh of 200 x 300 x 500 units."""
@@ -722,6 +723,21 @@ def keys_there_are():
             continue  # the base of all, or a toy of another test
         for key in section.model_fields:
             yield section.__name__, law, key
+
+
+def test_rigid_joint(folder):
+    rigid = [a.joint.rigid for a in read(folder, SOLIDS).separation.attachments]
+    assert rigid == [False] * 5 + [True]
+
+
+@pytest.mark.parametrize("gain", ["stiffness_N_m", "angular_damping_N_m_s_rad"])
+def test_a_rigid_joint_has_no_gains_and_another_has_all(folder, gain):
+    given = SOLIDS.replace("joint: {rigid: true}", f"joint: {{rigid: true, {gain}: 0}}")
+    with pytest.raises(InputError, match=f"{gain}: a rigid joint has none"):
+        read(folder, given)
+    missing = SOLIDS.replace(f"      {gain}: 0\n", "")
+    with pytest.raises(InputError, match=f"{gain}: missing; a joint that is not rigid"):
+        read(folder, missing)
 
 
 def keys_used(section):

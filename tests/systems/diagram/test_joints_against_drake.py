@@ -55,15 +55,28 @@ LATE, RELEASE = (0.3, 0.4, 0.5), 0.6
 is past exp(-10)."""
 
 
+EXACT = 1e-10
+"""Relative, of what a rigid joint does. Its rounds leave 1e-12, and round-off times its
+stiffness to accelerations 1e-12 or so."""
+
+
 def damping(K):
     return 2.0 * math.sqrt(K * MASS)
 
 
 def jointed_pair(type, K):
-    """Two generic bodies, one askew, on one joint away from both CGs."""
     D = damping(K)
+    joint = Joint(type=type, K_F=K, D_F=D, K_T=K, D_T=D, **axes_of_joint())
+    return pair_on(joint)
+
+
+def axes_of_joint():
     x, y = (tuple(R_AJ.col(i).tolist()) for i in (0, 1))
-    joint = Joint(type=type, K_F=K, D_F=D, K_T=K, D_T=D, x_axis_A=x, y_axis_A=y)
+    return {"x_axis_A": x, "y_axis_A": y}
+
+
+def pair_on(joint):
+    """Two generic bodies, one askew, on one joint away from both CGs."""
     separation = generic_pair(release_times=(RELEASE,), joint=joint, springs=False)
     lower, upper = separation.bodies
     upper = dataclasses.replace(
@@ -201,3 +214,56 @@ def test_load_is_that_of_the_ideal_joint(type):
         assert ours[2] == pytest.approx(
             drakes[2], abs=ACCURACY * damping(K) + 1e-4 * 1300.0
         )
+
+
+@pytest.mark.parametrize("type", JOINT_TYPES)
+def test_rigid_joint_is_the_ideal_joint(type):
+    """Accelerations of both bodies and the load, where the ideal flight comes by."""
+    separation = pair_on(Joint(type=type, rigid=True, **axes_of_joint()))
+    plant, X_BM = make_ideal_plant(separation)
+    context = plant.CreateDefaultContext()
+    lower, upper = (plant.GetBodyByName(name) for name in ("lower", "upper"))
+    plant.SetFloatingBaseBodyPoseInWorldFrame(context, lower, X_WA)
+    plant.SetVelocities(context, np.concatenate([V_WA.get_coeffs(), RATES[type]]))
+    simulator_of(plant, context, 1e-11).AdvanceTo(LATE[0])
+
+    system, ours, _ = start(separation, ACCURACY)
+    own = system.plant.GetMyMutableContextFromRoot(ours)
+    for body in (lower, upper):
+        mine = system.plant.GetBodyByName(body.name())
+        X = plant.EvalBodyPoseInWorld(context, body)
+        V = plant.EvalBodySpatialVelocityInWorld(context, body)
+        system.plant.SetFloatingBaseBodyPoseInWorldFrame(own, mine, X)
+        system.plant.SetFreeBodySpatialVelocity(own, mine, V)
+
+    accelerations = []
+    for body in (lower, upper):
+        expected = plant.EvalBodySpatialAccelerationInWorld(context, body).get_coeffs()
+        mine = system.plant.GetBodyByName(body.name())
+        got = system.plant.EvalBodySpatialAccelerationInWorld(own, mine).get_coeffs()
+        accelerations.append((got, expected))
+    got, expected = np.array(accelerations).transpose(1, 0, 2)
+    assert np.abs(expected).max() > 0.05
+    assert got == pytest.approx(expected, abs=EXACT * np.abs(expected).max())
+
+    load_M = plant.get_reaction_forces_output_port().Eval(context)[
+        int(plant.GetJointByName("joint").index())
+    ]
+    R_JM = (
+        R_AJ.inverse()
+        @ plant.EvalBodyPoseInWorld(context, lower).rotation().inverse()
+        @ plant.EvalBodyPoseInWorld(context, upper).rotation()
+        @ X_BM.rotation()
+    ).matrix()
+    expected = np.append(R_JM @ load_M.rotational(), R_JM @ load_M.translational())
+    load = system.GetOutputPort("joint_loads").Eval(ours)
+    assert load == pytest.approx(expected, abs=EXACT * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("type", JOINT_TYPES)
+def test_motion_on_a_rigid_joint_is_that_of_the_ideal_one(type):
+    separation = pair_on(Joint(type=type, rigid=True, **axes_of_joint()))
+    ideal, V_WB = fly_ideal(separation)
+    for flown, expected in zip(fly_ours(separation, V_WB), ideal, strict=True):
+        # What the integrator leaves in half a second, see ACCURACY.
+        assert motion_difference(flown, expected) < 2e-7

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from separations import GENERIC, STIFF, generic_pair
 
-from drakesep.systems.equations.forces_of_run import joint_loads, spring_forces
+from drakesep.systems.equations.forces_of_run import spring_forces
+from drakesep.systems.equations.loads_of_run import joint_loads
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.separation import Attachment, InitialMotion
 from drakesep.systems.model.springs import DisplacementSpring

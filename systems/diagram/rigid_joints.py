@@ -1,0 +1,190 @@
+"""The rigid joints as a Drake system."""
+
+import math
+from typing import NamedTuple
+
+from pydrake.common.value import AbstractValue, Value
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    LeafSystem,
+    ValueProducer,
+)
+
+from drakesep.systems.diagram.rows import Rows
+from drakesep.systems.diagram.state_layout import StateLayout
+from drakesep.systems.equations import rigid_joints as laws
+from drakesep.systems.equations.load_sharing import joint_shares
+from drakesep.systems.equations.mated_stack import held_joint
+from drakesep.systems.equations.relative_motion import BodyState, Wrench
+from drakesep.systems.model.parameters import names_of
+from drakesep.systems.model.separation import Separation
+from drakesep.systems.vectors import Symmetric, Vector
+
+
+class PlaceRow(NamedTuple):
+    """Where an attachment is, in a Context."""
+
+    p_BoPad_B: Vector
+    """m."""
+    axis_B: Vector
+    """Its x axis, or y of a universal one, fixed in B."""
+
+
+class MassRow(NamedTuple):
+    """Mass properties of a joined body, in a Context."""
+
+    mass: float
+    """kg."""
+    p_BoBcm_B: Vector
+    """m."""
+    I_BBcm_B: Symmetric
+    """kg m^2."""
+
+
+class _Solved(NamedTuple):
+    """What the joints that hold do at a moment."""
+
+    bodies: list[BodyState]
+    """That are joined."""
+    edges: list[Wrench]
+    p_WO: Vector
+
+
+class RigidJoints(LeafSystem):
+    """Holds B to A exactly where joints are rigid, until their release.
+
+    The wrenches that Eq. 1 and 2 need follow from all else that acts on the bodies. So
+    this system takes it from where it is computed, which knows no accelerations: there
+    is no algebraic loop.
+
+    Input ports:
+        plant_state: (s,) 1, m, rad/s and m/s in W: state of the plant, in which the
+            layout finds the motion of each body.
+        released: (n,) s: time of each attachment's release; infinite while it holds.
+        other_wrenches: (6 m,) N m and N in W: torque about the origin, then force, on
+            each of the m bodies: of all else that acts on them.
+
+    Output ports:
+        wrenches: (6 m,) N m and N in W: likewise, of the joints alone.
+        total: (6 m,) N m and N in W: both together.
+        loads: (6 n,) N m and N in the joints' frames: torque and force of each joint on
+            B at its pad; zero after release, and where it is not rigid.
+
+    Parameters:
+        0: for each attachment a `PlaceRow`.
+        1: for each joined body a `MassRow`.
+    """
+
+    def __init__(self, separation: Separation, layout: StateLayout):
+        """Prepare.
+
+        Args:
+            separation: some of whose joints are rigid.
+            layout: where `plant_state` holds the motion of each body.
+        """
+        super().__init__()
+        self._joints = laws.rigid_joints(separation)
+        self._layout = layout
+        size, count = 6 * len(separation.bodies), len(separation.attachments)
+        self._state = self.DeclareVectorInputPort("plant_state", layout.size)
+        self._released = self.DeclareVectorInputPort("released", count)
+        self._others = self.DeclareVectorInputPort("other_wrenches", size)
+        self._places = Rows(self, _place_rows(separation))
+        self._masses = Rows(self, self._mass_rows(separation))
+
+        self._holding = self.DeclareCacheEntry(
+            "holding",
+            ValueProducer(allocate=Value[object], calc=self._calc_holding),
+            {self._released.ticket(), self.all_parameters_ticket()},
+        )
+        self._solved = self.DeclareCacheEntry(
+            "solved",
+            ValueProducer(allocate=Value[object], calc=self._calc_solved),
+            {
+                self._state.ticket(),
+                self._others.ticket(),
+                self._released.ticket(),
+                self.all_parameters_ticket(),
+            },
+        )
+        self.DeclareVectorOutputPort("wrenches", size, self._calc_wrenches)
+        self.DeclareVectorOutputPort("total", size, self._calc_total)
+        self.DeclareVectorOutputPort("loads", 6 * count, self._calc_loads)
+
+    def set_joints(self, context: Context, separation: Separation) -> None:
+        """Write the joints and bodies of a separation into this system's Context."""
+        self._places.write(context, _place_rows(separation))
+        self._masses.write(context, self._mass_rows(separation))
+
+    def parameters_read(self, separation: Separation) -> set[str]:
+        """Return the names of the parameters that the rows are made of."""
+        bodies = [separation.bodies[i] for i in self._joints.bodies]
+        return {
+            *names_of(separation.attachments, ["p_AoPad_A"]),
+            *names_of(bodies, MassRow._fields),
+        }
+
+    def _mass_rows(self, separation: Separation) -> list[MassRow]:
+        bodies = [separation.bodies[i] for i in self._joints.bodies]
+        return [MassRow(b.mass, b.p_BoBcm_B, tuple(b.I_BBcm_B)) for b in bodies]
+
+    def _calc_holding(self, context: Context, output: AbstractValue) -> None:
+        held = laws.joints_that_hold(self._joints, *self._pads(context))
+        masses = [laws.Massive(*row) for row in self._masses.read(context)]
+        output.set_value(laws.HoldingJoints(self._joints, masses, held))
+
+    def _pads(
+        self, context: Context
+    ) -> tuple[list[Vector], list[Vector], frozenset[int]]:
+        """Return each pad's place and axis in its B, and which attachments hold."""
+        places = self._places.read(context)
+        released = self._released.Eval(context).tolist()
+        held = frozenset(i for i, t in enumerate(released) if math.isinf(t))
+        return [row.p_BoPad_B for row in places], [row.axis_B for row in places], held
+
+    def _calc_solved(self, context: Context, output: AbstractValue) -> None:
+        holding: laws.HoldingJoints = self._holding.Eval(context)
+        if not holding.held:
+            output.set_value(None)
+            return
+        x = self._state.Eval(context).tolist()
+        entries = self._others.Eval(context).tolist()
+        bodies = [self._layout.read_one(x, i) for i in self._joints.bodies]
+        others = [
+            Wrench(tuple(entries[k : k + 3]), tuple(entries[k + 3 : k + 6]))
+            for k in (6 * i for i in self._joints.bodies)
+        ]
+        output.set_value(_Solved(bodies, *holding.wrenches(bodies, others)))
+
+    def _add_wrenches(self, context: Context, entries: list[float]) -> list[float]:
+        solved: _Solved | None = self._solved.Eval(context)
+        if solved is None:
+            return entries
+        bodies, edges, p_WO = solved
+        each = laws.wrenches_on_bodies(self._joints, edges, p_WO, bodies)
+        for i, (torque, force) in zip(self._joints.bodies, each, strict=True):
+            for k, value in enumerate((*torque, *force), start=6 * i):
+                entries[k] += value
+        return entries
+
+    def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(self._add_wrenches(context, [0.0] * output.size()))
+
+    def _calc_total(self, context: Context, output: BasicVector) -> None:
+        others = self._others.Eval(context).tolist()
+        output.SetFromVector(self._add_wrenches(context, others))
+
+    def _calc_loads(self, context: Context, output: BasicVector) -> None:
+        loads = [0.0] * output.size()
+        solved: _Solved | None = self._solved.Eval(context)
+        if solved is not None:
+            shares = joint_shares(self._joints, *self._pads(context), *solved)
+            for i, (torque, force) in shares.items():
+                loads[6 * i : 6 * i + 6] = [*torque, *force]
+        output.SetFromVector(loads)
+
+
+def _place_rows(separation: Separation) -> list[PlaceRow]:
+    joints = [held_joint(separation, each) for each in separation.attachments]
+    return [PlaceRow(joint.p_BoPad_B, joint.axis_B) for joint in joints]

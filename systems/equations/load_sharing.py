@@ -1,0 +1,133 @@
+"""How rigid joints of two bodies share a load: as equal springs in parallel."""
+
+import math
+from collections.abc import Collection, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from drakesep.systems.equations.relative_motion import BodyState, Wrench
+from drakesep.systems.equations.rigid_joints import (
+    RigidJoints,
+    joint_equations,
+    moved,
+)
+from drakesep.systems.model.joints import JointType
+from drakesep.systems.vectors import (
+    Rotation,
+    Vector,
+    add,
+    compose,
+    rotate,
+    subtract,
+    unrotate,
+)
+
+
+_PAD = 0.1
+"""Arm of a pad, with which it takes torques, over the radius of the circle of pads."""
+_FREE = 1e-10
+"""Part of the largest stiffness of all joints below which they are free."""
+
+
+class Pad(NamedTuple):
+    """A joint that holds, and where it is in its bodies."""
+
+    type: JointType
+    R_AJ: Rotation
+    p_BoPad_B: Vector
+    """m."""
+    axis_B: Vector
+    """y axis of a universal joint."""
+    way: float
+    """-1 if its A is the second body."""
+
+
+def joint_shares(
+    joints: RigidJoints,
+    p_BoPad_B: Sequence[Vector],
+    axis_B: Sequence[Vector],
+    held: Collection[int],
+    bodies: Sequence[BodyState],
+    wrenches: Sequence[Wrench],
+    p_WO: Vector,
+) -> dict[int, Wrench]:
+    """Return the loads of attachments with rigid joints that hold, by their indices.
+
+    Args:
+        joints: of the separation.
+        p_BoPad_B: place of each attachment in its B, m.
+        axis_B: as `HeldJoint` has it, of each attachment.
+        held: indices of attachments that hold.
+        bodies: that are joined.
+        wrenches: on B of each edge, about O, in W.
+        p_WO: place of O in W, m.
+
+    Returns:
+        Torque about the pad, N m, and force, N, on its B, in its frame.
+    """
+    pads: dict[int, dict[int, Pad]] = {}
+    for joint in joints.joints:
+        for i in joint.attachments:
+            if i in held:
+                place = joint.frames[i], p_BoPad_B[i], axis_B[i]
+                pads.setdefault(joint.edge, {})[i] = Pad(joint.type, *place, joint.way)
+    loads: dict[int, Wrench] = {}
+    for edge, mine in pads.items():
+        a, b = joints.edges[edge]
+        shares = shared_loads(
+            bodies[a], bodies[b], [*mine.values()], wrenches[edge], p_WO
+        )
+        loads |= dict(zip(mine, shares, strict=True))
+    return loads
+
+
+def shared_loads(
+    A: BodyState, B: BodyState, pads: Sequence[Pad], wrench: Wrench, p_WO: Vector
+) -> list[Wrench]:
+    """Return the loads of joints of two bodies that hold with a wrench together.
+
+    That of springs of the same stiffness K in each direction that a joint holds, and
+    K r^2 in rotation, as K grows (the limit of Eq. 3-4): r is a tenth of the radius of
+    the circle of pads.
+
+    Args:
+        A: first body.
+        B: second body.
+        pads: the joints.
+        wrench: of all on B, about O, in W.
+        p_WO: place of O in W, m.
+
+    Returns:
+        Of each the torque about its pad and the force, on its B, in its frame.
+    """
+    ends = [(A, B) if pad.way > 0.0 else (B, A) for pad in pads]
+    places = [
+        add(end.p_WBo, rotate(end.R_WB, pad.p_BoPad_B))
+        for pad, (_, end) in zip(pads, ends, strict=True)
+    ]
+    x, y, z = np.mean(places, axis=0).tolist()
+    centre = x, y, z
+    radius2 = np.mean([math.dist(place, centre) ** 2 for place in places])
+    arm = _PAD * math.sqrt(radius2) or 1.0
+    equations = [
+        joint_equations(
+            pad.type, pad.R_AJ, *end, pad.p_BoPad_B, pad.axis_B, centre, arm
+        )
+        for pad, end in zip(pads, ends, strict=True)
+    ]
+    J = np.concatenate(
+        [pad.way * np.array(x.J) for pad, x in zip(pads, equations, strict=True)]
+    )
+    torque, force = moved(wrench, subtract(p_WO, centre))
+    given = np.linalg.pinv(J.T @ J, rcond=_FREE, hermitian=True) @ [*torque, *force]
+    shares = iter((J @ given).tolist())
+    loads = []
+    for pad, each, place, (first, _) in zip(pads, equations, places, ends, strict=True):
+        total = np.sum([next(shares) * np.array(row) for row in each.J], axis=0)
+        a, b, c, x, y, z = total.tolist()
+        R_WJ = compose(first.R_WB, pad.R_AJ)
+        arm_W = subtract(centre, place)
+        torque, force = moved(Wrench((a, b, c), (x, y, z)), arm_W)
+        loads.append(Wrench(unrotate(R_WJ, torque), unrotate(R_WJ, force)))
+    return loads
