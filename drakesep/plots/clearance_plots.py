@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.plots.approach import Approach, Curve
+from drakesep.plots.limits import LIMIT, limit_words
 from drakesep.plots.style import (
     COLOURS,
     DASHES,
-    LIMIT,
     columns_of_legend,
     save_plot,
     wrapped,
@@ -97,12 +97,10 @@ def approaches_figure(
     for axes, name in zip(panels, clearances, strict=True):
         mine = [one for one in approaches if one.clearance == name]
         _draw_approaches(axes, mine)
-        for limit in {r.limit for r in limits if r.metric == name and r.limit > 0.0}:
-            at = unit_of(name).from_si(limit)
-            dashes = (0, (8, 3))
-            axes.axhline(
-                at, color=LIMIT, linestyle=dashes, linewidth=1.2, label="limit"
-            )
+        for limit in limits:
+            if limit.metric == name:
+                at = unit_of(name).from_si(limit.limit)
+                axes.axhline(at, **LIMIT, label=limit_words(limit))
         axes.legend(frameon=False)
         axes.set_title(
             "Distance of the pair that comes nearest in each run; dots: smallest"

@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 
@@ -15,7 +16,7 @@ from drakesep.plots.style import columns_of_legend, wrapped
 _COLUMNS = 3
 # In inches.
 _WIDTH = 16.5
-_LEFT, _GAP, _RIGHT = 0.75, 0.5, 0.2
+_LEFT, _GAP, _RIGHT = 0.8, 0.58, 0.2
 """Beside the two panels of a signal, and between them."""
 _TOP, _FOOT = 0.2, 0.3
 """Above all, and below all."""
@@ -30,6 +31,8 @@ _PUSH = 0.42
 _LETTERS, _OF_TITLE, _OF_TEXT, _OF_LEGEND = 13, 11, 8, 10
 """Sizes of the figure's title, of a signal's, of what stands below that, and of the
 legend, points."""
+Entry: TypeAlias = tuple[str, Sequence[Line2D]]
+"""Of a legend: a label, and lines that stand beside each other."""
 
 
 class Layout:
@@ -43,14 +46,14 @@ class Layout:
         self,
         title: str,
         texts: Sequence[Sequence[str]],
-        legend: Sequence[tuple[str, Line2D]],
+        legend: Sequence[Entry],
     ):
         """Make the figure.
 
         Args:
             title: of the figure.
             texts: that stand above each signal.
-            legend: labels and lines.
+            legend: its entries.
         """
         title = wrapped(title, _WIDTH - 2.0 * _RIGHT, _LETTERS)
         _, width = self._across(0)
@@ -73,9 +76,12 @@ class Layout:
         self.figure.suptitle(
             title, y=1.0 - 0.5 * _TOP / self._height, fontsize=_LETTERS
         )
+        handles: list[Any] = [tuple(lines) for _, lines in legend]
         self.figure.legend(
-            [line for _, line in legend],
+            handles,
             labels,
+            handler_map={tuple: HandlerTuple(ndivide=None)},
+            handlelength=2.5,
             loc="lower center",
             fontsize=_OF_LEGEND,
             ncols=columns,

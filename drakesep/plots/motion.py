@@ -19,10 +19,11 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.metric import Window
 from drakesep.analysis.metrics.of_run import body_of, time_of
 from drakesep.analysis.metrics.requirements import Verdict
-from drakesep.plots.layout import Layout
+from drakesep.plots.layout import Entry, Layout
+from drakesep.plots.limits import LIMIT, limit_words
 from drakesep.plots.panels import ROTATION, TRANSLATION, Panel, Topic, panels_of
 from drakesep.plots.shown_runs import Decided, ShownRuns
-from drakesep.plots.style import DASHES, LIMIT, save_plot
+from drakesep.plots.style import DASHES, save_plot
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Pair
 from drakesep.systems.sampling import NANOSECOND
@@ -34,12 +35,15 @@ _REFERENCE = "#000000"
 _PUBLISHED = ("#757575", "#A6A6A6", "#CCCCCC")
 _COMPARED = ("#0072B2", "#009E73", "#56B4E9", "#E69F00")
 _DECIDING = ("#D55E00", "#A0417F", "#0072B2", "#009E73", "#E69F00", "#56B4E9")
-_LIMIT: dict[str, Any] = {"color": LIMIT, "ls": (0, (8, 3)), "lw": 1.4, "zorder": 5}
+_MARKED: dict[str, Any] = {"lw": 2.0, "marker": "o", "ms": 5, "mec": "white"}
 _END: dict[str, Any] = {"color": "#555555", "ls": ":", "lw": 1.0}
 _SHADE = "#F3F3F3"
 """Of the push."""
 _ROOM = 0.06
 """Of the height of curves and limits, that is left above and below them."""
+_NOTHING = 1e-7
+"""In the units that are shown: runs are no better than that, and what moves less is
+drawn as what does not move."""
 _AROUND = 0.15
 """Of the push, that is shown before and after it."""
 _LEAST = 0.001
@@ -85,13 +89,13 @@ def motion_figure(topic: Topic, shown: ShownRuns, pair: Pair) -> Figure:
     panels = panels_of(topic, run.separation, pair, shown.decided)
     compared = [o for o in shown.compared if topic.concerns(o, run.separation, pair.B)]
     everywhere = _everywhere(shown.reference, compared)
+    drawn_in = [_with_deciding(everywhere, _deciding(p, panels)) for p in panels]
     layout = Layout(
         topic.title.format(A=pair.A, B=pair.B).replace("_", " "),
         [[_sentence(panel, decided) for decided in panel.decided] for panel in panels],
-        _legend(everywhere, panels),
+        _legend(everywhere, panels, drawn_in),
     )
-    for k, panel in enumerate(panels):
-        drawn = _with_deciding(everywhere, _deciding(panel, panels))
+    for k, (panel, drawn) in enumerate(zip(panels, drawn_in, strict=True)):
         both = push, whole = layout.panels(k, panel.title, panel.unit.symbol)
         _zoom(push, whole, run, pair)
         for axes in both:
@@ -170,7 +174,7 @@ def _draw_limit(axes: Axes, panel: Panel, decided: Decided) -> None:
     # What holds at a moment is drawn until then.
     span = (start if start < end else 0.0, end)
     for side in sides:
-        axes.plot(span, (side, side), **_LIMIT)
+        axes.plot(span, (side, side), **LIMIT)
 
 
 def _window(decided: Decided) -> tuple[float, float]:
@@ -222,7 +226,9 @@ def _fit(axes: Axes) -> None:
         if start <= edges[0] and edges[1] <= end:  # it is within the times, or crosses
             at = np.concatenate([time[(start <= time) & (time <= end)], edges])
             seen += np.interp(at, time, values).tolist()
-    low, high = min(seen), max(seen)
+    low, high = (0.0 if abs(x) < _NOTHING else x for x in (min(seen), max(seen)))
+    if high - low < _NOTHING:
+        low = high
     room = _ROOM * ((high - low) or abs(high) or 1.0)
     axes.set_ylim(low - room, high + room)
 
@@ -230,10 +236,7 @@ def _fit(axes: Axes) -> None:
 def _sentence(panel: Panel, decided: Decided) -> str:
     """Return what is said above a panel of a requirement on it."""
     finding = decided.finding
-    requirement, unit = finding.requirement, panel.unit
-    name = f"{requirement.id}: " if requirement.id else ""
-    sign = {"<=": "≤", ">=": "≥"}[requirement.sense]
-    limit = f"{name}{sign} {unit.from_si(requirement.limit):.4g} {unit.symbol}"
+    limit, unit = limit_words(finding.requirement), panel.unit
     if finding.verdict is Verdict.NOT_LOOKED_AT:
         return f"{limit}: {finding.verdict.value}"
     worst = unit.from_si(finding.worst) + 0.0  # of -0, 0
@@ -253,21 +256,24 @@ def _zoom(push: Axes, whole: Axes, run: Run, pair: Pair) -> None:
 
 
 def _legend(
-    everywhere: Sequence[_Drawn], panels: Sequence[Panel]
-) -> list[tuple[str, Line2D]]:
-    """Return the entries of the legend."""
-    entries = [
+    everywhere: Sequence[_Drawn],
+    panels: Sequence[Panel],
+    drawn_in: Sequence[Mapping[str, _Drawn]],
+) -> list[Entry]:
+    """Return the entries of the legend: those that decide stand together."""
+    entries: list[Entry] = [
         (
             each.one.label,
-            Line2D([], [], color=each.colour, ls=each.dashes, lw=each.width),
+            [Line2D([], [], color=each.colour, ls=each.dashes, lw=each.width)],
         )
         for each in everywhere
     ]
     shown = {each.one.label for each in everywhere}
-    decided = [d for panel in panels for d in panel.decided]
-    if any(d.run.label not in shown for d in decided):
-        line = Line2D([], [], color=_DECIDING[0], lw=2.0, marker="o", ms=5, mec="white")
-        entries.append(("worst by a requirement", line))
-    if decided:
-        entries.append(("limit", Line2D([], [], **_LIMIT)))
-    return [*entries, ("end of separation", Line2D([], [], **_END))]
+    new = [one for drawn in drawn_in for one in drawn.values()]
+    colours = dict.fromkeys(x.colour for x in new if x.one.label not in shown)
+    if colours:
+        lines = [Line2D([], [], color=colour, **_MARKED) for colour in colours]
+        entries.append(("worst by a requirement", lines))
+    if any(panel.decided for panel in panels):
+        entries.append(("limit", [Line2D([], [], **LIMIT)]))
+    return [*entries, ("end of separation", [Line2D([], [], **_END)])]

@@ -16,7 +16,6 @@ if TYPE_CHECKING:  # half a second to import, where something is drawn
 # that coincide. Published runs stay in the background.
 COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
 DASHES = ((0, ()), (0, (6, 2)), (0, (2, 2)), (0, (6, 2, 1, 2)), (0, (1, 1)))
-LIMIT = "#B00020"
 _HANDLE = 0.65
 """What a line of a legend takes, with its gaps, in."""
 

@@ -10,13 +10,18 @@ from matplotlib.figure import Figure
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.requirements import Requirement
-from drakesep.plots.style import COLOURS, LIMIT, save_plot
+from drakesep.plots.limits import LIMIT, limit_words
+from drakesep.plots.style import COLOURS, save_plot, wrapped
 from drakesep.systems.model.parameters import parameters
 from drakesep.tables.variants import Variant
 from drakesep.units import unit_of, with_unit
 
 
 _ACROSS = 3
+_CELL = 4.6
+"""Width of a panel, in."""
+_COUNTS = {"<=": "largest", ">=": "smallest", ">": "smallest"}
+"""What counts to each side of a limit."""
 
 
 def save_sweep(variants: Sequence[Variant], case: AnalysisCase, folder: Path) -> None:
@@ -42,19 +47,19 @@ def sweep_figure(variants: Sequence[Variant], case: AnalysisCase) -> Figure:
         panels.setdefault(key, []).append(required)
     across = min(len(panels), _ACROSS)
     down = math.ceil(len(panels) / across)
-    figure = Figure(figsize=(4.6 * across, 3.2 * down + 0.6), layout="constrained")
+    figure = Figure(figsize=(_CELL * across, 3.6 * down + 0.6), layout="constrained")
     grid = figure.subplots(down, across, squeeze=False)
     for axes, ((pair, quantity), mine) in zip(grid.flat, panels.items(), strict=False):
         _draw(axes, name, ordered, mine)
         nominal = unit_of(name).from_si(parameters(case.separation)[name])
         axes.axvline(nominal, color="#555555", linestyle=":", linewidth=1.0)
         of = f", {pair}" if pair else ""
-        axes.set_title(f"{quantity}{of}".replace("_", " "), fontsize=9)
+        title = f"{quantity}{of}".replace("_", " ")
+        axes.set_title(wrapped(title, _CELL - 1.0, 9), fontsize=9)
     for axes in grid.flat[len(panels) :]:
         axes.set_visible(False)
-    figure.suptitle(
-        f"{case.name} over {with_unit(name)}; dotted: nominal, dashed: limit"
-    )
+    title = f"{case.name} over {with_unit(name)}; dotted: nominal, dashed: limit"
+    figure.suptitle(wrapped(title, _CELL * across - 0.2, 12))
     return figure
 
 
@@ -77,21 +82,21 @@ def _draw(
             np.array(y),
             marker=".",
             color=COLOURS[k % len(COLOURS)],
-            # Below a limit the largest counts, above one the smallest.
-            label=f"{axis} {required.sense}" if both else axis,
+            label=f"{axis} {_COUNTS[required.sense]}".strip() if both else axis,
         )
-    several = len({r.limit for r in requirements}) > 1
+    several = len({r.limit for r in requirements}) > 1 and len(judges) > 1
+    limits: dict[tuple[float, str, str], None] = {}
     for required in requirements:
         k = [*judges].index(required.judged_by)
-        colour = COLOURS[k % len(COLOURS)] if several and len(judges) > 1 else LIMIT
-        axes.axhline(
-            unit.from_si(required.limit),
-            color=colour,
-            linestyle=(0, (8, 3)),
-            linewidth=1.2,
-        )
-    if len(judges) > 1:
-        axes.legend(fontsize=7, frameon=False)
+        colour = COLOURS[k % len(COLOURS)] if several else LIMIT["color"]
+        limit = unit.from_si(required.limit)
+        limits[limit, limit_words(required), colour] = None
+    for limit, words, colour in limits:
+        axes.axhline(limit, **LIMIT | {"color": colour}, label=words)
+    axes.legend(
+        **{"loc": "upper center", "bbox_to_anchor": (0.5, -0.16), "ncols": 2},
+        **{"fontsize": 7, "frameon": False, "handlelength": 3.5},
+    )
     axes.set_xlabel(with_unit(name), fontsize=8)
     axes.set_ylabel(unit.symbol)
     axes.grid(alpha=0.3)

@@ -550,7 +550,7 @@ _PLOTS = (
     FileKind(
         name="worst_clearance.png",
         studies=_SEARCHED,
-        what="The distance of the pair that comes nearest, nominal and worst.",
+        what="The distance of the nearest pair, nominal and worst, with limits.",
     ),
     FileKind(
         name="sweep.png",

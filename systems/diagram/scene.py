@@ -23,13 +23,12 @@ def register_illustration(plant: MultibodyPlant, separation: Separation) -> None
     Raises:
         ValueError: a mesh is missing, empty or not closed.
     """
-    for i, body in enumerate(separation.bodies):
+    for body in separation.bodies:
         link = plant.GetBodyByName(body.name)
         for part in body.parts:
             shape, X_BG = illustration_of(part)
-            plant.RegisterVisualGeometry(
-                link, X_BG, shape, part.name, colour_of(part, i)
-            )
+            colour = colour_of(part, body, separation)
+            plant.RegisterVisualGeometry(link, X_BG, shape, part.name, colour)
 
 
 def register_contact(

@@ -9,6 +9,7 @@ from pydrake.math import RigidTransform
 
 from drakesep.systems.geometry.convex_pieces import Z_TO_X, mesh_of, place_of
 from drakesep.systems.model.parts import Box, Capsule, Cone, Mesh, Part, Sphere
+from drakesep.systems.model.separation import Body, Separation
 
 
 if TYPE_CHECKING:
@@ -16,14 +17,31 @@ if TYPE_CHECKING:
 
 _SECTIONS = 96
 """Sides of a round wall as it is drawn."""
-# Okabe and Ito's colours, as in plots; walls let one see through.
-_COLOURS = ((0.45, 0.45, 0.5), (0.0, 0.45, 0.7), (0.9, 0.62, 0.0), (0.0, 0.62, 0.45))
+# Okabe and Ito's colours, as in plots; but for the red, which nearest points have.
+_FIRST = (0.45, 0.45, 0.5)
+_OTHERS = (
+    (0.0, 0.45, 0.7),
+    (0.9, 0.62, 0.0),
+    (0.0, 0.62, 0.45),
+    (0.8, 0.47, 0.65),
+    (0.34, 0.71, 0.91),
+)
+_THROUGH = 0.45
+"""Opacity of what lets one see through."""
 
 
-def colour_of(part: Part, body: int) -> tuple[float, float, float, float]:
-    """Return red, green, blue and opacity of a part of the i-th body."""
+def colour_of(
+    part: Part, body: Body, separation: Separation
+) -> tuple[float, float, float, float]:
+    """Return red, green, blue and opacity of a part of a body.
+
+    Walls let one see through, and what several bodies leave: some are behind it.
+    """
+    i = separation.bodies.index(body)
+    colour = _OTHERS[(i - 1) % len(_OTHERS)] if i else _FIRST
     hollow = isinstance(part.shape, Cone) and part.shape.thickness is not None
-    return (*_COLOURS[body % len(_COLOURS)], 0.45 if hollow else 1.0)
+    amid = sum(pair.A == body.name for pair in separation.pairs) > 1
+    return (*colour, _THROUGH if hollow or amid else 1.0)
 
 
 def illustration_of(part: Part) -> tuple[Any, RigidTransform]:

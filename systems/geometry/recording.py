@@ -63,11 +63,11 @@ class Recording:
         Raises:
             ValueError: a mesh is missing, empty or not closed.
         """
-        for i, body in enumerate(separation.bodies):
+        for body in separation.bodies:
             for part in body.parts:
                 shape, X_BG = illustration_of(part)
                 path = f"{root}/{body.name}/{part.name}"
-                rgba = drake.Rgba(*colour_of(part, i))
+                rgba = drake.Rgba(*colour_of(part, body, separation))
                 self._meshcat.SetObject(path, shape, rgba)
                 self._meshcat.SetTransform(path, X_BG)
         self._meshcat.SetObject(f"{root}/bar", drake.Cylinder(_BAR, 1.0), _NEAREST)

@@ -20,13 +20,14 @@ from tumbling import Tumbling
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.case_file.reader import load_case
 from drakesep.plots import animation as animations
 from drakesep.plots.approach import Approach, Curve
 from drakesep.plots.clearance_plots import approaches_figure, clearance_figure
 from drakesep.plots.panels import ROTATION, TRANSLATION
 from drakesep.plots.swept_volume import swept_figure
 from drakesep.plots.tornado import tornado_figure
-from drakesep.systems.geometry.illustration import illustration_of
+from drakesep.systems.geometry.illustration import colour_of, illustration_of
 from drakesep.systems.model.parts import Box, Capsule, Cone, Part, Sphere
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.roles import Nominal, Worst
@@ -144,14 +145,21 @@ def test_approaches():
     x = np.linspace(0.0, 0.4, 9)
     distances = 0.08 + (x - 0.2) ** 2
     one = Approach("clearance", "worst", "one to two", x, distances)
-    required = Requirement(metric="clearance", sense=">=", limit=0.03)
-    figure = approaches_figure([one], [required])
+    required = (
+        Requirement(metric="clearance", sense=">=", limit=0.03, id="UM-7"),
+        Requirement(metric="clearance", sense=">", limit=0.0),
+        Requirement(metric="clearance_to", sense=">=", limit=0.05),  # of another
+    )
+    figure = approaches_figure([one], required)
     [axes] = figure.axes
-    curve, dot, limit = axes.get_lines()
+    curve, dot, limit, contact = axes.get_lines()
     assert curve.get_xdata() == pytest.approx(MM * x)
     assert curve.get_ydata() == pytest.approx(MM * distances)
     assert [*dot.get_xdata(), *dot.get_ydata()] == pytest.approx([200.0, 80.0])
     assert list(limit.get_ydata()) == [30.0, 30.0]
+    assert list(contact.get_ydata()) == [0.0, 0.0]
+    assert limit.get_label() == "UM-7: ≥ 30 mm"
+    assert contact.get_label() == "no contact"
     assert curve.get_label() == "worst: one to two, 80.00 mm"
 
 
@@ -278,6 +286,21 @@ def test_frames_of_an_animation(tumbling, monkeypatch):
         surface = [np.linalg.norm(b - c) for (_, b), c in zip(bars, balls, strict=True)]
         assert surface == pytest.approx(np.full(frames, 0.07), abs=1e-4)
         assert set(one["pair"]) == {"post to ball"}
+
+
+def test_colours_of_bodies():
+    """None has that of the first; through what several leave, all are seen."""
+    rideshare = load_case("rideshare").separation
+    first, *others = rideshare.bodies
+
+    def colour(body, separation=rideshare):
+        return colour_of(body.parts[0], body, separation)
+
+    assert colour(first)[3] < 1.0
+    assert {colour(body)[3] for body in others} == {1.0}
+    assert colour(first)[:3] not in {colour(body)[:3] for body in others}
+    alone = dataclasses.replace(rideshare, others=())
+    assert colour(first, alone)[3] == 1.0
 
 
 @pytest.mark.parametrize(

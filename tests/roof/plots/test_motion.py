@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from drawn import TOPICS, curves_of, drawn, texts_of, titles_of
+from matplotlib.lines import Line2D
 from pictures import is_drawn
 from runs import made_up_run
 
@@ -249,6 +250,41 @@ def test_the_push_has_a_panel_of_its_own(smallsat):
     motion = run.motion
     until = math.degrees(np.abs(motion.rate[motion.time <= end, 2]).max())
     assert low < 0.0 and until <= high
+
+
+def test_the_legend_has_every_colour_of_what_decides(smallsat):
+    figure = figures_of(smallsat)["smallsat", "translation"]
+    runs = [curves_of(figure, title).runs for title in titles_of(figure)]
+    colours = {
+        line.get_color() for each in runs for n, line in each.items() if n != "nominal"
+    }
+    assert len(colours) > 1
+    [legend] = figure.legends
+    marked = [line for line in legend.findobj(Line2D) if line.get_marker() == "o"]
+    assert {line.get_color() for line in marked} == colours
+    words = [text.get_text() for text in legend.get_texts()]
+    assert words == ["nominal", "worst by a requirement", "limit", "end of separation"]
+
+
+def test_what_is_round_off_is_drawn_as_nothing():
+    """Signals of 1e-17 about zero, and of 1e-12 about three."""
+    run = made_up_run(
+        relative_velocity=lambda t: (
+            1e-17 * np.sin(9.0 * t),
+            3.0 + 1e-12 * np.sin(9.0 * t),
+            1e-5 * t,
+        )
+    )
+    figure = drawn(TRANSLATION, [labelled(run)], case_of(run))
+    for part in ("push", "whole run"):
+        spans = {}
+        for axis in "xyz":
+            line = curves_of(figure, f"relative velocity, {axis}", part).runs["nominal"]
+            low, high = line.axes.get_ylim()
+            spans[axis] = high - low
+            assert low < 0.0 < high or low < 3.0 < high
+        assert min(spans["x"], spans["y"]) > 0.1
+        assert spans["z"] < 1e-4  # that is a signal
 
 
 def test_a_window_that_is_not_reached_is_said():

@@ -249,8 +249,14 @@ def test_plot_has_each_quantity_and_its_limits():
         assert math.isnan(y[0])
         # Both are the speed at which it leaves, by what splines make of its last push.
         assert y[1:] == pytest.approx([speeds[x] for x in MASSES], rel=1e-5)
-    levels = {float(line.get_ydata()[0]) for line in axes.lines if line not in curves}
-    assert {0.5, 0.6} < levels
+    levels = {
+        line.get_label(): float(line.get_ydata()[0])
+        for line in axes.lines
+        if line not in curves
+    }
+    assert levels.items() >= {"≥ 0.5 m/s": 0.5, "≤ 0.6 m/s": 0.6}.items()
+    told = {text.get_text() for text in axes.get_legend().get_texts()}
+    assert told == {"largest", "smallest", "≥ 0.5 m/s", "≤ 0.6 m/s"}
 
 
 def test_no_plot_of_two_parameters(tmp_path):
