@@ -117,13 +117,14 @@ class Finding:
     nominal: float
     """Value of the nominal run; NaN if it does not tell."""
     worst: float
-    """Value nearest to the limit, or farthest beyond it; NaN if a run does not tell."""
+    """Value farthest beyond the limit. If none is beyond it, NaN if a run does not
+    tell, else the value nearest to it."""
     run: str
-    """Label of the run with the worst value, or of the first that does not tell."""
+    """Label of the run with that value, or of the first that does not tell."""
 
     @property
     def margin(self) -> float:
-        """Margin of the worst value; NaN if a run does not tell."""
+        """Margin of the worst value; NaN if that is."""
         return self.requirement.margin(self.worst)
 
     @property
@@ -147,7 +148,8 @@ def assess(
 ) -> list[Finding]:
     """Return how each requirement fares over the runs.
 
-    What was not looked at, or is not a number, is never within a limit.
+    What was not looked at, or is not a number, is never within a limit; beside a value
+    that is beyond it, it changes nothing.
 
     Args:
         requirements: to be judged.
@@ -168,8 +170,10 @@ def _finding(
         if metric in metrics or not requirement.measured_apart
     }
 
-    def badness(label: str) -> tuple[bool, float]:
-        return math.isnan(values[label]), -requirement.margin(values[label])
+    def badness(label: str) -> tuple[bool, bool, float]:
+        margin = requirement.margin(values[label])
+        unknown = math.isnan(margin)
+        return not (unknown or requirement.keeps(margin)), unknown, -margin
 
     worst = max(values, key=badness, default="")
     return Finding(
@@ -178,6 +182,15 @@ def _finding(
         worst=values.get(worst, math.nan),
         run=worst,
     )
+
+
+def verdict_on_all(findings: Sequence[Finding]) -> Verdict:
+    """Return the verdict on all requirements together: one violation settles it."""
+    verdicts = {finding.verdict for finding in findings}
+    for verdict in (Verdict.NOT_MET, Verdict.NOT_LOOKED_AT):
+        if verdict in verdicts:
+            return verdict
+    return Verdict.MET
 
 
 def deviation_limits(

@@ -2,6 +2,7 @@
 
 from rich.console import Console
 
+from drakesep.analysis.metrics.requirements import Verdict
 from drakesep.cli.console import print_frame, print_notes
 from drakesep.studies.clearance import Clearances
 from drakesep.studies.remarks import notes_of
@@ -99,7 +100,7 @@ def print_requirements(console: Console, study: Verification) -> None:
 
 
 def print_verdict(console: Console, study: Verification) -> None:
-    """Print whether every requirement is met, and what was not looked at."""
+    """Print the verdict, and what was not looked at."""
     if study.case.has_clearance and not study.clearances:
         console.print(
             "There is geometry, and no requirement of clearance_mm or no_contact: "
@@ -107,11 +108,22 @@ def print_verdict(console: Console, study: Verification) -> None:
         )
     if study.worst and not study.growths:
         console.print("How far tolerances may grow was not looked for: see --growth.")
-    if study.passed:
-        console.print(
-            "[bold green]Every requirement is met[/] in all "
-            f"{len(study.runs)} runs flown in Drake, the worst cases of each among "
-            "them."
-        )
-    else:
-        console.print("[bold red]Not every requirement is met.[/]")
+    match study.verdict:
+        case Verdict.MET.value:
+            console.print(
+                "[bold green]Every requirement is met[/] in all "
+                f"{len(study.runs)} runs flown in Drake, the worst cases of each among "
+                "them."
+            )
+        case Verdict.NOT_MET.value:
+            console.print("[bold red]Not every requirement is met.[/]")
+        case Verdict.NOT_LOOKED_AT.value:
+            console.print(
+                "[bold red]Not every requirement was looked at[/]: no run is beyond a "
+                "limit, and some do not tell."
+            )
+        case None:
+            console.print(
+                "[bold red]No verdict[/]: no run is beyond a limit, and not all could "
+                "be flown or confirmed."
+            )

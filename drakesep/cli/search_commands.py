@@ -145,7 +145,7 @@ def verify(
 ) -> None:
     """Find the worst cases and hold them against the requirements.
 
-    Exits with 1 if a requirement is not met.
+    Exits with 1 unless every requirement is met.
     """
     with Report("verify", quiet=quiet, as_json=as_json) as report:
         from drakesep.case_file.reader import load_case
@@ -188,9 +188,9 @@ def verify(
         report.add(**vars(of_verification(study, folder.path)))
         print_requirements(report.console, study)
         say_where(report.console, folder)
+        print_verdict(report.console, study)
         if not study.completed:
             report.fail(_WHAT_FAILED)
-        print_verdict(report.console, study)
         if not study.passed:
             report.not_well()
 

@@ -469,8 +469,13 @@ _WORST_CASES = (
             Column("sense", "", "`<=` or `>=`; `>` of no contact."),
             Column("limit", _SAME, "That is required."),
             Column("nominal", _SAME, "In the nominal run."),
-            Column("worst", _SAME, "Nearest to the limit, or farthest beyond."),
-            Column("which_run", "", "Label of the worst."),
+            Column(
+                "worst",
+                _SAME,
+                "Farthest beyond the limit; else nearest to it, and empty if a run "
+                "does not tell.",
+            ),
+            Column("which_run", "", "Label of the worst, or of that run."),
             Column("margin", _SAME, "Of the worst; negative beyond the limit."),
             Column(
                 "growth_factor",

@@ -44,7 +44,8 @@ class StudyRecord:
     message: str = ""
     """Why it failed."""
     verdict: str | None = None
-    """Of a study that gives one: ``met``, ``not met``, ``clear`` or ``contact``."""
+    """Of a study that gives one: ``met``, ``not met`` or ``not looked at``; of
+    `clearance`, ``clear`` or ``contact``."""
     again: str | None
     """What does the study again, in a shell; null if it was asked with functions."""
     arguments: Mapping[str, Any] = field(default_factory=dict)

@@ -10,7 +10,12 @@ import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.functions import FunctionRequirement
-from drakesep.analysis.metrics.requirements import Finding, assess
+from drakesep.analysis.metrics.requirements import (
+    Finding,
+    Verdict,
+    assess,
+    verdict_on_all,
+)
 from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.case_file.case import Case
 from drakesep.case_file.objectives import (
@@ -91,14 +96,19 @@ class Verification(WorstCases):
     @property
     def passed(self) -> bool:
         """Whether every requirement is met, with no run and no search failed."""
-        return self.completed and all(finding.met for finding in self.findings)
+        return self.verdict == Verdict.MET.value
 
     @property
     def verdict(self) -> str | None:
-        """``met`` or ``not met``; None if the study is not completed."""
-        if not self.completed:
-            return None
-        return "met" if self.passed else "not met"
+        """``met``, ``not met`` or ``not looked at``.
+
+        What a run is beyond stays so, whatever else failed; without it, a study that is
+        not completed has no verdict: None.
+        """
+        found = verdict_on_all(self.findings)
+        if found is Verdict.NOT_MET or self.completed:
+            return found.value
+        return None
 
     @property
     def pictures(self) -> Pictures:

@@ -6,7 +6,12 @@ from dataclasses import dataclass, field
 import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
-from drakesep.analysis.metrics.requirements import Finding, Verdict, assess
+from drakesep.analysis.metrics.requirements import (
+    Finding,
+    Verdict,
+    assess,
+    verdict_on_all,
+)
 from drakesep.tables.columns import in_units
 from drakesep.tables.roles import COMPLETED, Outcome
 from drakesep.units import unit_of, with_unit
@@ -49,7 +54,7 @@ def variants_table(variants: Sequence[Variant], case: AnalysisCase) -> pd.DataFr
                 "variant": number,
                 **in_units(variant.values),
                 **in_units({k: variant.metrics.get(k, float("nan")) for k in told}),
-                "verdict": _verdict(findings),
+                "verdict": verdict_on_all(findings).value if findings else "",
                 "violated": "; ".join(map(_limit, _not_met(findings))),
                 "status": str(variant.outcome),
             }
@@ -59,17 +64,6 @@ def variants_table(variants: Sequence[Variant], case: AnalysisCase) -> pd.DataFr
 
 def _not_met(findings: Sequence[Finding]) -> list[Finding]:
     return [one for one in findings if one.verdict is Verdict.NOT_MET]
-
-
-def _verdict(findings: Sequence[Finding]) -> str:
-    """Return that of all requirements together; empty without any."""
-    if not findings:
-        return ""
-    if _not_met(findings):
-        return Verdict.NOT_MET.value
-    if all(one.met for one in findings):
-        return Verdict.MET.value
-    return Verdict.NOT_LOOKED_AT.value
 
 
 def _limit(finding: Finding) -> str:

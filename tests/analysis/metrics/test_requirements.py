@@ -9,6 +9,7 @@ from drakesep.analysis.metrics.requirements import (
     Verdict,
     assess,
     deviation_limits,
+    verdict_on_all,
 )
 
 
@@ -86,6 +87,33 @@ def test_what_is_measured_apart_is_judged_by_the_runs_that_tell_it():
     assert (finding.verdict, finding.worst, finding.run) == (Verdict.MET, 0.2, "b")
     [finding] = assess([clear], {"nominal": {}, "a": {}}, "nominal")
     assert finding.verdict is Verdict.NOT_LOOKED_AT
+
+
+def test_a_violation_stands_beside_runs_that_do_not_tell():
+    runs = {"nominal": {}, "a": {AT_MOST.metric: 2.5}, "b": {AT_MOST.metric: math.nan}}
+    [finding] = assess([AT_MOST], runs, "nominal")
+    assert finding.verdict is Verdict.NOT_MET
+    assert (finding.worst, finding.run) == (2.5, "a")
+
+
+@pytest.mark.parametrize(
+    ("values", "verdict"),
+    [
+        ([1.0, 1.0], Verdict.MET),
+        ([1.0, math.nan], Verdict.NOT_LOOKED_AT),
+        ([math.nan, 2.5], Verdict.NOT_MET),
+        ([2.5, 1.0], Verdict.NOT_MET),
+    ],
+)
+def test_one_violation_settles_all_requirements_together(values, verdict):
+    findings = [
+        finding
+        for value in values
+        for finding in assess(
+            [AT_MOST], {"nominal": {AT_MOST.metric: value}}, "nominal"
+        )
+    ]
+    assert verdict_on_all(findings) is verdict
 
 
 def test_exactly_at_the_limit_is_met():

@@ -19,10 +19,14 @@ from outcomes import (
     INTERRUPTED,
     NO_FOLDER,
     NOT_MET,
+    OTHER_RUN_FAILED,
     RUN_FAILED,
+    SEARCH,
     arguments,
+    case_for,
     interrupt,
 )
+from small_case import write_case
 
 from drakesep.cli.report import Report, print_json
 from drakesep.cli.summaries import SUMMARIES
@@ -112,6 +116,23 @@ def test_shape_of_an_error(command, outcome, said):
         assert (outcome, told["error"]) == (INTERRUPTED, "interrupted")
     if outcome != BAD_FILE and command != "cases":
         assert told.get("case", "small") == "small"
+
+
+def test_a_violation_is_told_beside_a_run_that_failed(capsys, monkeypatch, tmp_path):
+    data = case_for(OTHER_RUN_FAILED, "verify")
+    data["requirements"][0]["at_least"] = 5.0
+    case = write_case(tmp_path, data)
+    words = ["verify", case, "-o", tmp_path / "out", *SEARCH, "--json"]
+    code, out, _ = run(capsys, monkeypatch, *words)
+    told = json.loads(out)
+    assert code == told["exit_code"] == 1
+    assert told["verdict"] == "not met"
+    assert told["error"].startswith("a run or a search failed")
+    record = json.loads((tmp_path / "out" / "study.json").read_text())
+    assert (record["ended"], record["verdict"]) == ("failed", "not met")
+    assert "theirs: failed: " in record["message"]
+    _, out, _ = run(capsys, monkeypatch, *words[:-1])
+    assert "Not every requirement is met." in out
 
 
 def test_every_command_has_a_shape():
