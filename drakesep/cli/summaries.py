@@ -78,7 +78,7 @@ class StudySummary:
     folder: str
     """That has the results."""
     verdict: str | None
-    """`met`, `not met` or `not looked at`; `clear` or `contact`; null: there is none."""
+    """`met`, `not met`, `not looked at`; `clear`, `contact`; null: there is none."""
     notes: list[str]
     """What should be known of the nominal run, or of the one that was flown."""
 
