@@ -25,6 +25,7 @@ from drakesep.analysis.metrics.registry import (
 from drakesep.analysis.metrics.requirements import (
     NO_LIMITS,
     Requirement,
+    check_limits,
     deviation_limits,
 )
 from drakesep.analysis.tolerances.box import ToleranceBox
@@ -36,7 +37,6 @@ from drakesep.systems.checks import (
     Vector3,
     check_entries,
     check_finite,
-    check_positive,
     named,
     unknown,
 )
@@ -62,25 +62,12 @@ if TYPE_CHECKING:  # imports Drake
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClearancePairs:
-    """Which parts are measured to each other, and how long their distance matters.
-
-    Raises:
-        ValueError: the distance of separation is not positive.
-    """
+    """Which parts are measured to each other."""
 
     pairs: tuple[Names, ...] | None = None
     """Names of two parts each; if None, all of different bodies."""
     touching: tuple[Names, ...] = ()
     """Those that touch or overlap while mated: measured once they have parted."""
-    until_separation: float | None = None
-    """How far every body that leaves is to move in its direction until distances do not
-    matter, m; if None, they matter to the end of the run. Of the metric ``clearance``:
-    the names of others say it."""
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        if self.until_separation is not None:
-            check_positive("until_separation", self.until_separation)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -179,11 +166,11 @@ class AnalysisCase:
             part_pairs(self.separation, self.clearance.touching)
         object.__setattr__(self, "tolerances", FrozenMapping(self.tolerances))
         box = ToleranceBox.around(self.separation, self.tolerances)
-        self._check_parts_measured()
         with named("ellipsoids"):
             admitted = ToleranceSet(self.separation, box, self.ellipsoids)
         object.__setattr__(self, "tolerance_set", admitted)
         self._check_requirements()
+        self._check_parts_measured()
         self._check_objectives()
         self._check_published()
 
@@ -191,6 +178,9 @@ class AnalysisCase:
         """Raise InputError if a part's place varies and nothing is measured to it."""
         pairs = part_pairs(self.separation, self.clearance.pairs)
         measured = {name for pair in pairs for name in pair}
+        for requirement in self.requirements:
+            if requirement.measured_apart:
+                measured |= {*(_clearance_named(requirement.metric).parts or ())}
         for name in self.tolerances:
             if name in places_of_parts(self.separation):
                 part = ParameterName.of(name).owner
@@ -202,42 +192,52 @@ class AnalysisCase:
                     )
 
     def _check_requirements(self) -> None:
-        sides = [(r.metric, r.sense, r.id) for r in self.requirements]
-        for metric, sense, name in sides:
+        for requirement in self.requirements:
+            metric = requirement.metric
             found = find_metric(metric)
             if found is None or metric not in found[0].names:
                 known = [name for one in registered_metrics() for name in one.names]
                 raise InputError(f"requirements: {unknown('metric', metric, known)}")
-            if sides.count((metric, sense, name)) > 1:
-                raise InputError(
-                    f"requirements: {metric} {sense} must stand once, or each time "
-                    f"with an id of its own, got {name or 'none'!r} twice"
-                )
-        limits_of_pairs = self.limits_of_pairs
+        check_limits(self.requirements)
         for requirement in self.requirements:
             with named("requirements"):
                 self._check_owner(requirement)
-                limits = limits_of_pairs.get(requirement.pair, NO_LIMITS)
-                _check_limit(requirement, limits)
                 if requirement.measured_apart:
                     self._check_parts(requirement.metric)
+                else:
+                    self._check_within(requirement)
+
+    def _check_within(self, requirement: Requirement) -> None:
+        """Raise InputError if a time within limits is required, and there are none."""
+        judge = metric_named(requirement.judged_by)
+        limits = self.limits_of_pairs.get(requirement.pair, NO_LIMITS)
+        within = judge.functional is Functional.TIME_WITHIN
+        if within and not any(map(math.isfinite, limits)):  # until the end
+            raise InputError(
+                f"{requirement.metric}: needs a requirement '<=' on {DEVIATION}, "
+                "got none"
+            )
 
     def _check_parts(self, metric: str) -> None:
         """Raise InputError unless there are parts whose clearance is asked for."""
-        named = _clearance_named(metric)
+        asked = _clearance_named(metric)
         bodies = [body.name for body in self.separation.bodies]
-        B = named.pair or self.separation.B
-        if named.to and named.to not in bodies:
-            raise InputError(f"{metric}: {unknown('body', named.to, bodies)}")
-        if named.to == B:
+        B = asked.pair or self.separation.B
+        if asked.to and asked.to not in bodies:
+            raise InputError(f"{metric}: {unknown('body', asked.to, bodies)}")
+        if asked.to == B:
             raise InputError(f"{metric}: must be to another body than {B}")
-        if named.pair and not named.to:
+        if asked.pair and asked.parts:
+            raise InputError(f"{metric}: must not name a body: its parts say whose")
+        if asked.pair and not asked.to:
             raise InputError(
                 f"{metric}: must say to which body, such as {metric}_to_"
                 f"{self.separation.pair_of(B).A}"
             )
-        if not self._parts_apart(named):
-            which = f"{B} and {named.to}" if named.to else "two bodies"
+        with named(metric):
+            apart = self._parts_apart(asked)
+        if not apart:
+            which = f"{B} and {asked.to}" if asked.to else "two bodies"
             raise InputError(
                 f"{metric} needs geometry on {which} that does not touch while mated, "
                 "got none"
@@ -246,12 +246,26 @@ class AnalysisCase:
     def _parts_apart(self, clearance: Metric) -> list[Names]:
         """Return the pairs of parts that a clearance is of."""
         of = self.clearance
+        if clearance.parts:
+            return part_pairs(self.separation, [clearance.parts])
         pairs = pairs_apart(self.separation, of.pairs, of.touching)
         if not clearance.to:
             return pairs
         ends = {clearance.pair or self.separation.B, clearance.to}
         owners = owners_of(self.separation)
         return [(a, b) for a, b in pairs if {owners[a], owners[b]} == ends]
+
+    def _leaving(self, clearance: Metric) -> list[str]:
+        """Return the bodies whose way ends a clearance's window.
+
+        That which it names; or those of its parts that leave; or all, if none does.
+        """
+        if clearance.to:
+            return [clearance.pair or self.separation.B]
+        leave = [pair.B for pair in self.separation.pairs]
+        owners = owners_of(self.separation)
+        mine = {owners[part] for part in clearance.parts or ()}
+        return [B for B in leave if B in mine] or leave
 
     def _check_owner(self, requirement: Requirement) -> None:
         """Raise InputError unless there is what a requirement is about."""
@@ -355,30 +369,19 @@ class AnalysisCase:
     @property
     def ends_of_windows(self) -> tuple[Objective, ...]:
         """What keeps bodies from the ends of clearances' windows."""
-        windows = {r.metric for r in self.requirements if r.measured_apart}
+        required = [r.metric for r in self.requirements if r.measured_apart]
+        windows = [
+            one
+            for one in map(_clearance_named, required)
+            if one.until_separation is not None
+        ]
+        moving = {B for one in windows for B in self._leaving(one)}
+        first, *others = (pair.B for pair in self.separation.pairs)
         return tuple(
             lowest(f"{prefix}{_PROGRESS}")
-            for prefix in ("", *(f"{pair.B}." for pair in self.separation.others))
-            if any(self._ends_with(metric, prefix) for metric in windows)
+            for B, prefix in ((first, ""), *((B, f"{B}.") for B in others))
+            if B in moving
         )
-
-    def _ends_with(self, metric: str, prefix: str) -> bool:
-        """Return whether a clearance's window ends when B of a pair has moved so far.
-
-        Args:
-            metric: name of the clearance.
-            prefix: of the metrics of the pair; empty: of the first.
-        """
-        named = _clearance_named(metric)
-        if self._until_separation(named) is None:
-            return False
-        return not named.to or prefix == (f"{named.pair}." if named.pair else "")
-
-    def _until_separation(self, clearance: Metric) -> float | None:
-        """Return how far B is to move until a clearance does not matter, m."""
-        if clearance.stem == CLEARANCE and not clearance.pair:
-            return self.clearance.until_separation
-        return clearance.until_separation
 
     @property
     def metrics(self) -> tuple[str, ...]:
@@ -409,10 +412,9 @@ class AnalysisCase:
     def lowest_clearance(self, metric: str = CLEARANCE) -> "LowestClearance":
         """Return a new objective that makes the smallest distance small.
 
-        Over the time for which distances matter.
-
         Args:
-            metric: name of the clearance; see `drakesep.analysis.metrics.clearances`.
+            metric: name of the clearance, which says of what and until when; see
+                `drakesep.analysis.metrics.clearances`.
 
         Raises:
             ValueError: there is no such clearance, or there are no parts of such bodies
@@ -422,13 +424,13 @@ class AnalysisCase:
         from drakesep.analysis.clearance.objective import LowestClearance
 
         self._check_parts(metric)
-        named = _clearance_named(metric)
+        asked = _clearance_named(metric)
         return LowestClearance(
             self.separation,
-            self._parts_apart(named),
+            self._parts_apart(asked),
             touching=self.clearance.touching,
-            until_separation=self._until_separation(named),
-            leaving=(named.pair or self.separation.B) if named.to else "",
+            until_separation=asked.until_separation,
+            leaving=self._leaving(asked),
             metric=metric,
         )
 
@@ -447,30 +449,3 @@ def _clearance_named(metric: str) -> Metric:
     if found is None or found[0].of_every_run:
         raise InputError(unknown("clearance", metric, [CLEARANCE]))
     return found[0]
-
-
-def _check_limit(requirement: Requirement, deviation_limits: tuple[float, ...]) -> None:
-    """Raise InputError where a limit says nothing, or would be held unseen."""
-    metric, sense, limit = requirement.metric, requirement.sense, requirement.limit
-    if requirement.measured_apart:  # at contact it is 0, however deep
-        if not ((sense == ">=" and limit > 0.0) or (sense == ">" and limit == 0.0)):
-            raise InputError(
-                f"{metric}: sense must be '>=' and the limit > 0, or '>' and 0, got "
-                f"{sense!r} and {limit:g}"
-            )
-        return
-    if sense == ">":
-        raise InputError(f"{metric}: sense must be '<=' or '>=', got {sense!r}")
-    if requirement.never_negative and sense == "<=" and limit < 0.0:
-        raise InputError(f"{metric}: limit must be >= 0, got {limit:g}")
-    if requirement.never_negative and sense == ">=" and limit <= 0.0:  # always met
-        raise InputError(f"{metric}: a limit from below must be > 0, got {limit:g}")
-    judge = metric_named(requirement.judged_by)
-    within = judge.functional is Functional.TIME_WITHIN
-    if within and not any(map(math.isfinite, deviation_limits)):  # until the end
-        raise InputError(f"{metric}: needs a requirement '<=' on {DEVIATION}, got none")
-    if sense == ">=" and judge.is_largest_magnitude:
-        raise InputError(  # that a rate is large once says nothing of other times
-            f"{metric}: '>=' must be judged by a smallest magnitude: register one, and "
-            "name it as this metric's at_least"
-        )

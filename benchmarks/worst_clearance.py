@@ -19,6 +19,7 @@ from drakesep import Case, load_case, worst_case
 from drakesep.analysis.clearance.objective import LowestClearance
 from drakesep.analysis.clearance.of_run import ClearanceAnalysis
 from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.analysis.metrics.registry import find_metric
 from drakesep.systems.arrays import Array
 from drakesep.systems.geometry.convex_pieces import pieces_of
 from drakesep.systems.geometry.relative_path import RelativePath
@@ -84,18 +85,20 @@ def main() -> None:
     asked = parser.parse_args()
     case = load_case("vega")
     start = time.perf_counter()
-    study = worst_case(case, ["lowest_clearance"])
+    required = next(r.metric for r in case.limits if r.measured_apart)
+    study = worst_case(case, [f"lowest_{required}"])
     [worst] = study.worst
     print(
         f"worst clearance {-1e3 * worst.value:.4f} mm, found by {worst.search}, "
         f"confirmed in Drake, after {time.perf_counter() - start:.1f} s"
     )
-    objective = case.lowest_clearance()
+    objective = case.lowest_clearance(required)
     assert isinstance(objective, LowestClearance)
     batch = Batch(case.separation, case.box.names)
     [nominal] = batch.runs(batch.nominal[None])
-    until = 1e-3 * next(s.until_separation_mm or 0.0 for s in case.requirements[::-1])
-    screen = Screen(nominal, case, until)
+    metric, _ = find_metric(required) or (None, "")
+    assert metric is not None and metric.until_separation is not None
+    screen = Screen(nominal, case, metric.until_separation)
     tolerances = case.tolerance_set
     rng = np.random.default_rng(asked.seed)
     measured, nearest, beyond, least = 0, np.inf, 0, np.inf

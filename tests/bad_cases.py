@@ -194,7 +194,7 @@ BAD = {
     ),
     "requirement twice": (
         changed("requirements", 2 * VEGA["requirements"][:1]),
-        "requirements: at_most of rate_after_separation_x_deg_s must stand once, or "
+        "requirements: rate_after_separation_x_deg_s: at_most must stand once, or "
         "each time with an id of its own, got none twice",
     ),
     "band that holds nothing": (

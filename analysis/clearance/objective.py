@@ -54,7 +54,7 @@ class LowestClearance(LargestOfParts):
         *,
         touching: Sequence[Sequence[str]] = (),
         until_separation: float | None = None,
-        leaving: str = "",
+        leaving: Sequence[str] = (),
         metric: str = CLEARANCE,
         name: str = "",
     ):
@@ -67,8 +67,8 @@ class LowestClearance(LargestOfParts):
             touching: those that touch or overlap while mated.
             until_separation: how far B is to move in its direction until the distances
                 do not matter any more, m; to the end of the run if None.
-            leaving: B of the pair that is meant; if empty, every body that leaves is to
-                move so far.
+            leaving: names of the bodies that are to move so far; if empty, every body
+                that leaves.
             metric: name of the clearance that it makes small.
             name: in tables; made of that if empty.
 
@@ -81,12 +81,11 @@ class LowestClearance(LargestOfParts):
         self.metric = metric
         self.name = name or f"lowest_{metric}"
         self.shown_as = SignedMetric(metric, -1.0)
-        self._leaving = tuple(
-            pair for pair in separation.pairs if leaving in ("", pair.B)
-        )
-        if not self._leaving:
-            known = [pair.B for pair in separation.pairs]
-            raise InputError(unknown("body that leaves", leaving, known))
+        known = [pair.B for pair in separation.pairs]
+        for body in leaving:
+            if body not in known:
+                raise InputError(unknown("body that leaves", body, known))
+        self._leaving = tuple(map(separation.pair_of, leaving)) or separation.pairs
         self._until_separation = until_separation
         self._separation, self._touching = separation, touching
         self._pairs = pairs_apart(separation, pairs, touching)

@@ -124,7 +124,7 @@ class FunctionRequirement:
     def objectives(self) -> tuple[Objective, ...]:
         """What leads out of each limit."""
         return tuple(
-            _OfFunction(self, 1.0 if limit.sense == "<=" else -1.0)
+            _OfFunction(self, 1.0 if limit.from_above else -1.0)
             for limit in self.limits
         )
 

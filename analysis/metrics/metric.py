@@ -21,14 +21,26 @@ from drakesep.systems.equations import pair_signals
 from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.equations.relative_motion import RelativeMotion
 from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ, with_axis
+from drakesep.systems.model.part_pairs import Names
 from drakesep.systems.model.run import Motion
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.sampling import NANOSECOND, tells_loads
 from drakesep.systems.vectors import Ops, Scalar
 
 
-Sense: TypeAlias = Literal["<=", ">=", ">"]
-"""Of a limit; the last is that of a clearance: nothing touches."""
+Sense: TypeAlias = Literal["<=", "<", ">=", ">"]
+"""Of a limit: from above or from below, which a value at the limit meets or not."""
+SENSES: tuple[Sense, ...] = ("<=", "<", ">=", ">")
+
+
+def is_from_above(sense: Sense) -> bool:
+    """Return whether a limit of a sense is one from above."""
+    return sense in ("<=", "<")
+
+
+def is_strict(sense: Sense) -> bool:
+    """Return whether a value at a limit of a sense does not meet it."""
+    return sense in ("<", ">")
 
 
 class Kind(enum.Enum):
@@ -290,7 +302,9 @@ class Metric:
     empty: the first one."""
     to: str = ""
     """Of a distance: the body to which B's parts are measured; empty: all parts of
-    different bodies are measured to each other."""
+    different bodies are measured to each other, or two of them."""
+    parts: Names | None = None
+    """Of a distance: these two parts."""
     until_separation: float | None = None
     """Of a distance: how far B moves in its direction until it does not matter, m."""
 
@@ -431,6 +445,8 @@ class Metric:
         if self.functional is Functional.DISTANCE:
             if self.to:
                 text = f"{text} of {self.pair or 'B'} and of {self.to}"
+            if self.parts:
+                text = f"{text} of {' and of '.join(self.parts)}"
             if self.until_separation is not None:
                 text = f"{text}, until B has moved {self.until_separation:g} m"
             return text
@@ -446,4 +462,4 @@ class Metric:
 
     def judged_by(self, sense: Sense) -> str:
         """Return the stem of the metric that tells whether a limit is kept."""
-        return (self.at_most if sense == "<=" else self.at_least) or self.stem
+        return (self.at_most if is_from_above(sense) else self.at_least) or self.stem

@@ -436,7 +436,7 @@ def towards(requirement: Requirement) -> tuple[Objective, ...]:
         ValueError: there is no such metric.
     """
     name = requirement.judged_by
-    if requirement.sense == ">=":
+    if not requirement.from_above:
         return (lowest(name),)
     metric, axis = find_metric(name) or (None, "")
     if metric is None or metric.directions is None:

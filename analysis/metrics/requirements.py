@@ -6,7 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from drakesep.analysis.metrics.metric import Owner, Sense
+from drakesep.analysis.metrics.metric import (
+    SENSES,
+    Owner,
+    Sense,
+    is_from_above,
+    is_strict,
+)
 from drakesep.analysis.metrics.registry import DEVIATION, find_metric
 from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.model.parameter_table import with_axis
@@ -40,9 +46,9 @@ class Requirement:
     def __post_init__(self) -> None:
         """Check the values."""
         check_finite(f"{self.metric}: limit", self.limit)
-        if self.sense not in ("<=", ">=", ">"):
+        if self.sense not in SENSES:
             raise InputError(
-                f"{self.metric}: sense must be '<=' or '>=', or '>' of a clearance, "
+                f"{self.metric}: sense must be one of {' '.join(SENSES)}, "
                 f"got {self.sense!r}"
             )
 
@@ -91,13 +97,84 @@ class Requirement:
         found = find_metric(self.metric)
         return found is not None and found[0].never_negative
 
+    @property
+    def from_above(self) -> bool:
+        """Whether it limits from above; else from below."""
+        return is_from_above(self.sense)
+
+    @property
+    def forbids_contact(self) -> bool:
+        """Whether it says that nothing touches, and no more."""
+        return self.measured_apart and self.sense == ">" and self.limit == 0.0
+
     def margin(self, value: float) -> float:
         """Return how far a value lies inside the limit; negative if it is beyond."""
-        return self.limit - value if self.sense == "<=" else value - self.limit
+        return self.limit - value if self.from_above else value - self.limit
 
     def keeps(self, margin: float) -> bool:
         """Return whether a value with such a margin meets it."""
-        return margin > 0.0 if self.sense == ">" else margin >= 0.0
+        return margin > 0.0 if is_strict(self.sense) else margin >= 0.0
+
+
+class UnusableLimit(InputError):
+    """A limit that says nothing, could not be held, or stands twice.
+
+    Attributes:
+        requirement: that has it.
+    """
+
+    def __init__(self, requirement: Requirement, wanted: str, got: str = ""):
+        """Say what is wrong with a limit.
+
+        Args:
+            requirement: that has it.
+            wanted: what it must be.
+            got: instead of that; if empty, the limit.
+        """
+        self.requirement, self._wanted, self._got = requirement, wanted, got
+        side = f"a limit from {'above' if requirement.from_above else 'below'}"
+        super().__init__(self.said(requirement.metric, side, requirement.limit))
+
+    def said(self, name: str, side: str, limit: float) -> str:
+        """Return what is wrong, by the names of the metric and of the limit."""
+        got = self._got or f"{limit:g}"
+        return f"requirements: {name}: {side} {self._wanted}, got {got}"
+
+
+def check_limits(requirements: Sequence[Requirement]) -> None:
+    """Raise UnusableLimit where a limit says nothing, could not be held, or repeats.
+
+    Args:
+        requirements: on metrics that there are.
+    """
+    sides = [(r.metric, r.sense, r.id) for r in requirements]
+    for requirement, side in zip(requirements, sides, strict=True):
+        _check_limit(requirement)
+        if sides.count(side) > 1:
+            wanted = "must stand once, or each time with an id of its own"
+            got = repr(requirement.id) if requirement.id else "none"
+            raise UnusableLimit(requirement, wanted, f"{got} twice")
+
+
+def _check_limit(requirement: Requirement) -> None:
+    from_above = requirement.from_above
+    if requirement.measured_apart and from_above:
+        wanted = "must be none, of a clearance: only the nearest is looked for"
+        raise UnusableLimit(requirement, wanted)
+    if requirement.never_negative:
+        # At zero one from above must be met, else none is; and one from below must not.
+        if requirement.keeps(requirement.margin(0.0)) != from_above:
+            above = is_strict(requirement.sense) == from_above
+            wanted = f"must be {'>' if above else '>='} 0"
+            raise UnusableLimit(requirement, wanted)
+    judge = find_metric(requirement.judged_by)
+    if not from_above and judge is not None and judge[0].is_largest_magnitude:
+        # That a rate is large once says nothing of other times.
+        wanted = (
+            "must be judged by a smallest magnitude: register one, and name it as this "
+            "metric's at_least"
+        )
+        raise UnusableLimit(requirement, wanted)
 
 
 class Verdict(enum.Enum):
@@ -208,7 +285,7 @@ def deviation_limits(
     assert found is not None
     return tuple(
         min(
-            (r.limit for r in requirements if r.metric == name and r.sense == "<="),
+            (r.limit for r in requirements if r.metric == name and r.from_above),
             default=math.inf,
         )
         for name in found[0].names

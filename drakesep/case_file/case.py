@@ -4,7 +4,7 @@ Keys carry their units; a `Case` hands everything on in SI and radians.
 """
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
@@ -20,7 +20,7 @@ from ruamel.yaml import YAML
 
 from drakesep.analysis.analysis_case import AnalysisCase, ClearancePairs
 from drakesep.analysis.metrics.clearances import CLEARANCE, NO_CONTACT
-from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.analysis.metrics.requirements import Requirement, UnusableLimit
 from drakesep.analysis.tolerances.box import ToleranceBox, UnphysicalTolerance
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.case_file.attachments import AttachmentSection, LoadSection
@@ -49,10 +49,6 @@ from drakesep.units import unit_of, with_unit
 
 if TYPE_CHECKING:  # imports Drake
     from drakesep.analysis.clearance.objective import LowestClearance
-
-
-_SIDES = {"<=": "at_most", ">=": "at_least", ">": NO_CONTACT}
-"""Keys by which requirements have their senses."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,8 +130,6 @@ class Case(Section):
                 )
                 for section in self.ellipsoids
             ]
-        limits = self._limits(separation)
-        self._check_requirements(limits)
         published = []
         for section in self.published:
             with named(f"published: {section.label}"):
@@ -147,7 +141,7 @@ class Case(Section):
                 integration=self.run.in_si(),
                 tolerances=tolerances,
                 ellipsoids=tuple(ellipsoids),
-                requirements=limits,
+                requirements=self._limits(separation),
                 objectives=self.objectives,
                 clearance=self._clearance_pairs(),
                 published=tuple(published),
@@ -157,6 +151,8 @@ class Case(Section):
             raise CaseError(
                 f"dispersions: {with_unit(error.name)} {got}: {error.reason}"
             ) from error
+        except UnusableLimit as error:
+            raise CaseError(_in_words_of_files(error)) from error
         check_labels(record, record.objective_names)
         return record
 
@@ -182,36 +178,7 @@ class Case(Section):
         return ClearancePairs(
             pairs=None if pairs is None else tuple(pairs),
             touching=tuple(self.clearance.touching),
-            until_separation=self._window,
         )
-
-    @property
-    def _window(self) -> float | None:
-        """How far bodies move in all clearances of all parts, m; None: they differ."""
-        windows = {s.until_separation for s in self.requirements if s.of_all_parts}
-        return windows.pop() if len(windows) == 1 else None
-
-    def _check_requirements(self, limits: Sequence[Requirement]) -> None:
-        """Check what only a file can say of them: its keys, and limits in its units."""
-        sides = [(r.metric, r.sense, r.id) for r in limits]
-        for metric, sense, name in sides:
-            if sides.count((metric, sense, name)) > 1:
-                raise CaseError(
-                    f"requirements: {_SIDES[sense]} of {with_unit(metric)} must stand "
-                    f"once, or each time with an id of its own, got {name or 'none'} "
-                    "twice"
-                )
-        for limit in limits:
-            wanted = ""
-            if limit.never_negative and limit.sense == "<=" and limit.limit < 0.0:
-                wanted = "at_most must be >= 0"
-            if limit.never_negative and limit.sense == ">=" and limit.limit <= 0.0:
-                wanted = "at_least must be > 0"
-            if wanted:
-                raise CaseError(
-                    f"requirements: {with_unit(limit.metric)}: {wanted}, "
-                    f"got {unit_of(limit.metric).from_si(limit.limit):g}"
-                )
 
     @property
     def _pairs(self) -> list[PairSection]:
@@ -223,7 +190,7 @@ class Case(Section):
             return tuple(
                 requirement
                 for section in self.requirements
-                for requirement in section.requirements(separation, self._window)
+                for requirement in section.requirements(separation)
             )
 
     def in_si(self) -> AnalysisCase:
@@ -305,10 +272,9 @@ class Case(Section):
     def lowest_clearance(self, metric: str = CLEARANCE) -> "LowestClearance":
         """Return a new objective that makes the smallest distance small.
 
-        Over the time for which there is a requirement on it, else over the whole run.
-
         Args:
-            metric: name of the clearance, as ``clearance_to_ring_until_0.5_m``.
+            metric: name of the clearance, as ``clearance_to_ring_until_0.5_m``; without
+                a window it is that of the whole run.
 
         Raises:
             ValueError: there is no such clearance.
@@ -325,3 +291,16 @@ class Case(Section):
             CaseError: a name is unknown.
         """
         return values_in_si(self._record.separation, values)
+
+
+def _in_words_of_files(error: UnusableLimit) -> str:
+    """Return what is wrong with a limit by the keys and in the units of case files."""
+    wrong = error.requirement
+    key = "at_most" if wrong.from_above else "at_least"
+    if wrong.forbids_contact:
+        key = NO_CONTACT
+    limit = unit_of(wrong.metric).from_si(wrong.limit)
+    said = error.said(with_unit(wrong.metric), key, limit)
+    if wrong.measured_apart and wrong.limit <= 0.0 and key == "at_least":
+        said += f"; that nothing touches is 'quantity: {NO_CONTACT}'"
+    return said

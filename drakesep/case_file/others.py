@@ -30,6 +30,7 @@ from drakesep.analysis.tolerances.box import Dispersion
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.analysis.tolerances.sides import Tolerance
 from drakesep.case_file.errors import CaseError
+from drakesep.case_file.geometry import PartNames
 from drakesep.case_file.section import Name, Positive, Section, Vector, to_si
 from drakesep.case_file.values import parameter_of
 from drakesep.systems.checks import unknown
@@ -183,6 +184,10 @@ WhenOf: TypeAlias = Annotated[
 ]
 
 
+_OF_CLEARANCES = ("parts", "to", "until_separation_mm")
+"""Keys that only clearances have."""
+
+
 class RequirementSection(Section):
     """Limits on a quantity at some time of the run, or on a metric."""
 
@@ -199,6 +204,8 @@ class RequirementSection(Section):
     of `no_contact`, if absent, all parts of different bodies are measured."""
     to: str | None = None
     """Of these: the body to which B is measured; if absent, A of the pair."""
+    parts: list[PartNames] | None = None
+    """Of these, in place of `pair` and `to`: pairs of parts, each held by itself."""
     of: str | None = None
     """The attachment or the spring, of a joint's or a spring's; if absent, of each."""
     id: str = ""
@@ -207,18 +214,24 @@ class RequirementSection(Section):
     """Where it comes from."""
     until_separation_mm: Positive | None = None
     """Of these: how far B is to move in its direction until it holds no more; every B,
-    if all parts are measured. If absent, it holds to the end of the run."""
+    if all parts are measured; of two parts, each of their bodies that leaves. If
+    absent, it holds to the end of the run."""
 
     @model_validator(mode="after")
     def _check_limits(self) -> Self:
         if self.when is not None and self._quantity is None:
             raise ValueError(f"{self.quantity} has no 'when': its name says it")
-        if self.of_clearance:
-            self._check_clearance()
-        elif self.until_separation_mm is not None or self.to is not None:
-            key = "to" if self.until_separation_mm is None else "until_separation_mm"
-            raise ValueError(f"{key} must stand with clearance_mm or {NO_CONTACT}")
-        elif self.at_most is None and self.at_least is None:
+        given = [key for key in _OF_CLEARANCES if getattr(self, key) is not None]
+        if given and not self.of_clearance:
+            raise ValueError(f"{given[0]} must stand with clearance_mm or {NO_CONTACT}")
+        if self.parts is not None and (self.pair or self.to):
+            raise ValueError("must have 'parts', or 'pair' and 'to', got both")
+        if self.parts == []:
+            raise ValueError("parts: must be one pair or more, got none")
+        limited = self.at_most is not None or self.at_least is not None
+        if limited and self.quantity == NO_CONTACT:
+            raise ValueError(f"{NO_CONTACT} has no limit")
+        if not limited and self.quantity != NO_CONTACT:
             raise ValueError("must have 'at_most', 'at_least' or both, got none")
         axes = len(self.metric.axes)
         for limits in (self.at_most, self.at_least):
@@ -235,24 +248,6 @@ class RequirementSection(Section):
     def of_clearance(self) -> bool:
         """Whether it is on how near parts come."""
         return not self.metric.of_every_run
-
-    def _check_clearance(self) -> None:
-        limits = [
-            x for x in (*(self.at_least or ()), *(self.at_most or ())) if x is not None
-        ]
-        if self.quantity == NO_CONTACT:
-            if self.at_least is not None or self.at_most is not None:
-                raise ValueError(f"{NO_CONTACT} has no limit, got {limits}")
-            return
-        if self.at_least is None or self.at_most is not None:
-            got = "none" if self.at_most is None else "'at_most'"
-            raise ValueError(f"a clearance must have 'at_least', got {got}")
-        for limit in limits:
-            if limit <= 0.0:  # at contact it is 0, however deep
-                raise ValueError(
-                    f"at_least of a clearance must be > 0, got {limit:g}; that nothing "
-                    f"touches is 'quantity: {NO_CONTACT}'"
-                )
 
     def _check_band(self) -> None:
         for low, high in zip(self.at_least or (), self.at_most or (), strict=False):
@@ -295,15 +290,11 @@ class RequirementSection(Section):
         assert found is not None
         return found[0]
 
-    def requirements(
-        self, separation: Separation, window: float | None
-    ) -> list[Requirement]:
+    def requirements(self, separation: Separation) -> list[Requirement]:
         """Return the requirements in SI, one for each limit.
 
         Args:
             separation: that has what they are about.
-            window: of all clearances of the case that are of all parts: how far bodies
-                move, m; None: each has its own.
 
         Raises:
             CaseError: it has no such body, attachment or spring.
@@ -320,7 +311,11 @@ class RequirementSection(Section):
         if named is not None and named not in known:
             raise CaseError(unknown(owner.value, named, known))
         if self.of_clearance:
-            return [self._clearance(separation, window)]
+            return [
+                self._in_si(name, sense, limit)
+                for name in self._clearances(separation)
+                for _, sense, limit in self._sides
+            ]
         return [
             self._in_si(f"{prefix}{name}", sense, limit)
             for prefix in (
@@ -330,41 +325,32 @@ class RequirementSection(Section):
             for name, sense, limit in self._sides
         ]
 
-    def _clearance(self, separation: Separation, window: float | None) -> Requirement:
-        [(_, sense, limit)] = self._sides
-        if self.of_all_parts:
-            name = clearance_name("", None if window else self.until_separation)
-            moved = self.until_separation_mm
-            until = f"until {moved:g} mm of separation" if window else ""
-            return self._in_si(name, sense, limit, until)
+    def _clearances(self, separation: Separation) -> list[str]:
+        """Return the names of the clearances that it is on."""
+        until = self._window
+        if self.parts is not None:
+            return [clearance_name("", until, parts=two) for two in self.parts]
+        if self.pair is None and self.to is None:
+            return [clearance_name("", until)]
         if self.pair is None and separation.others:
             raise CaseError(
                 f"{self.quantity}: to {self.to}: must have 'pair', got none"
             )
         pair = separation.pair_of(self.pair or separation.B)
-        name = clearance_name(self.to or pair.A, self.until_separation)
         prefix = "" if pair.B == separation.B else f"{pair.B}."
-        return self._in_si(prefix + name, sense, limit)
+        return [prefix + clearance_name(self.to or pair.A, until)]
 
     @property
-    def of_all_parts(self) -> bool:
-        """Whether it is on how near any parts of different bodies come."""
-        return self.of_clearance and self.pair is None and self.to is None
-
-    @property
-    def until_separation(self) -> float | None:
+    def _window(self) -> float | None:
         """How far B is to move, m."""
         until = self.until_separation_mm
         return None if until is None else unit_of("separation").to_si(until)
 
-    def _in_si(
-        self, metric: str, sense: Sense, limit: float, condition: str = ""
-    ) -> Requirement:
+    def _in_si(self, metric: str, sense: Sense, limit: float) -> Requirement:
         return Requirement(
             metric=metric,
             sense=sense,
             limit=unit_of(metric).to_si(limit),
-            condition=condition,
             id=self.id,
             source=self.source,
         )

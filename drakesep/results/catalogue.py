@@ -486,7 +486,12 @@ _WORST_CASES = (
             Column("first_tolerance", "", "That alone violates it with least growth."),
             Column("its_growth_factor", "", "On that tolerance."),
             Column("verdict", "", "`met`, `not met` or `not looked at`."),
-            Column("pair", "", "The body that leaves, or the attachment or spring."),
+            Column(
+                "pair",
+                "",
+                "The body that leaves, or the attachment or spring; empty: all that "
+                "leave.",
+            ),
             Column("id", "", "By which others know the requirement."),
             Column("source", "", "Where it comes from."),
         ),

@@ -80,4 +80,4 @@ def _limits(
 
 def _bound(requirement: Requirement) -> float:
     """Return what the objectives that lead out of a requirement must not exceed."""
-    return requirement.limit if requirement.sense == "<=" else -requirement.limit
+    return requirement.limit if requirement.from_above else -requirement.limit

@@ -72,7 +72,7 @@ class Verification(WorstCases):
             self.growths,
             self.single_growths,
             self.case.box,
-            self.case.separation.B,
+            [pair.B for pair in self.case.separation.pairs],
             self.functions,
         )
 

@@ -8,6 +8,7 @@ import pandas as pd
 
 from drakesep.analysis.metrics.clearances import CLEARANCE, NO_CONTACT
 from drakesep.analysis.metrics.functions import FunctionRequirement
+from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.metrics.requirements import Finding, Requirement, Verdict
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.units import Unit, unit_of, with_unit
@@ -22,7 +23,7 @@ def requirements_table(
     growths: "Sequence[tuple[Requirement, Growth]]" = (),
     single_growths: "Sequence[tuple[Requirement, Growth]]" = (),
     box: ToleranceBox | None = None,
-    first: str = "",
+    bodies: Sequence[str] = ("",),
     functions: Sequence[FunctionRequirement] = (),
 ) -> pd.DataFrame:
     """Return a row for each requirement and axis, with its margins and verdict.
@@ -32,7 +33,7 @@ def requirements_table(
         growths: of all tolerances together.
         single_growths: of single tolerances.
         box: the tolerances, if they grow.
-        first: name of the body that leaves in the first pair.
+        bodies: names of those that leave; that of the first pair is the first.
         functions: that are required, some of the findings are of them.
     """
     of_all = dict(growths)
@@ -59,7 +60,7 @@ def requirements_table(
                 "looked_up_to": math.nan if growth is None else growth.most,
                 **_first_tolerance(finding, single_growths, box),
                 "verdict": finding.verdict.value,
-                "pair": "" if of_function else requirement.pair or first,
+                "pair": "" if of_function else _whose(requirement, bodies),
                 "id": requirement.id,
                 "source": requirement.source,
             }
@@ -67,12 +68,20 @@ def requirements_table(
     return pd.DataFrame(rows)
 
 
+def _whose(requirement: Requirement, bodies: Sequence[str]) -> str:
+    """Return whose a requirement's metric is; empty if it is not that of one alone."""
+    found = find_metric(requirement.metric)
+    if found is not None and not found[0].of_every_run and not found[0].to:
+        return bodies[0] if len(bodies) == 1 else ""
+    return requirement.pair or bodies[0]
+
+
 def _named(requirement: Requirement) -> str:
     """Return what is limited, in words: its quantity, or that nothing touches."""
     stem, _ = requirement.quantity
-    if requirement.sense == ">":
+    if requirement.forbids_contact:
         stem = stem.replace(CLEARANCE, NO_CONTACT, 1)
-    return stem.replace("_", " ")
+    return stem.replace("_", " ").replace("+", " and ")
 
 
 def _first_tolerance(

@@ -202,7 +202,7 @@ def test_window_whose_end_is_not_reached_was_not_looked_at(rows, study):
 
 def test_no_contact_is_met_by_any_clearance(rows):
     for row, said in (
-        (rows[5], "no contact until 900 mm of separation"),
+        (rows[5], "no contact until 0.9 m"),
         (rows[6], "no contact to nb"),
     ):
         assert row["requirement"] == said
@@ -336,6 +336,60 @@ def test_where_all_parts_are_measured_every_body_moves_so_far():
         assert -objective(run) == pytest.approx(0.1, abs=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("parts", "ended"),
+    [
+        (("sc_ball", "nb_ball"), {400: True, 700: False}),  # both leave
+        (("nb_ball", "lv_ball"), {400: True, 700: False}),
+        (
+            ("lv_ball", "sc_ball"),
+            {400: True, 700: True},
+        ),  # the neighbour does not count
+    ],
+)
+def test_a_window_of_two_parts_is_that_of_their_bodies_that_leave(parts, ended):
+    """In 1 s the spacecraft moves 1 m, the neighbour 0.5 m."""
+    for until, expected in ended.items():
+        window = {"at_least": 1.0, "until_separation_mm": until}
+        required, objective, separation = both_leave(
+            {"quantity": "clearance_mm", "parts": [parts], **window}
+        )
+        a, b = parts
+        assert required.metric == f"clearance_of_{a}+{b}_until_{1e-3 * until:g}_m"
+        run = straight_run(separation, (0.0, 0.0), (0.0, 0.5))
+        assert objective.is_window_ended(run) == expected
+
+
+def test_two_parts_alone_are_measured():
+    """The nearest of all are others: balls of the launch vehicle and the spacecraft."""
+    window = {"at_least": 1.0, "until_separation_mm": 200}
+    parts = {"parts": [["sc_ball", "nb_ball"]]}
+    _, objective, separation = both_leave(
+        {"quantity": "clearance_mm", **parts, **window}
+    )
+    run = straight_run(separation, (0.0, 0.0), (0.0, 0.5))
+    assert -objective(run) == pytest.approx(math.hypot(0.3, 0.6) - RADII, abs=1e-6)
+
+
+def test_each_pair_of_parts_is_held_by_itself():
+    pairs = [["sc_ball", "nb_ball"], ["sc_ball", "lv_ball"]]
+    case = drifting([{**NO_CONTACT, "parts": pairs, "id": "UM"}])
+    names = [f"clearance_of_{a}+{b}" for a, b in pairs]
+    assert [(r.metric, r.id) for r in case.limits] == [(name, "UM") for name in names]
+    assert case.in_si().objective_names == tuple(f"lowest_{name}" for name in names)
+
+
+def test_parts_of_a_requirement_need_not_be_those_of_the_case():
+    """To vary the place of one has an effect."""
+    given = {
+        "clearance": {"pairs": [["sc_ball", "lv_ball"]]},
+        "dispersions": {"nb_ball.position_x_mm": 5.0},
+    }
+    drifting([{**NO_CONTACT, "parts": [["sc_ball", "nb_ball"]]}], **given)
+    with pytest.raises(ValueError, match=r"nb_ball.position_x: must be of a part"):
+        drifting([{**NO_CONTACT}], **given)
+
+
 def test_whose_clearance_must_be_said_where_several_leave():
     with pytest.raises(ValueError, match="to nb: must have 'pair', got none"):
         both_leave({"quantity": "clearance_mm", "to": "nb", "at_least": 1.0})
@@ -369,11 +423,26 @@ WRONG = [
     ({**CLEAR, "to": "nc", "at_least": 1.0}, "unknown body 'nc'; did you mean"),
     ({**CLEAR, "to": "sc", "at_least": 1.0}, "must be to another body than sc"),
     ({**CLEAR, "pair": "nb", "at_least": 1.0}, "unknown body that leaves 'nb'"),
-    ({**CLEAR}, "a clearance must have 'at_least', got none"),
+    ({**CLEAR}, "must have 'at_most', 'at_least' or both, got none"),
     ({**CLEAR, "at_least": 0.0}, "that nothing touches is 'quantity: no_contact'"),
     ({**NO_CONTACT, "at_least": 1.0}, "no_contact has no limit"),
     ({"quantity": "separation_end_s", "at_most": 1, "to": "nb"}, "to must stand with"),
     ({**NO_CONTACT, "when": "at_end"}, "no_contact has no 'when'"),
+    (
+        {**CLEAR, "at_most": 1.0},
+        "clearance_to_lv_mm: at_most must be none, of a clearance: .*, got 1",
+    ),
+    (
+        {**CLEAR, "parts": [["sc_ball", "nb_ball"]], "at_least": 1.0},
+        "must have 'parts', or 'pair' and 'to', got both",
+    ),
+    ({**NO_CONTACT, "parts": [["sc_ball", "nb_bal"]]}, "unknown part 'nb_bal'"),
+    (
+        {**NO_CONTACT, "parts": [["sc_ball", "sc_ball"]]},
+        "of different bodies|two bodies",
+    ),
+    ({**NO_CONTACT, "parts": []}, "parts: must be one pair or more, got none"),
+    ({"quantity": "speed_m_s", "at_most": 1, "parts": []}, "parts must stand with"),
     ({**NO_CONTACT, "of": "pad"}, "no_contact: must be of one by 'pair', got pad"),
 ]
 
@@ -392,21 +461,25 @@ def test_geometry_must_be_there():
         drifting([{**NO_CONTACT, "to": "nb"}], bodies=bodies)
 
 
-def test_clearances_of_all_parts_with_windows_of_their_own():
-    """Of one window it is the case's; of several each has its name."""
-    both = [
+def test_the_name_of_a_clearance_depends_on_itself_alone():
+    """Whatever is required beside it; every window is in its name."""
+    every = [
         {"quantity": "clearance_mm", "at_least": 30, "until_separation_mm": 500},
         {**NO_CONTACT},
+        {**CLEAR, "to": "nb", "at_least": 20, "until_separation_mm": 300},
+        {**NO_CONTACT, "parts": [["sc_ball", "nb_ball"]], "until_separation_mm": 250},
     ]
-    one, two = drifting(both[:1]).in_si(), drifting(both).in_si()
-    assert one.clearance.until_separation == 0.5
-    assert [r.metric for r in one.requirements] == ["clearance"]
-    assert two.clearance.until_separation is None
-    names = ["clearance_until_0.5_m", "clearance"]
-    assert [r.metric for r in two.requirements] == names
+    names = [
+        *("clearance_until_0.5_m", "clearance", "clearance_to_nb_until_0.3_m"),
+        "clearance_of_sc_ball+nb_ball_until_0.25_m",
+    ]
+    together = drifting(every).in_si()
+    assert [r.metric for r in together.requirements] == names
+    for section, name in zip(every, names, strict=True):
+        assert [r.metric for r in drifting([section]).limits] == [name]
     # And what keeps B from the end of a window.
     names += ["longitudinal_displacement_at_end"]
-    assert two.objective_names == tuple(f"lowest_{name}" for name in names)
+    assert together.objective_names == tuple(f"lowest_{name}" for name in names)
 
 
 BOTH = [

@@ -118,7 +118,6 @@ def test_what_does_not_fit_is_refused_when_made_and_when_varied(wrong, message):
             lambda: PublishedCase(label="paper", values={}, objectives=("L3",)),
             "published: paper: unknown objective 'L3'; did you mean",
         ),
-        (lambda: ClearancePairs(until_separation=0.0), "until_separation must be > 0"),
         (
             lambda: PrintedResult(
                 rate=(0.0, math.nan, 0.0),
@@ -152,15 +151,10 @@ def test_it_is_a_value():
             "clearance",
             "<=",
             0.1,
-            "clearance: sense must be '>=' and the limit > 0, or '>' and 0",
+            "clearance: a limit from above must be none, of a clearance",
         ),
-        (
-            "clearance",
-            ">=",
-            0.0,
-            "clearance: sense must be '>=' and the limit > 0, or '>' and 0",
-        ),
-        ("rate_after_separation_x", "<=", -0.1, "limit must be >= 0, got -0.1"),
+        ("clearance", ">=", 0.0, "from below must be > 0, got 0"),
+        ("rate_after_separation_x", "<=", -0.1, "from above must be >= 0, got -0.1"),
         ("rate_after_separation_x", ">=", 0.0, "from below must be > 0, got 0"),
         ("separation_end", ">=", -1.0, "from below must be > 0, got -1"),
         ("rate_after_separation", "<=", 0.1, "unknown metric 'rate_after_separation'"),

@@ -3,11 +3,16 @@
 import math
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from drakesep.analysis.metrics.metric import SENSES
 from drakesep.analysis.metrics.requirements import (
     Requirement,
+    UnusableLimit,
     Verdict,
     assess,
+    check_limits,
     deviation_limits,
     verdict_on_all,
 )
@@ -116,10 +121,36 @@ def test_one_violation_settles_all_requirements_together(values, verdict):
     assert verdict_on_all(findings) is verdict
 
 
-def test_exactly_at_the_limit_is_met():
-    runs = {"nominal": {AT_MOST.metric: 2.0}}
-    [finding] = assess([AT_MOST], runs, "nominal")
-    assert finding.met
+@pytest.mark.parametrize(
+    ("sense", "met"), [("<=", True), ("<", False), (">=", True), (">", False)]
+)
+def test_a_strict_limit_is_not_met_by_a_value_at_it(sense, met):
+    """Of any metric; on either side of the limit both senses say the same."""
+    required = Requirement(metric=AT_MOST.metric, sense=sense, limit=2.0)
+    for value in (1.0, 2.0, 3.0):
+        [finding] = assess([required], {"nominal": {AT_MOST.metric: value}}, "nominal")
+        inside = value < 2.0 if required.from_above else value > 2.0
+        assert finding.met == (met if value == 2.0 else inside)
+
+
+@given(limit=st.floats(-2.0, 2.0) | st.just(0.0), sense=st.sampled_from(SENSES))
+def test_a_limit_is_refused_if_no_value_or_every_value_meets_it(limit, sense):
+    """Of what is never negative, whose values are as small as 0 and as large as any."""
+    required = Requirement(metric=AT_MOST.metric, sense=sense, limit=limit)
+    [smallest], [largest] = (
+        assess([required], {"nominal": {AT_MOST.metric: value}}, "nominal")
+        for value in (0.0, 1e9)
+    )
+    if smallest.met == largest.met:
+        with pytest.raises(UnusableLimit, match="must be >"):
+            check_limits([required])
+    else:
+        check_limits([required])
+
+
+def test_a_signed_metric_has_limits_on_both_sides_of_zero():
+    for sense, limit in (("<=", -1.0), (">=", -1.0), (">=", 0.0)):
+        check_limits([Requirement(metric="final_rate_x", sense=sense, limit=limit)])
 
 
 def test_deviation_limits():
@@ -133,18 +164,15 @@ def test_of_several_limits_of_a_deviation_the_least_counts():
         for limit in (0.3, 0.1, 0.2)
     ]
     below = Requirement(metric="deviation_at_separation_roll", sense=">=", limit=0.05)
-    for given in (several, several[::-1], [below, *several]):
-        assert deviation_limits(given) == (0.1, math.inf, math.inf)
+    for limits in (several, several[::-1], [below, *several]):
+        assert deviation_limits(limits) == (0.1, math.inf, math.inf)
 
 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"limit": math.nan}, "limit must be finite, got nan"),
-        (
-            {"sense": "<"},
-            "sense must be '<=' or '>=', or '>' of a clearance, got '<'",
-        ),
+        ({"sense": "=="}, "sense must be one of <= < >= >, got '=='"),
     ],
 )
 def test_bad_requirement(changes, message):

@@ -217,6 +217,9 @@ requirements:
     to: carrier
     at_least: 3.375
     until_separation_mm: 97.5
+  - quantity: no_contact
+    parts: [[ball, skirt], [rod, nose]]
+    until_separation_mm: 106.25
 objectives: paper
 clearance:
   pairs: [[plate, skirt], [ball, nose]]
@@ -441,12 +444,7 @@ def record_of_main(folder) -> AnalysisCase:
             ),
         ),
         requirements=(
-            Requirement(
-                metric="clearance",
-                sense=">=",
-                limit=0.002125,
-                condition="until 87.5 mm of separation",
-            ),
+            Requirement(metric="clearance_until_0.0875_m", sense=">=", limit=0.002125),
             *(
                 Requirement(
                     metric=f"rate_after_separation_{axis}",
@@ -480,12 +478,17 @@ def record_of_main(folder) -> AnalysisCase:
             Requirement(
                 metric="clearance_to_carrier_until_0.0975_m", sense=">=", limit=0.003375
             ),
+            Requirement(
+                metric="clearance_of_ball+skirt_until_0.10625_m", sense=">", limit=0.0
+            ),
+            Requirement(
+                metric="clearance_of_rod+nose_until_0.10625_m", sense=">", limit=0.0
+            ),
         ),
         objectives="paper",
         clearance=ClearancePairs(
             pairs=(("plate", "skirt"), ("ball", "nose")),
             touching=(("rod", "block"), ("plate", "nose")),
-            until_separation=0.0875,
         ),
         published=(
             PublishedCase(

@@ -157,15 +157,15 @@ def test_requirement_on_clearance(write, tmp_path):
 
     case = load(at_least=30, until_separation_mm=500)
     [limit] = case.limits
-    assert (limit.metric, limit.sense, limit.limit) == ("clearance", ">=", 0.03)
-    assert limit.condition == "until 500 mm of separation"
+    name = "clearance_until_0.5_m"
+    assert (limit.metric, limit.sense, limit.limit) == (name, ">=", 0.03)
     assert [o.name for o in case.in_si().requirement_objectives] == [
-        "lowest_clearance",
+        f"lowest_{name}",
         "lowest_longitudinal_displacement_at_end",  # whether the window ends
     ]
-    with pytest.raises(CaseError, match="a clearance must have 'at_least'"):
+    with pytest.raises(CaseError, match=r"at_most must be none, .*, got 30"):
         load(at_most=30)
-    with pytest.raises(CaseError, match="at_least of a clearance must be > 0, got 0"):
+    with pytest.raises(CaseError, match="at_least must be > 0, got 0; that"):
         load(at_least=0)
     with pytest.raises(CaseError, match="until_separation_mm"):
         load(at_least=30, until_separation_mm=0)
@@ -254,7 +254,7 @@ def test_a_gap_that_nothing_changes_does_not_hide_the_worst():
     assert study.completed
     assert not study.passed
     [row] = study.requirements.to_dict("records")
-    assert row["which_run"] == "worst_lowest_clearance"
+    assert row["which_run"] == "worst_lowest_clearance_until_0.39_m"
     corners = [
         drakesep.clearance(
             case, {"payload.cg_y_mm": 1.0 + y, "payload.cg_z_mm": 8.0 + z}
@@ -275,7 +275,7 @@ def test_a_worst_case_that_another_beats_has_failed():
     """Up the slope from the nominal there is nothing; the worst of L1 is beyond it."""
     study = drakesep.verify(boom_in_guide(), growth=False, searches=["vertices", "sqp"])
     runs = {one.label: one for one in study.runs}
-    status = runs["worst_lowest_clearance"].status
+    status = runs["worst_lowest_clearance_until_0.39_m"].status
     assert status.startswith("failed: ")
     assert "comes nearer, to " in status
     assert not study.completed

@@ -70,7 +70,7 @@ def test_worst_cases(vega_verification):
             for way in ("up", "down")
         ),
         "worst_lowest_longitudinal_speed_after_separation",
-        "worst_lowest_clearance",
+        "worst_lowest_clearance_until_0.5_m",
         "worst_lowest_deviation_within_limits_until",
         "worst_lowest_longitudinal_displacement_at_end",
     ]
@@ -124,7 +124,7 @@ OBJECTIVE_NAMES = [
         for way in ("up", "down")
     ),
     "lowest_longitudinal_speed_after_separation",
-    "lowest_clearance",
+    "lowest_clearance_until_0.5_m",
     "lowest_deviation_within_limits_until",
     "lowest_longitudinal_displacement_at_end",
 ]
