@@ -30,9 +30,13 @@ _EVIDENCE = (
 
 
 def print_simulated(console: Console, result: Simulated) -> None:
-    """Print the metrics of a run, its contacts if there are any, and remarks."""
+    """Print a run: metrics, requirements in it, contacts if any, and remarks."""
     metrics = metrics_table(result.labelled.metrics)
     print_frame(console, "Metrics of the run", metrics)
+    if len(result.requirements):
+        title = "Requirements in this run alone; over the tolerances, `verify` looks"
+        shown = result.requirements.drop(columns="source")
+        print_frame(console, title, shown, index=2)
     if len(result.contacts):
         print_frame(console, "Parts that touch again", result.contacts)
     print_notes(console, notes_of(result.remarks, result.labelled.label))
@@ -47,7 +51,7 @@ def print_clearances(console: Console, study: Clearances) -> None:
 
 
 def print_sweep(console: Console, study: Sweep) -> None:
-    """Print the variants, with what is required of them."""
+    """Print the variants, with what is required of them, and remarks."""
     table = study.table
     required = [with_unit(r.judged_by) for r in study.case.requirements]
     shown = ["variant", *study.values, *required, "verdict"]
@@ -61,6 +65,7 @@ def print_sweep(console: Console, study: Sweep) -> None:
         title += f": the first {_VARIANTS} of {len(table)}; all are in sweep.csv"
     first = table[known].head(_VARIANTS)
     print_frame(console, title, first, index=1 + len(study.values))
+    print_notes(console, notes_of(study.remarks, plain=""))
 
 
 def print_worst_cases(console: Console, study: WorstCases) -> None:

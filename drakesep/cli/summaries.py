@@ -80,7 +80,8 @@ class StudySummary:
     verdict: str | None
     """`met`, `not met`, `not looked at`; `clear`, `contact`; null: there is none."""
     notes: list[str]
-    """What should be known of the nominal run, or of the one that was flown."""
+    """What should be known of the runs; each begins with the label of another run than
+    the nominal, or than the one that was flown."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,6 +92,8 @@ class SimulateSummary(StudySummary):
     """How the run ended."""
     metrics: dict[str, float | None]
     """Of the run, by names with units; null: not a number."""
+    requirements: list[Row]
+    """Rows of requirements_of_run.csv."""
     contacts: list[Row]
     """Rows of contacts.csv."""
 
@@ -221,6 +224,7 @@ def of_simulated(result: Simulated, folder: Path) -> SimulateSummary:
         notes=notes_of(result.remarks, result.labelled.label),
         status=result.labelled.status,
         metrics=dict(in_units(result.labelled.metrics)),
+        requirements=_rows(result.requirements),
         contacts=_rows(result.contacts) if result.completed else [],
     )
 
@@ -231,7 +235,7 @@ def of_sweep(study: Sweep, folder: Path) -> SweepSummary:
         case=study.case.name,
         folder=str(folder),
         verdict=None,
-        notes=[],
+        notes=notes_of(study.remarks, plain=""),
         engine=study.engine,
         variants=_rows(study.table),
     )

@@ -125,6 +125,22 @@ _MOTION = (
 )
 _OBJECTIVE = Column("objective", "", "Whose worst case it is.")
 _UNIT = Column("unit", "", "Of the values in the row.")
+_LIMIT = (
+    Column("requirement", "", "Its quantity, and when it holds."),
+    Column("axis", "", "Empty if it has none."),
+    _UNIT,
+    Column("sense", "", "`<=` or `>=`; `<` or `>` if the limit itself is beyond it."),
+    Column("limit", _SAME, "That is required."),
+)
+_IDENTITY = (
+    Column(
+        "pair",
+        "",
+        "The body that leaves, or the attachment or spring; empty: all that leave.",
+    ),
+    Column("id", "", "By which others know the requirement."),
+    Column("source", "", "Where it comes from."),
+)
 
 _OF_RUNS = (
     FileKind(
@@ -209,6 +225,24 @@ _OF_ONE_RUN = (
         what="The run: parameters, metrics, how it ended.",
         row="run",
         columns=_RUN,
+    ),
+    FileKind(
+        name="requirements_of_run.csv",
+        studies=(SIMULATE,),
+        what="Whether the run alone meets the requirements, if there are any. That is "
+        "no verdict, which is over the tolerances.",
+        row="requirement and axis",
+        columns=(
+            *_LIMIT,
+            Column("value", _SAME, "In the run; empty if it does not tell."),
+            Column("margin", _SAME, "Of that; negative beyond the limit."),
+            Column(
+                "verdict",
+                "",
+                "`met`, `not met` or `not looked at`, as how near parts come is not.",
+            ),
+            *_IDENTITY,
+        ),
     ),
     FileKind(
         name="contacts.csv",
@@ -305,14 +339,18 @@ _VARIANTS = (
 
 _REMARKS = FileKind(
     name="remarks.csv",
-    studies=_OF_KEPT_RUNS,
+    studies=(*_OF_KEPT_RUNS, SWEEP),
     what="What should be told although nothing failed, if anything: a body that moves "
     "against its direction, springs of Eq. 5 that give another energy than they store.",
     row="remark",
     columns=(
         Column("about", "", "The bodies or springs; each is told of once."),
         Column("remark", "", "In a sentence."),
-        Column("run", "", "Label of the first run in which it is so."),
+        Column(
+            "run",
+            "",
+            "Label of the first run in which it is so; of a sweep, as `variant 3`.",
+        ),
     ),
 )
 
@@ -463,11 +501,7 @@ _WORST_CASES = (
         what="The verdict.",
         row="requirement and axis",
         columns=(
-            Column("requirement", "", "Its quantity, and when it holds."),
-            Column("axis", "", "Empty if it has none."),
-            _UNIT,
-            Column("sense", "", "`<=` or `>=`; `>` of no contact."),
-            Column("limit", _SAME, "That is required."),
+            *_LIMIT,
             Column("nominal", _SAME, "In the nominal run."),
             Column(
                 "worst",
@@ -486,14 +520,7 @@ _WORST_CASES = (
             Column("first_tolerance", "", "That alone violates it with least growth."),
             Column("its_growth_factor", "", "On that tolerance."),
             Column("verdict", "", "`met`, `not met` or `not looked at`."),
-            Column(
-                "pair",
-                "",
-                "The body that leaves, or the attachment or spring; empty: all that "
-                "leave.",
-            ),
-            Column("id", "", "By which others know the requirement."),
-            Column("source", "", "Where it comes from."),
+            *_IDENTITY,
         ),
     ),
     FileKind(

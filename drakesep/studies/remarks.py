@@ -35,13 +35,14 @@ class Remark:
     """Label of the first run in which it is so: the numbers are those of this one."""
 
 
-def remarks(runs: Mapping[str, Run]) -> list[Remark]:
+def remarks(runs: Mapping[str, Run], known: Sequence[Remark] = ()) -> list[Remark]:
     """Return what should be told of runs, each of a body or a spring once.
 
     Args:
         runs: by their labels; of those that failed nothing is told.
+        known: what has been told of other runs, which comes first.
     """
-    found: list[Remark] = []
+    found = list(known)
     for label, run in runs.items():
         if run.motion is None:
             continue

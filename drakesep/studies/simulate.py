@@ -8,6 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.metrics.requirements import assess
 from drakesep.case_file.case import Case
 from drakesep.case_file.values import values_in_si
 from drakesep.results.asked import Asked
@@ -21,6 +22,7 @@ from drakesep.systems.simulation.simulation import Simulation
 from drakesep.tables.columns import write_csv
 from drakesep.tables.contact_tables import contact_forces_table, contacts_table
 from drakesep.tables.labelled_run import LabelledRun, measured
+from drakesep.tables.requirement_tables import requirements_of_run_table
 from drakesep.tables.roles import Changed, Nominal
 from drakesep.tables.run_tables import motion_table, runs_table
 
@@ -64,6 +66,20 @@ class Simulated:
         """A row for each contact after separation, if the case has recontact."""
         return contacts_table(self.run)
 
+    @functools.cached_property
+    def requirements(self) -> pd.DataFrame:
+        """A row for each requirement and axis, with whether this run alone meets it.
+
+        That is no verdict, which is over the tolerances. How near parts come is not
+        looked at. Empty if the run failed.
+        """
+        if not self.completed:
+            return pd.DataFrame()
+        one = self.labelled
+        found = assess(self.case.requirements, {one.label: one.metrics}, one.label)
+        bodies = [pair.B for pair in self.case.separation.pairs]
+        return requirements_of_run_table(found, bodies)
+
     @property
     def remarks(self) -> list[Remark]:
         """What should be told of the run."""
@@ -97,6 +113,8 @@ class Simulated:
 
     def _write_motion(self, folder: Path) -> None:
         write_csv(self.motion, folder / "motion.csv")
+        if self.case.requirements:
+            write_csv(self.requirements, folder / "requirements_of_run.csv")
         for body, motion in self.run.others.items():
             write_csv(motion_table(motion), folder / f"motion_{body}.csv")
         if self.run.separation.recontact is not None:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, TypeAlias
 
+import numpy as np
 import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
@@ -19,10 +20,18 @@ from drakesep.case_file.values import parameter_of
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import SWEEP
 from drakesep.results.folder import Output, ResultsFolder, begun
-from drakesep.studies.variant_engines import InDrake, OnBatch, Values, VariantEngine
+from drakesep.studies.remarks import Remark, remarks, save_remarks
+from drakesep.studies.variant_engines import (
+    Flown,
+    InDrake,
+    OnBatch,
+    Values,
+    VariantEngine,
+)
 from drakesep.studies.worst_case.effort import in_time
 from drakesep.studies.worst_case.pace import Pace, Remaining
 from drakesep.systems.checks import InputError, check_finite
+from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Separation
 from drakesep.tables.columns import write_csv
 from drakesep.tables.variants import Variant, variants_table
@@ -72,6 +81,9 @@ class Sweep:
     """That has flown them."""
     variants: tuple[Variant, ...] = field(default=(), repr=False)
     """In the order of the values, the last parameter's the fastest."""
+    remarks: tuple[Remark, ...] = field(default=(), repr=False)
+    """What should be told of their runs, each of a body or a spring once; where the
+    batch engine tells metrics alone, of those at the ends of the parameters' values."""
 
     @property
     def case(self) -> AnalysisCase:
@@ -127,6 +139,7 @@ class Sweep:
     def _write_table(self, results: ResultsFolder) -> None:
         if self.variants:
             write_csv(self.table, results.path / "sweep.csv")
+            save_remarks(self.remarks, results.path)
             results.keep()
 
 
@@ -171,7 +184,9 @@ def sweep(
         told = _Told(study, len(grid), on_progress)
         try:
             for flown in _flown(flies, grid, told):
-                study = replace(study, variants=(*study.variants, *flown))
+                study = _with(study, flown)
+            if not flies.whole_runs:
+                study = _with_remarks_at_ends(study, grid)
         except BaseException:
             if folder is not None:  # what was done is not lost
                 study._write_table(folder)
@@ -180,6 +195,38 @@ def sweep(
         if folder is not None:
             study._write(folder)
     return study
+
+
+def _with(study: Sweep, flown: Sequence[Flown]) -> Sweep:
+    """Return a sweep with the next variants, and what should be told of them."""
+    numbered = enumerate(flown, 1 + len(study.variants))
+    runs = {n: one.run for n, one in numbered if one.run is not None}
+    return replace(
+        study,
+        variants=(*study.variants, *(one.variant for one in flown)),
+        remarks=_remarks(study, runs),
+    )
+
+
+def _with_remarks_at_ends(study: Sweep, grid: Sequence[Values]) -> Sweep:
+    """Return a sweep with remarks on the variants at the ends of parameters' values.
+
+    They are flown in Drake: the batch engine has told metrics alone.
+    """
+    lengths = [len(each) for each in study.values.values()]
+    ends = itertools.islice(itertools.product(*((0, n - 1) for n in lengths)), _FEW)
+    places = sorted({int(np.ravel_multi_index(end, lengths)) for end in ends})
+    with InDrake(study.case, (), len(places), workers=1) as drake:
+        flown = drake.fly([grid[place] for place in places])
+    found = zip(places, flown, strict=True)
+    runs = {place + 1: one.run for place, one in found if one.run is not None}
+    return replace(study, remarks=_remarks(study, runs))
+
+
+def _remarks(study: Sweep, runs: Mapping[int, Run]) -> tuple[Remark, ...]:
+    """Return the remarks of a sweep and of more runs, by the numbers of variants."""
+    labelled = {f"variant {number}": run for number, run in runs.items()}
+    return tuple(remarks(labelled, study.remarks))
 
 
 def engine_named(name: str | None) -> Engine | None:
@@ -251,7 +298,7 @@ def _on_batch(
 
 def _flown(
     flies: VariantEngine, grid: Sequence[Values], told: "_Told"
-) -> Iterator[list[Variant]]:
+) -> Iterator[list[Flown]]:
     """Yield the variants, some at a time."""
     flies.prepare()
     began = time.perf_counter()

@@ -4,7 +4,7 @@ import os
 import time
 from collections.abc import Mapping, Sequence
 from types import TracebackType
-from typing import Protocol, Self, TypeAlias
+from typing import NamedTuple, Protocol, Self, TypeAlias
 
 import numpy as np
 
@@ -25,6 +25,14 @@ Values: TypeAlias = Mapping[str, float]
 """Of parameters by name, in SI."""
 
 
+class Flown(NamedTuple):
+    """A variant, and its run."""
+
+    variant: Variant
+    run: Run | None
+    """None: it could not begin, or the engine told its metrics alone."""
+
+
 class VariantEngine(Protocol):
     """Flies variants of a case, all with the same parameters."""
 
@@ -34,16 +42,20 @@ class VariantEngine(Protocol):
     """How many are flown at once, so that progress is told often enough."""
     workers: int
     """That fly them."""
+    whole_runs: bool
+    """Whether whole runs are flown, not metrics alone."""
 
     def prepare(self) -> None:
         """Do what is done once, such as compiling."""
 
-    def fly(self, values: Sequence[Values]) -> list[Variant]:
+    def fly(self, values: Sequence[Values]) -> list[Flown]:
         """Return the variants of some values; one that cannot be flown has failed."""
 
 
 class InDrake:
     """Flies variants in Drake, as `simulate` does; a context manager."""
+
+    whole_runs = True
 
     def __init__(
         self,
@@ -87,13 +99,13 @@ class InDrake:
         """Measure a run: the first takes several times as long as others."""
         _measured(self._case, {}, self._nominal, self._clearances)
 
-    def fly(self, values: Sequence[Values]) -> list[Variant]:
+    def fly(self, values: Sequence[Values]) -> list[Flown]:
         """Return the variants of some values; one that cannot be flown has failed."""
         refused = [self._refusal(one) for one in values]
         sound = [one for one, why in zip(values, refused, strict=True) if not why]
         flown = iter(self._pool.fly(sound))
         return [
-            Variant(values=one, outcome=failed(why))
+            Flown(Variant(values=one, outcome=failed(why)), None)
             if why
             else _measured(self._case, one, next(flown), self._clearances)
             for one, why in zip(values, refused, strict=True)
@@ -140,20 +152,20 @@ class OnBatch:
         )
         # What steps do not tell, the sampled motion does.
         steps_tell = all(metric.of_steps for metric in reached)
-        self._needs_motion = bool(clearances) or not steps_tell
-        self.fewest = 16 if self._needs_motion else self._batch.chunk
-        self.together = self.fewest * (4 if self._needs_motion else 32)
-        self.workers = 1 if self._needs_motion else self._batch.workers
+        self.whole_runs = bool(clearances) or not steps_tell
+        self.fewest = 16 if self.whole_runs else self._batch.chunk
+        self.together = self.fewest * (4 if self.whole_runs else 32)
+        self.workers = 1 if self.whole_runs else self._batch.workers
 
     def prepare(self) -> None:
         """Compile its programs."""
         nominal = dict(zip(self._batch.names, self._batch.nominal, strict=True))
         self.fly([nominal])
 
-    def fly(self, values: Sequence[Values]) -> list[Variant]:
+    def fly(self, values: Sequence[Values]) -> list[Flown]:
         """Return the variants of some values; one that cannot be flown has failed."""
         rows = np.array([[one[name] for name in self._batch.names] for one in values])
-        if self._needs_motion:
+        if self.whole_runs:
             runs = self._batch.runs(rows)
             pairs = zip(values, runs, strict=True)
             return [_measured(self._case, *pair, self._clearances) for pair in pairs]
@@ -161,10 +173,13 @@ class OnBatch:
         # NaN of a metric that looks beyond the end of the run.
         metrics = result.metrics.reindex(columns=self._names).to_dict("records")
         return [
-            Variant(values=one, outcome=failed(result.failures[i]))
-            if i in result.failures
-            else Variant(values=one, metrics={str(k): x for k, x in row.items()})
-            for i, (one, row) in enumerate(zip(values, metrics, strict=True))
+            Flown(variant, None)
+            for variant in (
+                Variant(values=one, outcome=failed(result.failures[i]))
+                if i in result.failures
+                else Variant(values=one, metrics={str(k): x for k, x in row.items()})
+                for i, (one, row) in enumerate(zip(values, metrics, strict=True))
+            )
         ]
 
 
@@ -173,7 +188,8 @@ def _measured(
     values: Values,
     run: Run,
     clearances: Sequence[LowestClearance],
-) -> Variant:
-    """Return a variant that has been flown; its motion is not kept."""
+) -> Flown:
+    """Return a variant that has been flown."""
     one = measured(Changed(), run, case, clearances)
-    return Variant(values=values, metrics=one.metrics, outcome=one.outcome)
+    variant = Variant(values=values, metrics=one.metrics, outcome=one.outcome)
+    return Flown(variant, run)

@@ -41,17 +41,11 @@ def requirements_table(
     rows = []
     for finding in findings:
         requirement = finding.requirement
-        of_function = requirement.metric in own
-        unit = own[requirement.metric] if of_function else unit_of(requirement.metric)
-        _, axis = requirement.quantity
+        unit = own.get(requirement.metric) or unit_of(requirement.metric)
         growth = of_all.get(requirement)
         rows.append(
             {
-                "requirement": f"{_named(requirement)} {requirement.condition}".strip(),
-                "axis": axis,
-                "unit": unit.symbol,
-                "sense": requirement.sense,
-                "limit": unit.from_si(requirement.limit),
+                **_limit(requirement, unit),
                 "nominal": unit.from_si(finding.nominal),
                 "worst": unit.from_si(finding.worst),
                 "which_run": finding.run,
@@ -60,20 +54,64 @@ def requirements_table(
                 "looked_up_to": math.nan if growth is None else growth.most,
                 **_first_tolerance(finding, single_growths, box),
                 "verdict": finding.verdict.value,
-                "pair": "" if of_function else _whose(requirement, bodies),
-                "id": requirement.id,
-                "source": requirement.source,
+                **_identity(requirement, bodies),
             }
         )
     return pd.DataFrame(rows)
 
 
+def requirements_of_run_table(
+    findings: Sequence[Finding], bodies: Sequence[str]
+) -> pd.DataFrame:
+    """Return a row for each requirement and axis, with how one run alone fares.
+
+    Args:
+        findings: of each requirement in that run.
+        bodies: names of those that leave; that of the first pair is the first.
+    """
+    rows = []
+    for finding in findings:
+        requirement = finding.requirement
+        unit = unit_of(requirement.metric)
+        rows.append(
+            {
+                **_limit(requirement, unit),
+                "value": unit.from_si(finding.worst),
+                "margin": unit.from_si(finding.margin),
+                "verdict": finding.verdict.value,
+                **_identity(requirement, bodies),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _limit(requirement: Requirement, unit: Unit) -> dict[str, str | float]:
+    return {
+        "requirement": f"{_named(requirement)} {requirement.condition}".strip(),
+        "axis": requirement.quantity[1],
+        "unit": unit.symbol,
+        "sense": requirement.sense,
+        "limit": unit.from_si(requirement.limit),
+    }
+
+
+def _identity(requirement: Requirement, bodies: Sequence[str]) -> dict[str, str]:
+    return {
+        "pair": _whose(requirement, bodies),
+        "id": requirement.id,
+        "source": requirement.source,
+    }
+
+
 def _whose(requirement: Requirement, bodies: Sequence[str]) -> str:
     """Return whose a requirement's metric is; empty if it is not that of one alone."""
     found = find_metric(requirement.metric)
-    if found is not None and not found[0].of_every_run and not found[0].to:
+    if found is None:  # a function of a run
+        return ""
+    metric, _ = found
+    if not metric.of_every_run and not metric.to:
         return bodies[0] if len(bodies) == 1 else ""
-    return requirement.pair or bodies[0]
+    return metric.pair or bodies[0]
 
 
 def _named(requirement: Requirement) -> str:

@@ -108,6 +108,31 @@ def test_a_tenth_of_the_energy_goes_without_a_word(share):
     assert bool(simulated.remarks) == (abs(share - 1.0) > 0.1)
 
 
+@pytest.mark.parametrize("engine", ["drake", "batch"])
+def test_a_sweep_says_of_which_variant_first(engine, tmp_path, capsys, monkeypatch):
+    """On a reduced mass of 2000 m / (2000 + m) they give 400 kg over it of 80 J."""
+    masses = [500.0, 460.0, 420.0, 400.0, 380.0]
+    given = [80.0 * 400.0 / (2000.0 * m / (2000.0 + m)) for m in masses]
+    first = next(n for n, energy in enumerate(given, 1) if energy > 88.0)
+    if engine == "batch":  # which looks at both ends
+        first = len(masses)
+    study = drakesep.sweep(timed(), {"sc.mass_kg": masses}, engine=engine, workers=1)
+    [remark] = study.remarks
+    assert remark.about == ("s1", "s2", "s3", "s4")
+    assert remark.run == f"variant {first}"
+    assert f"give {given[first - 1]:.4g} J and store 80 J" in remark.text
+    study.save(tmp_path / "saved")
+    table = drakesep.read_results(tmp_path / "saved").table("remarks.csv")
+    assert table["run"].tolist() == [remark.run]
+    swept = f"sc.mass_kg={','.join(map(str, masses))}"
+    case = tmp_path / "case.yaml"
+    case.write_text(timed().model_dump_json(exclude_none=True), encoding="utf-8")
+    words = ["sweep", case, swept, "--engine", engine, "-o", tmp_path / "out"]
+    code, out, _ = run_command(capsys, monkeypatch, *words)
+    assert code == 0
+    assert f"Note: {remark.run}: s1, s2, s3 and s4 give" in " ".join(out.split())
+
+
 def test_misses_of_opposite_sign_are_told_apart():
     """Impulses of 2 (sqrt(F L 196 kg) + sqrt(F L 36 kg)) on 400 kg: 80 J, as stored.
 

@@ -118,6 +118,26 @@ def test_shape_of_an_error(command, outcome, said):
         assert told.get("case", "small") == "small"
 
 
+def test_simulate_tells_what_its_run_meets_and_gives_no_verdict(
+    capsys, monkeypatch, tmp_path
+):
+    """A clearance is not measured; the exit code says that the run was flown."""
+    data = case_for(NOT_MET, "simulate")
+    data["requirements"].append({"quantity": "clearance_mm", "at_least": 1.0})
+    words = ["simulate", write_case(tmp_path, data), "-o", tmp_path / "out"]
+    code, out, _ = run(capsys, monkeypatch, *words, "--json")
+    told = json.loads(out)
+    assert code == told["exit_code"] == 0
+    assert told["verdict"] is None
+    verdicts = [row["verdict"] for row in told["requirements"]]
+    assert verdicts == ["not met", "not looked at"]
+    assert told["requirements"][0]["limit"] == 5.0
+    assert told["requirements"][1]["value"] is None
+    _, out, _ = run(capsys, monkeypatch, *words)
+    assert "Requirements in this run alone" in out
+    assert "not looked at" in out
+
+
 def test_a_violation_is_told_beside_a_run_that_failed(capsys, monkeypatch, tmp_path):
     data = case_for(OTHER_RUN_FAILED, "verify")
     data["requirements"][0]["at_least"] = 5.0

@@ -148,6 +148,31 @@ def test_summary(simulated):
     assert np.isnan(row["iterations"])
 
 
+def test_requirements_of_the_run(simulated):
+    study, folder = simulated
+    told = metrics(study.run, np.radians([2.1, 2.87, 4.0]))
+    rows = pd.read_csv(folder / "requirements_of_run.csv").to_dict("records")
+    limits = [
+        ("longitudinal_speed_after_separation_m_s", "m/s", ">=", 0.49),
+        *(
+            (f"rate_after_separation_{axis}_deg_s", "deg/s", "<=", limit)
+            for axis, limit in zip(XYZ, (0.66, 1.72, 1.25), strict=True)
+        ),
+        *(
+            (f"deviation_at_separation_{axis}_deg", "deg", "<=", limit)
+            for axis, limit in zip(ANGLES, (2.1, 2.87, 4.0), strict=True)
+        ),
+    ]
+    assert len(rows) == len(limits)
+    for row, (name, unit, sense, limit) in zip(rows, limits, strict=True):
+        assert (row["unit"], row["sense"], row["limit"]) == (unit, sense, limit)
+        assert row["value"] == pytest.approx(told[name], rel=1e-6, abs=1e-6)
+        margin = limit - told[name] if sense == "<=" else told[name] - limit
+        assert row["margin"] == pytest.approx(margin, abs=2e-6)
+        assert row["verdict"] == ("met" if margin >= 0.0 else "not met")
+        assert row["pair"] == "upper"
+
+
 def test_printed_metrics(simulated):
     """As `simulate` prints them."""
     study, _ = simulated
