@@ -8,6 +8,9 @@ rounds settle it. Roots and searches of all limits go side by side.
 
 What is found is a violation, so that the growth is at most this; that nothing is
 violated before it rests on the searches.
+
+What takes long to tell, as a clearance does, is followed along the ray to its worst
+case alone (`grow_along_rays`), and found to a hundredth by halving.
 """
 
 import math
@@ -15,8 +18,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
+from drakesep.analysis.engines.evaluator import Evaluated
 from drakesep.analysis.search.problem import Problem
 from drakesep.analysis.search.sqp import AscentSettings, Start, ascend
 from drakesep.systems.arrays import Array
@@ -39,6 +44,10 @@ _GRID = (0.0, 0.5, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, MOST)
 """Growths between which a limit is first passed on a ray."""
 _ROOT = 1e-5
 """To which a growth is found on its ray."""
+_COARSE = (0.0, 1.0, 1.5, 2.0, 3.0, MOST)
+"""The grid where each point takes long to tell."""
+_HALVED = 1e-2
+"""To which a growth is found there."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,6 +80,8 @@ class Growth:
     """Of the parameters where the limit is reached, in SI; empty if it is not."""
     message: str = ""
     """Why a run failed."""
+    along_ray: bool = False
+    """Whether it was looked for along the ray to the worst case alone."""
 
     def is_sooner_than(self, other: "Growth") -> bool:
         """Return whether it reaches its limit before another; no failure does."""
@@ -139,6 +150,86 @@ def grow(
         replace(growth, values=_point(problem, growth, ray, caps))
         for growth, ray in zip(growths, rays, strict=True)
     ]
+
+
+def grow_along_rays(problem: Problem, limits: Sequence[Limit]) -> list[Growth]:
+    """Return by what factor tolerances may grow along the rays of limits' own points.
+
+    As the worst case moves out with all tolerances; it is not searched anew, so that
+    the limit may be reached sooner elsewhere. Only values on the ray are asked for,
+    and none of them need be smooth: one that stays at the limit, as a clearance does at
+    contact, is reached where it gets there.
+
+    Args:
+        problem: the objectives and the set.
+        limits: values that objectives must not exceed, of all tolerances together.
+    """
+    if not limits:
+        return []
+    caps = _caps(problem)
+    rays = np.array([limit.u for limit in limits])
+    values = np.array([limit.value for limit in limits])
+    failures: dict[int, str] = {}
+
+    def excess(factors: Array, index: NDArray[np.intp]) -> Array:
+        told = _told_on_rays(
+            problem, [limits[i] for i in index], rays[index], factors, caps
+        )
+        for j, why in told.failures.items():
+            failures.setdefault(int(index[j]), why)
+        return np.asarray(told.values - values[index])
+
+    n = len(limits)
+    lower, upper = np.zeros(n), np.full(n, np.inf)
+    open_, flown = np.arange(n), np.zeros(n, dtype=bool)
+    for factor in _COARSE:
+        if not len(open_):
+            break
+        beyond = excess(np.full(len(open_), factor), open_)
+        flown[open_[~np.isnan(beyond)]] = True
+        upper[open_[beyond >= 0.0]] = factor
+        lower[open_[beyond < 0.0]] = factor
+        open_ = open_[~(beyond >= 0.0)]
+    halving = np.isfinite(upper)
+    while True:
+        halving &= upper - lower > _HALVED
+        index = np.flatnonzero(halving)
+        if not len(index):
+            break
+        middle = 0.5 * (lower[index] + upper[index])
+        beyond = excess(middle, index)
+        upper[index] = np.where(beyond >= 0.0, middle, upper[index])
+        lower[index] = np.where(beyond < 0.0, middle, lower[index])
+        halving[index[np.isnan(beyond)]] = False  # above it is a violation all the same
+    found = [
+        Growth(
+            limit=limit,
+            factor=float(upper[i]) if flown[i] else math.nan,
+            most=MOST,
+            values={},
+            message=failures.get(i, ""),
+            along_ray=True,
+        )
+        for i, limit in enumerate(limits)
+    ]
+    return [
+        replace(growth, values=_point(problem, growth, ray, caps))
+        for growth, ray in zip(found, rays, strict=True)
+    ]
+
+
+def _told_on_rays(
+    problem: Problem,
+    limits: Sequence[Limit],
+    rays: Array,
+    factors: Array,
+    caps: Array,
+) -> Evaluated:
+    """Return the objectives of limits where tolerances have grown along rays (k, n)."""
+    set_ = problem.tolerances
+    each = [_factors(limit, s, caps) for limit, s in zip(limits, factors, strict=True)]
+    rows = set_.rows(set_.grown_points(rays, np.array(each)))
+    return problem.evaluator.one(rows, [limit.objective for limit in limits])
 
 
 def _beginnings(
@@ -214,18 +305,15 @@ def _roots(
     problem: Problem, growths: Sequence[Growth], rays: Array, caps: Array
 ) -> list[Growth]:
     """Return the growths at which limits are first reached along rays."""
-    set_ = problem.tolerances
-    values = np.array([growth.limit.value for growth in growths])
+    limits = [growth.limit for growth in growths]
+    values = np.array([limit.value for limit in limits])
     failures: dict[int, str] = {}
 
     def excess(factor: Array, which: Array) -> Array:
         index = which.astype(int)
-        factors = [
-            _factors(growths[i].limit, s, caps)
-            for i, s in zip(index, factor, strict=True)
-        ]
-        rows = set_.rows(set_.grown_points(rays[index], np.array(factors)))
-        told = problem.evaluator.one(rows, [growths[i].limit.objective for i in index])
+        told = _told_on_rays(
+            problem, [limits[i] for i in index], rays[index], factor, caps
+        )
         for j, why in told.failures.items():
             failures.setdefault(int(index[j]), why)
         return np.asarray(told.values - values[index])

@@ -516,8 +516,19 @@ _WORST_CASES = (
                 "",
                 "On all tolerances together at which it is first violated.",
             ),
+            Column(
+                "growth_by",
+                "",
+                "How that was looked for: `search`; `ray` to the worst case alone, to "
+                "0.01, of what takes long to tell; `not looked at`; or `failed` with "
+                "the reason.",
+            ),
             Column("looked_up_to", "", "Largest factor that was looked at."),
-            Column("first_tolerance", "", "That alone violates it with least growth."),
+            Column(
+                "first_tolerance",
+                "",
+                "That alone violates it with least growth; or `not looked at`.",
+            ),
             Column("its_growth_factor", "", "On that tolerance."),
             Column("verdict", "", "`met`, `not met` or `not looked at`."),
             *_IDENTITY,

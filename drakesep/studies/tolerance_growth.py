@@ -1,10 +1,17 @@
 """How far tolerances may grow before each requirement is violated."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple, TypeAlias
 
 from drakesep.analysis.analysis_case import AnalysisCase
-from drakesep.analysis.margins.tolerance_margins import Growth, Limit, grow
+from drakesep.analysis.margins.tolerance_margins import (
+    Growth,
+    Limit,
+    grow,
+    grow_along_rays,
+)
+from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.analysis.search.judge import WorstCase
 from drakesep.analysis.search.problem import SearchProgress
@@ -24,27 +31,47 @@ class FoundGrowths(NamedTuple):
     """One of them, the others as they are."""
 
 
-def find_growths(worst: Sequence[WorstCase], under_way: Session) -> FoundGrowths:
+def find_growths(
+    worst: Sequence[WorstCase],
+    under_way: Session,
+    functions: Sequence[FunctionRequirement] = (),
+) -> FoundGrowths:
     """Return how far tolerances may grow before each requirement is violated.
+
+    Of what is expensive to tell, all of them together alone, along the ray to its worst
+    case.
 
     Args:
         worst: cases, from which to begin.
         under_way: the session that has found them.
+        functions: that are required beside the case's requirements.
     """
-    limits = _limits(under_way.plan.case, {one.name: one for one in worst})
+    problem = under_way.problem
+    limits = _limits(under_way.plan.case, functions, {one.name: one for one in worst})
+    objectives = problem.evaluator.objectives
+    cheap = [(r, o) for r, o in limits if not objectives[o.objective].expensive]
+    expensive = [(r, o) for r, o in limits if objectives[o.objective].expensive]
+    searched = [
+        (requirement, replace(limit, parameter=parameter))
+        for requirement, limit in cheap
+        for parameter in (None, *range(len(under_way.plan.case.box)))
+    ]
 
     def tell(done: int, total: int) -> None:
         under_way.tell(SearchProgress(search="growth", done=done, total=total))
 
     found = grow(
-        under_way.problem,
-        [limit for _, limit in limits],
+        problem,
+        [limit for _, limit in searched],
         corners=under_way.settings.corners,
         seed=under_way.settings.seed,
         on_progress=tell,
     )
+    found += grow_along_rays(problem, [limit for _, limit in expensive])
     least: dict[tuple[Requirement, int | None], Growth] = {}
-    for (requirement, limit), growth in zip(limits, found, strict=True):
+    for (requirement, limit), growth in zip(
+        [*searched, *expensive], found, strict=True
+    ):
         key = requirement, limit.parameter
         if key not in least or growth.is_sooner_than(least[key]):
             least[key] = growth
@@ -55,26 +82,35 @@ def find_growths(worst: Sequence[WorstCase], under_way: Session) -> FoundGrowths
 
 
 def _limits(
-    case: AnalysisCase, worst: Mapping[str, WorstCase]
+    case: AnalysisCase,
+    functions: Sequence[FunctionRequirement],
+    worst: Mapping[str, WorstCase],
 ) -> list[tuple[Requirement, Limit]]:
     """Return what each direction of each requirement must not exceed.
 
-    Of all tolerances, and of each; from the worst cases, by their objectives' names.
+    From the worst cases, by their objectives' names.
     """
+    directions = [
+        (requirement, name)
+        for requirement in case.requirements
+        for name in case.names_towards(requirement)
+    ]
+    directions += [
+        (limit, objective.name)
+        for function in functions
+        for limit, objective in zip(function.limits, function.objectives, strict=True)
+    ]
     return [
         (
             requirement,
             Limit(
-                objective=worst[objective.name].objective,
+                objective=worst[name].objective,
                 value=_bound(requirement),
-                u=worst[objective.name].u,
-                parameter=parameter,
+                u=worst[name].u,
             ),
         )
-        for requirement in case.requirements
-        for objective in case.towards(requirement)
-        if objective.name in worst and not objective.expensive
-        for parameter in (None, *range(len(case.box)))
+        for requirement, name in directions
+        if name in worst
     ]
 
 

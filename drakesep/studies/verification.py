@@ -193,7 +193,9 @@ def verify(
         with session(plan, background, on_progress) as under_way:
             study = carried_out(study, under_way)
             if study.effort is not None and study.effort.growth:
-                growths, single_growths = find_growths(study.worst, under_way)
+                growths, single_growths = find_growths(
+                    study.worst, under_way, study.functions
+                )
                 study = replace(study, growths=growths, single_growths=single_growths)
             study = under_way.write_down(study)
         return ended(study, folder)

@@ -51,6 +51,7 @@ def requirements_table(
                 "which_run": finding.run,
                 "margin": unit.from_si(finding.margin),
                 "growth_factor": math.nan if growth is None else growth.factor,
+                "growth_by": _how(growth),
                 "looked_up_to": math.nan if growth is None else growth.most,
                 **_first_tolerance(finding, single_growths, box),
                 "verdict": finding.verdict.value,
@@ -83,6 +84,15 @@ def requirements_of_run_table(
             }
         )
     return pd.DataFrame(rows)
+
+
+def _how(growth: "Growth | None") -> str:
+    """Return how it was looked how far all tolerances may grow."""
+    if growth is None:
+        return Verdict.NOT_LOOKED_AT.value
+    if math.isnan(growth.factor):
+        return f"failed: {growth.message}"
+    return "ray" if growth.along_ray else "search"
 
 
 def _limit(requirement: Requirement, unit: Unit) -> dict[str, str | float]:
@@ -133,7 +143,8 @@ def _first_tolerance(
     """
     mine = [growth for r, growth in growths if r == finding.requirement]
     if not mine or box is None:
-        return {"first_tolerance": "", "its_growth_factor": math.nan}
+        not_looked_at = Verdict.NOT_LOOKED_AT.value
+        return {"first_tolerance": not_looked_at, "its_growth_factor": math.nan}
     first = min(mine, key=lambda growth: growth.factor)
     if finding.verdict is Verdict.NOT_MET:
         first = max(mine, key=lambda growth: growth.factor)

@@ -215,8 +215,15 @@ def test_tolerances_may_grow(vega_verification):
     rates = requirements["growth_factor"].iloc[:3]
     assert rates.tolist() == pytest.approx([2.31, 2.95, 2.85], abs=0.02)
     assert (requirements["growth_factor"].iloc[:7] > 1.0).all()
-    assert math.isnan(requirements["growth_factor"].iloc[7])  # not looked for
+    assert requirements["growth_by"].tolist() == ["search"] * 7 + ["ray"]
     simulation = Simulation(vega_verification.case.separation)
+    # A clearance, along the ray to its worst case: there it is at its limit, to 50 um,
+    # and less what a hundredth of growth takes, twice a hundredth of 4.9 mm.
+    clearance, growth = vega_verification.growths[7]
+    assert 1.0 < requirements["growth_factor"].iloc[7] == growth.factor
+    objective = vega_verification.case.lowest_clearance(clearance.metric)
+    left = -objective(simulation.run(growth.values)) - clearance.limit
+    assert -1.5e-4 < left < 5e-5
     for requirement, growth in vega_verification.growths[:3]:
         run = simulation.run(growth.values)
         value = metrics_of_run(run, (math.inf,) * 3)[requirement.metric]

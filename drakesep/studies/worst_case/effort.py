@@ -39,8 +39,9 @@ _STAGES, _OF_LIMIT, _ROOT_CALLS = 7, 50, 80
 those of all limits are flown."""
 _ASCENT, _LIMIT = 2e-3, 6e-3
 """What the optimiser takes itself for an iteration, and for a limit, s."""
-_MEASUREMENTS, _LOOKS = 8, 0.3
-"""Of an ascent by measurements, and of a run that may come nearer than all others."""
+_MEASUREMENTS, _LOOKS, _ON_RAY = 8, 0.3, 12
+"""Of an ascent by measurements; of a run that may come nearer than all others; and of
+growth along the ray to a worst case."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -291,7 +292,8 @@ class _Costs:
         limits = self._directions * (self._n + 1)
         stages = self._flown(_STAGES * settings.corners, cores)
         roots = self._flown(_OF_LIMIT * limits, cores, _ROOT_CALLS)
-        return stages + roots + limits * _LIMIT
+        once = self._speed.measurement + self._whole_run
+        return stages + roots + limits * _LIMIT + self._dear * _ON_RAY * once
 
 
 def _starts(name: str, starts: int) -> int:

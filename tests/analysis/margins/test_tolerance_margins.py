@@ -8,7 +8,12 @@ from runs import fly_nothing
 from separations import generic_pair
 
 from drakesep.analysis.engines.run_evaluator import RunEvaluator
-from drakesep.analysis.margins.tolerance_margins import MOST, Limit, grow
+from drakesep.analysis.margins.tolerance_margins import (
+    MOST,
+    Limit,
+    grow,
+    grow_along_rays,
+)
 from drakesep.analysis.metrics.objectives import of_run
 from drakesep.analysis.search.problem import Problem
 from drakesep.analysis.tolerances.box import ToleranceBox
@@ -178,3 +183,52 @@ def test_failed_runs_do_not_hide_what_was_found(seed):
     )
     assert growth.factor == pytest.approx(2.0, rel=2e-3)
     assert growth.message == "boom"
+
+
+@pytest.mark.parametrize("value", [0.35, 3.5, 5.25, 8.75])
+def test_along_the_ray_of_a_linear_function(value):
+    """|g| k reaches the limit, to a hundredth and not before; downward too."""
+    g = np.array([1.0, -2.0, 0.5])
+    limit = Limit(objective=0, value=value, u=(1.0, -1.0, 1.0))
+    [found] = grow_along_rays(problem(lambda v: g @ v), [limit])
+    assert found.along_ray
+    # Beyond 3, where there would be no mass left, the others go on alone.
+    assert value / 3.5 - 1e-9 <= found.factor <= value / 3.5 + 1e-2
+    assert found.values == pytest.approx(BOX.values(found.factor * np.array(limit.u)))
+
+
+def test_along_the_ray_a_plateau_is_reached_where_it_begins():
+    """As a clearance, which is 0 from contact on, however deep: at k = 1.73."""
+    touching = problem(lambda v: min(v[0] - 1.73, 0.0))
+    [found] = grow_along_rays(
+        touching, [Limit(objective=0, value=0.0, u=(1.0, 0.0, 0.0))]
+    )
+    assert 1.73 <= found.factor <= 1.74
+
+
+def test_along_the_ray_what_is_never_or_always_beyond():
+    u = (1.0, 0.0, 0.0)
+    limits = [Limit(objective=0, value=value, u=u) for value in (9.0, -1.0)]
+    never, always = grow_along_rays(problem(lambda v: v[0]), limits)
+    assert math.isinf(never.factor) and never.values == {}
+    assert always.factor == 0.0
+
+
+@pytest.mark.parametrize("fails_from", [0.0, 1.2, 1.9])
+def test_along_the_ray_a_run_that_fails_is_no_violation(fails_from):
+    """The limit is at 1.7, which is hidden by runs that fail; at 3 it is passed."""
+
+    def fly(rows):
+        moved = (rows[:, 0] - BOX.nominal[0]) / BOX.tolerance[0]
+        flown = fly_nothing(PAIR)([{NAMES[0]: x} for x in rows[:, 0].tolist()])
+        lost = Run(separation=PAIR, status=RunStatus.FAILED, message="lost")
+        return [
+            lost if fails_from <= x < 2.5 else run
+            for x, run in zip(moved, flown, strict=True)
+        ]
+
+    objectives = problem(lambda v: v[0]).evaluator.objectives
+    evaluator = RunEvaluator(fly, NAMES, objectives)
+    limit = Limit(objective=0, value=1.7, u=(1.0, 0.0, 0.0))
+    [found] = grow_along_rays(Problem(tolerances=SET, evaluator=evaluator), [limit])
+    assert (found.factor, found.message) == (3.0, "lost")

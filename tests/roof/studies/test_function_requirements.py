@@ -212,3 +212,30 @@ def test_a_corner_to_which_no_slope_leads():
 def test_function_that_tells_nothing_gives_no_verdict(functions, message):
     with pytest.raises(ValueError, match=message):
         drakesep.verify(case(tolerance=0.0), requirements=functions, workers=1)
+
+
+def test_tolerances_grow_along_the_ray_to_the_worst_case():
+    """Until the closed form is at the limit: downward where it is beyond already."""
+    factors = (0.5, 2.25)
+    limits = [by_energy(500.0 + TOLERANCE * factor) for factor in factors]
+    study = drakesep.verify(
+        case(requirements=[]),
+        requirements=[
+            required(name=f"mine_{i}", at_least=limit) for i, limit in enumerate(limits)
+        ],
+        searches=["sqp"],
+        growth=True,
+        workers=1,
+    )
+    rows = study.requirements
+    assert rows["verdict"].tolist() == ["not met", "met"]
+    assert rows["growth_by"].tolist() == ["ray", "ray"]
+    for found, factor in zip(rows["growth_factor"], factors, strict=True):
+        assert factor - 1e-3 <= found <= factor + 0.01 + 1e-3
+    assert rows["first_tolerance"].tolist() == ["not looked at"] * 2
+
+
+def test_what_was_not_looked_at_is_said(studied):
+    study, _ = studied
+    assert {*study.requirements["growth_by"]} == {"not looked at"}
+    assert {*study.requirements["first_tolerance"]} == {"not looked at"}
