@@ -391,6 +391,12 @@ _WORST_CASES = (
             Column("worst", _SAME, "As the searches have it."),
             Column("in_drake", _SAME, "In the run that Drake flew there."),
             Column("difference", _SAME, "Of the two."),
+            Column(
+                "beaten_by",
+                "",
+                "Of a clearance or a function: the label of a run that is worse, if "
+                "one is: then the search has failed.",
+            ),
             Column("found_by", "", "The search that found it."),
             Column(
                 "flown_by",

@@ -54,6 +54,7 @@ def evidence_table(
         for one in runs
         if one.objective_in_drake is not None
     }
+    beaten_by = {one.role: one.beaten_by for one in runs}
     rows = []
     for case in worst:
         objective, proof = objectives[case.objective], case.evidence
@@ -70,6 +71,7 @@ def evidence_table(
                 "worst": shown(objective, case.value),
                 "in_drake": shown(objective, in_drake),
                 "difference": shown(objective, in_drake - case.value),
+                "beaten_by": beaten_by.get(Worst(case.name), ""),
                 "found_by": case.search,
                 "flown_by": flown[case.name].by,
                 "run_by_run": flown[case.name].run_by_run,

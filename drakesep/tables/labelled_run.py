@@ -41,6 +41,8 @@ class LabelledRun:
     """Runs flown for it; of a worst case, by all searches for all objectives."""
     objective_in_drake: float | None = None
     """Of the objective whose worst case it is, in SI; None if the run failed."""
+    beaten_by: str = ""
+    """Of a worst case: label of another run that is worse than it; empty if none is."""
     nearest: Mapping[str, Clearance] = field(default_factory=dict, repr=False)
     """How near its parts come, by the clearances that were measured."""
 

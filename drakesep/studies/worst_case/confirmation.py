@@ -29,6 +29,7 @@ from drakesep.tables.roles import (
     SearchEnd,
     Worst,
     failed,
+    label_of,
 )
 
 
@@ -157,6 +158,41 @@ def _nearest_looked_for(
         measured_runs.append(one)
     if nearest is None or least >= missed_below:
         return measured_runs
-    why = failed(f"{nearest.label} comes nearer, to {1e3 * least:.3f} mm")
-    worst = Worst(clearance.name)
-    return [replace(o, outcome=why) if o.role == worst else o for o in measured_runs]
+    why = f"{nearest.label} comes nearer, to {1e3 * least:.3f} mm"
+    return _beaten(measured_runs, clearance.name, nearest.label, why)
+
+
+def functions_compared(study: _Study) -> _Study:
+    """Return a study in which each worst case of a function is held against all runs.
+
+    Where another run within the tolerances is worse, by more than both may be off, the
+    search has failed, and the run of the worst case says so.
+    """
+    runs: list[LabelledRun] = list(study.runs)
+    told = [one for one in runs if one.of_functions and one.published is None]
+    for function in study.functions:
+        values = {one.label: one.of_functions[function.name] for one in told}
+        for limit, objective in zip(function.limits, function.objectives, strict=True):
+            own = values.get(label_of(Worst(objective.name)))
+            if own is None:
+                continue
+            margins = {label: limit.margin(value) for label, value in values.items()}
+            worst = min(margins, key=margins.__getitem__)
+            nominal = values[nominal_of(runs).label]
+            within = _CONFIRMED * max(abs(own), abs(nominal))
+            within += objective.resolution(_accuracy(study.case))
+            if margins[worst] < limit.margin(own) - within:
+                why = f"{worst} is worse, {values[worst]:.6g} {function.unit}".strip()
+                runs = _beaten(runs, objective.name, worst, why)
+    return replace(study, runs=tuple(runs))
+
+
+def _beaten(
+    runs: Sequence[LabelledRun], objective: str, by: str, why: str
+) -> list[LabelledRun]:
+    """Return runs, of which the worst case of an objective has failed."""
+    worst = Worst(objective)
+    return [
+        replace(o, outcome=failed(why), beaten_by=by) if o.role == worst else o
+        for o in runs
+    ]

@@ -27,7 +27,7 @@ from drakesep.results.catalogue import WORST_CASE
 from drakesep.results.folder import Output, ResultsFolder, results_folder
 from drakesep.results.recorded_runs import save_runs
 from drakesep.studies.background_process import BackgroundProcess
-from drakesep.studies.worst_case.confirmation import confirmed
+from drakesep.studies.worst_case.confirmation import confirmed, functions_compared
 from drakesep.studies.worst_case.plan import OnProgress, StudyPlan
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.studies.worst_case.searches import WantedSearches
@@ -123,7 +123,8 @@ def carried_out(study: _Study, under_way: Session) -> _Study:
         references = len(study.runs)
         study = searched(study, under_way)
         under_way.draw(Tornado(study.nearest_sensitivities).save)
-        study = under_way.write_down(_told(confirmed(study, under_way)))
+        study = functions_compared(_told(confirmed(study, under_way)))
+        study = under_way.write_down(study)
         _record(study.runs[references:], under_way)
     under_way.draw(study.pictures.save)
     return study

@@ -278,6 +278,9 @@ def test_a_worst_case_that_another_beats_has_failed():
     status = runs["worst_lowest_clearance_until_0.39_m"].status
     assert status.startswith("failed: ")
     assert "comes nearer, to " in status
+    evidence = study.evidence.set_index("objective")["beaten_by"]
+    beaten_by = evidence["lowest_clearance_until_0.39_m"]
+    assert status.startswith(f"failed: {beaten_by} comes nearer, ")
     assert not study.completed
     [row] = study.requirements.to_dict("records")
     assert row["worst"] < 12.0

@@ -176,6 +176,36 @@ def test_what_makes_no_sense_is_refused(wrong, message):
         required(**{"at_most": 1.0, **wrong})
 
 
+def test_a_worst_case_that_another_run_beats_has_failed(tmp_path):
+    """Differences lead to the heavy corner; the worst case of the speed is light."""
+
+    def two_sided(run) -> float:
+        speed = speed_in_mm_s(run) - by_energy(500.0)
+        return min(speed, -30.0 * speed)
+
+    study = drakesep.verify(
+        case(),
+        requirements=[required(function=two_sided, at_least=-1e6)],
+        searches=["vertices", "sqp"],
+        growth=False,
+        workers=1,
+        output=tmp_path,
+    )
+    evidence = study.evidence.set_index("objective")
+    found = evidence.loc["lowest_mine"]
+    heavy, light = SLOWEST - by_energy(500.0), -30.0 * (FASTEST - by_energy(500.0))
+    assert found["worst"] == pytest.approx(heavy, rel=300 * EXACT)
+    other = f"worst_{evidence.index[0]}"
+    assert found["beaten_by"] == other
+    row = study.requirements.iloc[-1]
+    assert row["worst"] == pytest.approx(light, rel=300 * EXACT)
+    assert row["which_run"] == other
+    status = study.table.set_index("label").loc["worst_lowest_mine", "status"]
+    assert status.startswith(f"failed: {other} is worse, {light:.4g}")
+    assert not study.completed
+    assert drakesep.read_results(tmp_path).record.ended.value == "failed"
+
+
 def test_a_corner_to_which_no_slope_leads():
     """At the nominal the function falls with the mass, in a corner it is higher."""
 

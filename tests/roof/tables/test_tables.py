@@ -133,8 +133,8 @@ OBJECTIVE_NAMES = [
 def test_evidence(vega_verification):
     evidence = vega_verification.evidence
     assert list(evidence.columns) == [
-        *("objective", "unit", "worst", "in_drake", "difference", "found_by"),
-        *("flown_by", "run_by_run"),
+        *("objective", "unit", "worst", "in_drake", "difference", "beaten_by"),
+        *("found_by", "flown_by", "run_by_run"),
         *("sqp", "multistart", "vertices", "samples"),
         *("starts", "ended_there", "local_maxima", "unfinished"),
         *("at_bounds", "active_constraints", "optimality_residual"),
@@ -142,6 +142,7 @@ def test_evidence(vega_verification):
         "fraction_beyond_at_95_percent",
     ]
     assert evidence["objective"].tolist() == OBJECTIVE_NAMES
+    assert {*evidence["beaten_by"]} == {""}
     difference = evidence["in_drake"] - evidence["worst"]
     assert evidence["difference"].to_numpy() == pytest.approx(
         difference.to_numpy(), abs=1e-12
