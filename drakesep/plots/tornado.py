@@ -27,7 +27,8 @@ def tornado_figure(sensitivities: pd.DataFrame) -> Figure:
     """Return what each tolerance does to each objective, to first order.
 
     A panel for each objective, with the parameters that matter most at its worst case;
-    wide bars are slopes there, narrow ones at the nominal, for a whole tolerance.
+    wide bars are slopes there, narrow ones at the nominal, each for all of the upper
+    and of the lower side of a tolerance.
 
     Args:
         sensitivities: as `WorstCases.sensitivities` has them.
@@ -43,7 +44,7 @@ def tornado_figure(sensitivities: pd.DataFrame) -> Figure:
         axes.set_visible(False)
     handles, labels = grid.flat[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
-    title = "Change for a whole tolerance, to first order"
+    title = "Change for a whole side of a tolerance, to first order"
     parameters = sensitivities["parameter"].nunique()
     if parameters > _BARS:
         title += f"; of {parameters} parameters the {_BARS} that matter most"
@@ -53,11 +54,14 @@ def tornado_figure(sensitivities: pd.DataFrame) -> Figure:
 
 def _draw_tornado(axes: Axes, objective: str, rows: pd.DataFrame) -> None:
     places = np.arange(len(rows))
-    for column, height, colour, label in (
-        ("per_tolerance_at_worst", 0.8, "#56B4E9", "at the worst case"),
-        ("per_tolerance_at_nominal", 0.35, "#000000", "at the nominal"),
+    for at, height, colours, label in (
+        ("worst", 0.8, ("#56B4E9", "#C7E6F7"), "at the worst case"),
+        ("nominal", 0.35, ("#000000", "#999999"), "at the nominal"),
     ):
-        axes.barh(places, rows[column], height, color=colour, label=label)
+        for way, colour in zip(("upward", "downward"), colours, strict=True):
+            widths = rows[f"{way}_at_{at}"]
+            said = f"{way}, {label}"
+            axes.barh(places, widths, height, color=colour, label=said)
     names = rows["parameter"].str.cat(rows["at_worst"].map(_MARKED))
     axes.set_yticks(places, list(names), fontsize=7)
     axes.invert_yaxis()

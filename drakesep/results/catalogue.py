@@ -484,15 +484,22 @@ _WORST_CASES = (
     FileKind(
         name="sensitivities.csv",
         studies=_SEARCHED,
-        what="What a whole tolerance upward does, to first order.",
+        what="What a whole tolerance upward does, and either of its sides, to first "
+        "order.",
         row="worst case and parameter",
         columns=(
             _OBJECTIVE,
             _UNIT,
             Column("parameter", "", "With its unit."),
             Column("tolerance", "in `parameter`", "The larger of its sides."),
+            Column("minus", "in `parameter`", "Its side below the nominal."),
+            Column("plus", "in `parameter`", "Its side above the nominal."),
             Column("per_tolerance_at_nominal", _SAME, "Change, at the nominal."),
             Column("per_tolerance_at_worst", _SAME, "Change, at the worst case."),
+            Column("downward_at_nominal", _SAME, "Change for all of `minus`, there."),
+            Column("downward_at_worst", _SAME, "The same, at the worst case."),
+            Column("upward_at_nominal", _SAME, "Change for all of `plus`, there."),
+            Column("upward_at_worst", _SAME, "The same, at the worst case."),
             Column("at_worst", "", "M or m at a bound; empty within."),
             Column(
                 "multiplier",

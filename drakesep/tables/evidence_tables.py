@@ -158,6 +158,7 @@ def sensitivities_table(
 ) -> pd.DataFrame:
     """Return what a whole tolerance does to each objective's metric, to first order.
 
+    Also what either of its sides does, where they differ: the larger is the tolerance.
     A row for each objective and parameter, those that matter most at the worst case
     first; the multiplier is what the objective would gain for a whole tolerance more.
     """
@@ -167,17 +168,25 @@ def sensitivities_table(
         objective, first_order = objectives[case.objective], case.evidence.optimality
         order = np.argsort(-np.abs(first_order.slopes), kind="stable")
         for i in order.tolist():
-            name = box.names[i]
+            dispersion, from_si = box.dispersions[i], unit_of(box.names[i]).from_si
+            slopes = {
+                "nominal": shown(objective, nominal_slopes[case.objective, i]),
+                "worst": shown(objective, first_order.slopes[i]),
+            }
             rows.append(
                 {
                     "objective": case.name,
                     "unit": unit_of_objective(objective).symbol,
-                    "parameter": with_unit(name),
-                    "tolerance": unit_of(name).from_si(box.tolerance[i]),
-                    "per_tolerance_at_nominal": shown(
-                        objective, nominal_slopes[case.objective, i]
-                    ),
-                    "per_tolerance_at_worst": shown(objective, first_order.slopes[i]),
+                    "parameter": with_unit(dispersion.name),
+                    "tolerance": from_si(box.tolerance[i]),
+                    "minus": from_si(dispersion.sides.minus),
+                    "plus": from_si(dispersion.sides.plus),
+                    **{f"per_tolerance_at_{at}": x for at, x in slopes.items()},
+                    **{
+                        f"downward_at_{at}": x * box.lower[i]
+                        for at, x in slopes.items()
+                    },
+                    **{f"upward_at_{at}": x * box.upper[i] for at, x in slopes.items()},
                     "at_worst": first_order.active[i],
                     "multiplier": abs(shown(objective, first_order.multipliers[i])),
                 }

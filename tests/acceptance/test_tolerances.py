@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from trade import SPEED, symmetric_design
 
@@ -74,6 +75,21 @@ def test_tables_mark_the_bounds(study):
     slopes = sensitivities["per_tolerance_at_nominal"].to_numpy()
     assert slopes == pytest.approx(slope, rel=5e-3)
     assert set(sensitivities["at_worst"]) == {"m", "M"}
+
+
+def test_either_side_has_its_own_sensitivity(study):
+    """10 N less of one spring takes half of what 20 N more gives, to first order."""
+    sensitivities = study.sensitivities
+    assert set(sensitivities["minus"]) == {10.0}
+    assert set(sensitivities["plus"]) == {20.0}
+    forces = {"nominal": {"m": 500.0, "M": 500.0}, "worst": {"m": 490.0, "M": 520.0}}
+    for at, marked in forces.items():
+        force = sensitivities["at_worst"].map(marked).to_numpy()
+        # Of v = SPEED sqrt(sum F / 2000), by differences of 1e-3 tolerances.
+        of_one = SPEED * np.sqrt(force / 500.0) / (8.0 * force)
+        up, down = (sensitivities[f"{way}_at_{at}"] for way in ("upward", "downward"))
+        assert up.to_numpy() == pytest.approx(20.0 * of_one, rel=5e-3)
+        assert down.to_numpy() == pytest.approx(-10.0 * of_one, rel=5e-3)
 
 
 def test_a_nominal_in_the_middle_has_the_same_worst_cases():

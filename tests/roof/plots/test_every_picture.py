@@ -88,24 +88,23 @@ def test_motion(topic):
 
 
 def test_tornado():
-    rows = [("L1", "deg", name, w, n) for name, w, n in (("a", 3, 1), ("b", -2, 4))]
-    rows += [("PM", "m/s", name, w, n) for name, w, n in (("b", 7, 5), ("a", 6, 8))]
+    rows = [("L1", "deg", *row) for row in (("a", 3, -1, 1, -2), ("b", -2, 0, 4, -3))]
+    rows += [("PM", "m/s", *row) for row in (("b", 7, -7, 5, -5), ("a", 6, -4, 8, -6))]
     names = ["objective", "unit", "parameter"]
-    names += ["per_tolerance_at_worst", "per_tolerance_at_nominal"]
+    names += ["upward_at_worst", "downward_at_worst"]
+    names += ["upward_at_nominal", "downward_at_nominal"]
     frame = pd.DataFrame(rows, columns=names).assign(at_worst=["M", "m", "", "M"])
     figure = tornado_figure(frame)
     for axes, objective in zip(figure.axes, ("L1", "PM"), strict=True):
         mine = frame[frame["objective"] == objective]
         assert axes.get_title("right") == objective
         assert axes.get_xlabel() == mine["unit"].iloc[0]
-        wide, narrow = axes.containers
-        for bars, column in (
-            (wide, "per_tolerance_at_worst"),
-            (narrow, "per_tolerance_at_nominal"),
-        ):
-            assert bars.get_label().endswith(
-                column.split("_")[-1].replace("worst", "case")
-            )
+        wide, _, narrow, _ = axes.containers
+        for bars, column in zip(axes.containers, names[3:], strict=True):
+            way, _, at = column.split("_")
+            label = bars.get_label()
+            assert label.startswith(f"{way}, ")
+            assert label.endswith(at.replace("worst", "case"))
             assert [bar.get_width() for bar in bars] == mine[column].tolist()
         assert wide[0].get_height() > narrow[0].get_height()
         labels = [text.get_text().split() for text in axes.get_yticklabels()]

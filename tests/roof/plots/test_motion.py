@@ -340,7 +340,7 @@ def test_tornado_has_a_panel_for_each_objective(vega_verification, vega_folder):
     rows = frame[frame["objective"] == "L1"]
     bars = panels["L1"].containers[0].patches
     assert [bar.get_width() for bar in bars] == pytest.approx(
-        rows["per_tolerance_at_worst"].head(len(bars)).tolist()
+        rows["upward_at_worst"].head(len(bars)).tolist()
     )
     assert is_drawn(vega_folder / "tornado.png")
 
@@ -385,8 +385,10 @@ def test_titles_of_tornados_are_not_cut(name):
         "objective": [name] * 2,
         "unit": ["deg"] * 2,
         "parameter": ["a_body_of_a_name.inertia_xy_kg_m2", "b"],
-        "per_tolerance_at_worst": [1.0, -2.0],
-        "per_tolerance_at_nominal": [0.5, 0.5],
+        "upward_at_worst": [1.0, -2.0],
+        "downward_at_worst": [-1.0, 1.0],
+        "upward_at_nominal": [0.5, 0.5],
+        "downward_at_nominal": [-0.5, -0.5],
         "at_worst": ["M", "m"],
     }
     others = {**bars, "objective": ["L1"] * 2}

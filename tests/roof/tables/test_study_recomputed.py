@@ -406,7 +406,11 @@ def test_sensitivities(tables, in_drake):
         worst = runs.loc[f"worst_{name}", PARAMETERS].astype(float).to_dict()
         for _, row in rows.iterrows():
             parameter = row["parameter"]
-            assert row["tolerance"] == pytest.approx(TOLERANCE[parameter], rel=1e-14)
+            for side in ("tolerance", "minus", "plus"):
+                assert row[side] == pytest.approx(TOLERANCE[parameter], rel=1e-14)
+            for at in ("nominal", "worst"):
+                assert row[f"upward_at_{at}"] == row[f"per_tolerance_at_{at}"]
+                assert row[f"downward_at_{at}"] == -row[f"per_tolerance_at_{at}"]
             u = (worst[parameter] - NOMINAL[parameter]) / TOLERANCE[parameter]
             at_worst = "" if pd.isna(row["at_worst"]) else row["at_worst"]
             assert at_worst == ("M" if u > 1 - 1e-6 else "m" if u < -1 + 1e-6 else "")

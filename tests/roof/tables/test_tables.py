@@ -181,8 +181,10 @@ def test_worst_points_are_bounds_or_values(vega_verification):
 def test_sensitivities(vega_verification):
     frame = vega_verification.sensitivities
     assert list(frame.columns) == [
-        *("objective", "unit", "parameter", "tolerance"),
+        *("objective", "unit", "parameter", "tolerance", "minus", "plus"),
         *("per_tolerance_at_nominal", "per_tolerance_at_worst"),
+        *("downward_at_nominal", "downward_at_worst"),
+        *("upward_at_nominal", "upward_at_worst"),
         *("at_worst", "multiplier"),
     ]
     for _, rows in frame.groupby("objective"):
