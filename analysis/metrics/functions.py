@@ -21,17 +21,6 @@ from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.model.run import Run
 
 
-_TAKEN = frozenset(
-    "label role iterations evaluations status nearest nearest_time_s".split()
-)
-"""Columns of tables of runs that are no parameters and no metrics."""
-_UNIT = re.compile(r"_(deg_s|deg|mm|m_s2|m_s|N_m_s|N_m|N_s|N|s|rad|m|J|kg)$")
-
-
-def _without_unit(column: str) -> str:
-    return _UNIT.sub("", column)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FunctionRequirement:
     """Limits on a function of a run: from above, from below, or both.
@@ -63,11 +52,6 @@ class FunctionRequirement:
             )
         if find_metric(self.name) is not None:
             raise InputError(f"requirements: {self.name!r} is the name of a metric")
-        if self.column in _TAKEN or find_metric(_without_unit(self.column)) is not None:
-            raise InputError(
-                f"requirements: {self.name!r} would be the column {self.column!r} of "
-                "tables, which is another's: give it another name"
-            )
         if not callable(self.function):
             raise InputError(
                 f"{self.name}: function must be one of a run, got {self.function!r}"

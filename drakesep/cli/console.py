@@ -13,7 +13,8 @@ from rich.table import Table
 from drakesep.case_file.case import Case
 from drakesep.systems.checks import X_AXIS
 from drakesep.systems.equations.springs import law_name
-from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.parameters import ParameterName, parameters
+from drakesep.systems.model.parts import Cone, Shape
 from drakesep.systems.model.separation import Pair
 from drakesep.tables.columns import tolerance_text
 from drakesep.units import unit_of, with_unit
@@ -94,7 +95,9 @@ def print_case(console: Console, case: Case) -> None:
         print_frame(console, "Geometry", _geometry(case))
     if case.loads:
         print_frame(console, "Loads", _loads(case))
-    print_frame(console, "Parameters", _parameters(case))
+    if case.dispersions:
+        print_frame(console, "Dispersed parameters", _dispersed(case))
+    print_frame(console, "Other parameters, by what they are of", _others(case))
     for section in case.ellipsoids:
         related = "correlated" if section.correlation else "uncorrelated"
         names = ", ".join(section.parameters)
@@ -167,7 +170,7 @@ def _geometry(case: Case) -> pd.DataFrame:
             row = {
                 "part": part.name,
                 "of": body.name,
-                "shape": type(part.shape).__name__.lower(),
+                "shape": _shape(part.shape),
                 "role": part.role,
             }
             for axis, low, high in zip(
@@ -176,6 +179,14 @@ def _geometry(case: Case) -> pd.DataFrame:
                 row[f"{axis} (mm)"] = f"{mm.from_si(low):.4g} to {mm.from_si(high):.4g}"
             rows.append(row)
     return pd.DataFrame(rows)
+
+
+def _shape(shape: Shape) -> str:
+    """Return what a shape is called in case files; whether it is hollow."""
+    if not isinstance(shape, Cone):
+        return type(shape).__name__.lower()
+    name = "cylinder" if shape.radius_aft == shape.radius_fore else "cone"
+    return name if shape.thickness is None else f"hollow {name}"
 
 
 def _loads(case: Case) -> pd.DataFrame:
@@ -200,17 +211,35 @@ def _listed(quantity: str, values: Iterable[float]) -> str:
     return " ".join(f"{from_si(value):.6g}" for value in values)
 
 
-def _parameters(case: Case) -> pd.DataFrame:
-    tolerances = {
-        d.name: tolerance_text(d.name, d.tolerance) for d in case.box.dispersions
-    }
+def _dispersed(case: Case) -> pd.DataFrame:
     return pd.DataFrame(
         {
-            "parameter": with_unit(name),
-            "value": unit_of(name).from_si(value),
-            "tolerance": tolerances.get(name, ""),
+            "parameter": with_unit(d.name),
+            "value": unit_of(d.name).from_si(d.nominal),
+            "tolerance": tolerance_text(d.name, d.tolerance),
         }
-        for name, value in parameters(case.separation).items()
+        for d in case.box.dispersions
+    )
+
+
+def _others(case: Case) -> pd.DataFrame:
+    """Return what may be dispersed too, a row for each owner."""
+    dispersed = set(case.box.names)
+    owners: dict[str, dict[str, float]] = {}
+    for name, value in parameters(case.separation).items():
+        owner = ParameterName.of(name).owner
+        mine = owners.setdefault(owner, {})
+        if name not in dispersed:
+            key = with_unit(name).removeprefix(f"{owner}.")
+            mine[key] = unit_of(name).from_si(value)
+    return pd.DataFrame(
+        {
+            "of": owner,
+            "name and value": ", ".join(f"{k} {x:.5g}" for k, x in mine.items() if x),
+            "that are 0": ", ".join(key for key, x in mine.items() if not x),
+        }
+        for owner, mine in owners.items()
+        if mine
     )
 
 
@@ -218,7 +247,6 @@ def _requirements(case: Case) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "quantity": with_unit(requirement.metric),
-            "condition": requirement.condition,
             "sense": requirement.sense,
             "limit": unit_of(requirement.metric).from_si(requirement.limit),
             "id": requirement.id,

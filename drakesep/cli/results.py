@@ -30,7 +30,9 @@ _EVIDENCE = (
 
 
 def print_simulated(console: Console, result: Simulated) -> None:
-    """Print a run: metrics, requirements in it, contacts if any, and remarks."""
+    """Print a run that did not fail: metrics, requirements, contacts, remarks."""
+    if not result.completed:
+        return
     metrics = metrics_table(result.labelled.metrics)
     print_frame(console, "Metrics of the run", metrics)
     if len(result.requirements):

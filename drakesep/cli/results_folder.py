@@ -1,17 +1,18 @@
-"""Where a command writes its results, and how it ends if the user interrupts."""
+"""How the command of a study begins and ends, and where it writes its results."""
 
 import contextlib
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drakesep.cli.report import INTERRUPTED, CommandError
+from drakesep.cli.report import INTERRUPTED, CommandError, Report
 
 
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from drakesep.case_file.case import Case
     from drakesep.results.folder import ResultsFolder
 
 
@@ -39,6 +40,29 @@ def interruptible(folder: "ResultsFolder") -> Iterator[None]:
         raise CommandError(INTERRUPTED, f"interrupted{done}") from None
 
 
-def say_where(console: "Console", folder: "ResultsFolder") -> None:
-    """Say where the results are."""
-    console.print(f"Tables and plots are in {folder.directory}", markup=False)
+def load(report: Report, case: str) -> "Case":
+    """Return the case that a command is about."""
+    from drakesep.case_file.reader import load_case
+
+    loaded = load_case(case)
+    report.add(case=loaded.name)
+    return loaded
+
+
+def say(
+    report: Report,
+    folder: "ResultsFolder",
+    summary: object,
+    show: Callable[["Console"], None],
+) -> None:
+    """Say what a study has done, and where its results are.
+
+    Args:
+        report: of the command.
+        folder: with the results.
+        summary: one of `drakesep.cli.summaries`.
+        show: prints the tables.
+    """
+    report.add(**vars(summary))
+    show(report.console)
+    report.console.print(f"Tables and plots are in {folder.directory}", markup=False)

@@ -1,5 +1,6 @@
 """Commands that fly single runs: simulate, clearance, animate."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -14,7 +15,7 @@ from drakesep.cli.options import (
     parse_changes,
 )
 from drakesep.cli.report import Report
-from drakesep.cli.results_folder import results_folder, say_where
+from drakesep.cli.results_folder import load, results_folder, say
 from drakesep.systems.checks import InputError
 
 
@@ -28,23 +29,20 @@ def simulate(
     """Fly a case once: motion.csv, summary.csv, plots; contacts.csv if any."""
     with Report("simulate", quiet=quiet, as_json=as_json) as report:
         values = parse_changes(changes or [])
-        from drakesep.case_file.reader import load_case
+        loaded = load(report, case)
         from drakesep.cli.results import print_simulated
         from drakesep.cli.summaries import of_simulated
         from drakesep.studies import simulate
 
-        loaded = load_case(case)
-        report.add(case=loaded.name)
         with (
             results_folder(output, loaded.name, "simulate") as folder,
             report.aside.status("flying"),
         ):
             result = simulate.simulate(loaded, values, output=folder)
-        report.add(**vars(of_simulated(result, folder.path)))
+        summary = of_simulated(result, folder.path)
+        say(report, folder, summary, partial(print_simulated, result=result))
         if not result.completed:
             report.fail(result.labelled.status)
-        print_simulated(report.console, result)
-        say_where(report.console, folder)
 
 
 def clearance(
@@ -60,21 +58,18 @@ def clearance(
     """
     with Report("clearance", quiet=quiet, as_json=as_json) as report:
         values = parse_changes(changes or [])
-        from drakesep.case_file.reader import load_case
+        loaded = load(report, case)
         from drakesep.cli.results import print_clearances
         from drakesep.cli.summaries import of_clearances
         from drakesep.studies import clearance
 
-        loaded = load_case(case)
-        report.add(case=loaded.name)
         with (
             results_folder(output, loaded.name, "clearance") as folder,
             report.aside.status("flying and measuring"),
         ):
             study = clearance.clearance(loaded, values, output=folder)
-        report.add(**vars(of_clearances(study, folder.path)))
-        print_clearances(report.console, study)
-        say_where(report.console, folder)
+        summary = of_clearances(study, folder.path)
+        say(report, folder, summary, partial(print_clearances, study=study))
         if not study.clear:
             report.fail("there is contact; see clearance_summary.csv")
 
@@ -134,12 +129,10 @@ def _animate_case(
     output: Path | None,
     runs: Path | None,
 ) -> None:
-    from drakesep.case_file.reader import load_case
+    loaded = load(report, case)
     from drakesep.studies import animate
     from drakesep.tables.run_tables import read_runs
 
-    loaded = load_case(case)
-    report.add(case=loaded.name)
     if labels and runs is None:
         raise InputError("--run: needs --runs, the table that has it")
     chosen = None if runs is None else read_runs(runs, labels)

@@ -1,6 +1,7 @@
 """Commands that search worst cases: worst-case, verify."""
 
 import contextlib
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
@@ -13,7 +14,7 @@ from drakesep.cli.options import (
     WorkersOption,
 )
 from drakesep.cli.report import Report
-from drakesep.cli.results_folder import interruptible, results_folder, say_where
+from drakesep.cli.results_folder import interruptible, load, results_folder, say
 
 
 if TYPE_CHECKING:
@@ -75,14 +76,12 @@ def worst_case(
 ) -> None:
     """Find the worst cases: worst_cases.csv, evidence.csv, plots and more."""
     with Report("worst-case", quiet=quiet, as_json=as_json) as report:
-        from drakesep.case_file.reader import load_case
+        loaded = load(report, case)
         from drakesep.cli.progress import progress_bar
         from drakesep.cli.results import print_worst_cases
         from drakesep.cli.summaries import of_worst_cases
         from drakesep.studies.worst_case import procedure
 
-        loaded = load_case(case)
-        report.add(case=loaded.name)
         folder = results_folder(output, loaded.name, "worst-case")
         with (
             interruptible(folder),
@@ -104,9 +103,8 @@ def worst_case(
                     seed=seed,
                 ),
             )
-        report.add(**vars(of_worst_cases(study, folder.path)))
-        print_worst_cases(report.console, study)
-        say_where(report.console, folder)
+        summary = of_worst_cases(study, folder.path)
+        say(report, folder, summary, partial(print_worst_cases, study=study))
         if not study.completed:
             report.fail(_WHAT_FAILED)
 
@@ -148,12 +146,10 @@ def verify(
     Exits with 1 unless every requirement is met.
     """
     with Report("verify", quiet=quiet, as_json=as_json) as report:
-        from drakesep.case_file.reader import load_case
+        loaded = load(report, case)
         from drakesep.studies.background_process import BackgroundProcess
         from drakesep.studies.worst_case.searches import WantedSearches
 
-        loaded = load_case(case)
-        report.add(case=loaded.name)
         folder = results_folder(output, loaded.name, "verify")
         alone = WantedSearches.named(search).drake_alone or not loaded.dispersions
         # Started now, to import what it draws with while we import the engines.
@@ -185,9 +181,8 @@ def verify(
         from drakesep.cli.results import print_requirements, print_verdict
         from drakesep.cli.summaries import of_verification
 
-        report.add(**vars(of_verification(study, folder.path)))
-        print_requirements(report.console, study)
-        say_where(report.console, folder)
+        summary = of_verification(study, folder.path)
+        say(report, folder, summary, partial(print_requirements, study=study))
         print_verdict(report.console, study)
         if not study.completed:
             report.fail(_WHAT_FAILED)

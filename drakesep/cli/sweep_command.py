@@ -1,6 +1,7 @@
 """The command that flies variants: sweep."""
 
 import math
+from functools import partial
 from typing import Annotated
 
 import typer
@@ -14,7 +15,7 @@ from drakesep.cli.options import (
     number,
 )
 from drakesep.cli.report import Report
-from drakesep.cli.results_folder import interruptible, results_folder, say_where
+from drakesep.cli.results_folder import interruptible, load, results_folder, say
 from drakesep.systems.checks import InputError, check_finite
 
 
@@ -46,14 +47,12 @@ def sweep(
     """
     with Report("sweep", quiet=quiet, as_json=as_json) as report:
         values = parse_swept(swept)
-        from drakesep.case_file.reader import load_case
+        loaded = load(report, case)
         from drakesep.cli.progress import progress_bar
         from drakesep.cli.results import print_sweep
         from drakesep.cli.summaries import of_sweep
         from drakesep.studies import sweep
 
-        loaded = load_case(case)
-        report.add(case=loaded.name)
         folder = results_folder(output, loaded.name, "sweep")
         with (
             interruptible(folder),
@@ -68,9 +67,8 @@ def sweep(
                 workers=workers,
                 on_progress=on_progress,
             )
-        report.add(**vars(of_sweep(study, folder.path)))
-        print_sweep(report.console, study)
-        say_where(report.console, folder)
+        summary = of_sweep(study, folder.path)
+        say(report, folder, summary, partial(print_sweep, study=study))
         if not study.completed:
             report.fail(study.failure)
 

@@ -41,6 +41,7 @@ from drakesep.tables.columns import write_csv
 from drakesep.tables.evidence_tables import tolerances_table
 from drakesep.tables.labelled_run import nominal_of
 from drakesep.tables.requirement_tables import requirements_table
+from drakesep.tables.run_tables import is_column_of_runs
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -238,11 +239,17 @@ def planned(
 
 
 def _check_functions(requirements: Sequence[FunctionRequirement]) -> None:
-    """Raise InputError unless each is one, with a name of its own."""
+    """Raise InputError unless each is one, with a name and a column of its own."""
     for required in requirements:
         if not isinstance(required, FunctionRequirement):
             raise InputError(
                 f"requirements: each must be a FunctionRequirement, got {required!r}"
+            )
+        if is_column_of_runs(required.column):
+            raise InputError(
+                f"requirements: {required.name!r} would be the column "
+                f"{required.column!r} of tables, which is another's: give it another "
+                "name"
             )
     names = [required.name for required in requirements]
     for name in names:

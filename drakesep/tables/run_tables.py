@@ -19,7 +19,7 @@ from drakesep.systems.model.run import Motion
 from drakesep.tables.columns import in_units, read_table, shown, unit_of_objective
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.roles import WORST, Worst, label_of, role_in_tables
-from drakesep.units import unit_of, with_unit
+from drakesep.units import split_unit, unit_of, with_unit
 
 
 if TYPE_CHECKING:  # JAX comes with them
@@ -81,6 +81,20 @@ def runs_table(
     last = ["iterations", "evaluations", "status"]
     frame = frame[[column for column in frame if column not in last] + last]
     return frame.astype({"iterations": "Int64", "evaluations": "Int64"})
+
+
+def is_column_of_runs(name: str) -> bool:
+    """Return whether tables of runs have, or may have, a column of a name.
+
+    Of what they say of a run, or of a metric; those of parameters have a point.
+    """
+    stem, _ = split_unit(name)
+    return name in _OTHER_COLUMNS or find_metric(stem) is not None
+
+
+_OTHER_COLUMNS = frozenset(
+    "label role iterations evaluations status nearest nearest_time_s".split()
+)
 
 
 def _nearest_pair(measured: Mapping[str, Clearance]) -> dict[str, object]:

@@ -39,6 +39,7 @@ def test_simulate(drakesep, tmp_path):
     assert "longitudinal_speed_max" in out
     names = {path.name for path in tmp_path.iterdir()}
     tables = {"motion.csv", "summary.csv", "translation.png", "rotation.png"}
+    tables.add("requirements_of_run.csv")
     assert names == {*tables, "study.json", "case.json", "runs"}
     summary = pd.read_csv(tmp_path / "summary.csv")
     assert summary["payload.mass_kg"].tolist() == [1880.0]

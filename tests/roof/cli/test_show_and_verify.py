@@ -39,7 +39,7 @@ REFUSED = {
         "geometry: deck and inner must be apart while mated, or be listed as touching",
     ),
     "a published run with our label": (labelled("nominal"), "published: label"),
-    "a requirement twice": (doubly_limited(), "requirements: at_least of"),
+    "a requirement twice": (doubly_limited(), ": at_least must stand once"),
     "ellipsoid of what is not dispersed": (
         small_case(ellipsoids=[{"parameters": ["upper.mass_kg", "s1.stroke_mm"]}]),
         "ellipsoids:",

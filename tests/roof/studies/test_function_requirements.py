@@ -166,9 +166,6 @@ def fails(run):
         ({"at_most": None}, "mine: must have at_most or at_least, got none"),
         ({"at_most": math.nan}, "mine: limit must be finite, got nan"),
         ({"at_least": 2.0}, "at_least must not be above at_most, got 2 and 1"),
-        ({"name": "status", "unit": ""}, "would be the column 'status' of tables"),
-        ({"name": "label", "unit": ""}, "would be the column 'label' of tables"),
-        ({"name": "rate_at_end_x_deg", "unit": "s"}, "which is another's"),
     ],
 )
 def test_what_makes_no_sense_is_refused(wrong, message):
@@ -237,6 +234,10 @@ def test_a_corner_to_which_no_slope_leads():
         ),
         ([required(at_most=1.0), required(at_least=1.0)], "'mine' must stand once"),
         ([speed_in_mm_s], "each must be a FunctionRequirement, got <function"),
+        ([required(at_most=1.0, name="status", unit="")], "be the column 'status' of"),
+        ([required(at_most=1.0, name="label", unit="")], "be the column 'label' of"),
+        ([required(at_most=1.0, name="nearest_time", unit="s")], "which is another's"),
+        ([required(at_most=1.0, name="rate_at_end_x_deg", unit="s")], "another's"),
     ],
 )
 def test_function_that_tells_nothing_gives_no_verdict(functions, message):
