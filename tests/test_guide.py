@@ -192,7 +192,9 @@ def test_seen_in_a_diagram(capsys):
 
 def test_geometry_of_the_page_on_clearance(tmp_path):
     """What it shows can be read; the ring stands for what it leaves out."""
-    geometry, chosen, required, of_pairs, recontact = blocks(CLEARANCE, "yaml")
+    geometry, chosen, required, of_pairs, of_parts, recontact = blocks(
+        CLEARANCE, "yaml"
+    )
     shown = YAML(typ="safe").load(geometry)["bodies"]["payload"]["geometry"]
     data = YAML(typ="safe").load(builtin_cases()["vega"])
     ring = data["bodies"]["launch_vehicle"]["geometry"]
@@ -202,6 +204,13 @@ def test_geometry_of_the_page_on_clearance(tmp_path):
     assert requirement in data["requirements"]
     sections = YAML(typ="safe").load(of_pairs)["requirements"]
     assert all(RequirementSection(**section).of_clearance for section in sections)
+    of_vega = YAML(typ="safe").load(builtin_cases()["vega"])
+    case = Case.model_validate(of_vega | YAML(typ="safe").load(of_parts))
+    assert [limit.metric for limit in case.limits] == [
+        "clearance_of_nozzle+adapter_ring_until_0.5_m",
+        "clearance_of_antenna+adapter_ring",
+        "clearance_of_antenna+adapter_wall",
+    ]
     chosen = YAML(typ="safe").load(chosen)
     ring["flange"] = ring["adapter_ring"]
     data["bodies"]["payload"]["geometry"]["flange"] = ring.pop("flange")

@@ -378,6 +378,6 @@ def test_show_tells_where_parts_are(write, capsys, monkeypatch, tmp_path):
     monkeypatch.setenv("COLUMNS", "200")
     code, out, _ = run(capsys, monkeypatch, "show", path)
     assert code == 0
-    [line] = [line for line in out.splitlines() if " brick " in line]
+    [line] = [x for x in out.splitlines() if " brick " in x and " mesh " in x]
     for word in ("payload", "mesh", "antenna", "-5000 to 5000", "-1.5e+04 to 1.5e+04"):
         assert word in line
