@@ -8,14 +8,14 @@ from drakesep.units import unit_of
 
 LIMIT: dict[str, Any] = {"color": "#B00020", "ls": (0, (8, 3)), "lw": 1.4, "zorder": 5}
 """How its line is drawn."""
-_SIGNS = {"<=": "≤", ">=": "≥"}
+_SIGNS = {"<=": "≤", ">=": "≥", "<": "<", ">": ">"}
 
 
 def limit_words(requirement: Requirement) -> str:
     """Return a limit in words, with its id, such as ``UM-4.2: ≥ 30 mm``."""
     unit = unit_of(requirement.metric)
     words = "no contact"
-    if requirement.sense in _SIGNS:
+    if not requirement.forbids_contact:
         limit = unit.from_si(requirement.limit)
         words = f"{_SIGNS[requirement.sense]} {limit:.4g} {unit.symbol}"
     return f"{requirement.id}: {words}" if requirement.id else words
