@@ -123,6 +123,7 @@ def verify(
     workers: int | None = None,
     on_progress: OnProgress | None = None,
     background: BackgroundProcess | None = None,
+    minutes: float | None = None,
     **effort: Unpack[Effort],
 ) -> Verification:
     """Find the worst cases of a case and hold them against its requirements.
@@ -137,20 +138,22 @@ def verify(
         objectives: that are searched beside these, as `worst_case` takes them.
         searches: as `worst_case` takes them.
         growth: whether to find how far tolerances may grow; None: unless Drake flies
-            alone, or a study with it takes more than ten minutes.
+            alone, or a study with it takes longer than it may.
         output: folder that receives tables and plots, tables as the study goes on.
         workers: number of processes that fly Drake; one per core if None; with 1, the
             caller's does all.
         on_progress: called as the study goes on.
         background: a process that is under way, to measure and draw in; one of its own
             if None.
+        minutes: as `worst_case` takes them.
         effort: `starts`, `samples`, `vertices`, `flips`, `generations`, `corners` and
             `seed` of `SearchSettings`; the speed of runs, as it is measured, decides
             what is left out: see `Verification.effort`.
 
     Raises:
         ValueError: the case is wrong or nothing is required, a search is wrong, a
-            function gives no finite number, or the folder cannot be written.
+            function gives no finite number, it takes longer than it may, or the folder
+            cannot be written.
         RuntimeError: the nominal run fails.
     """
     asked = Asked.of(
@@ -161,6 +164,7 @@ def verify(
             "objectives": objectives,
             "searches": searches,
             "growth": growth,
+            "minutes": minutes,
             **effort,
         },
         seed=SearchSettings(**effort).seed,
@@ -169,7 +173,12 @@ def verify(
     with contextlib.ExitStack() as stack:
         folder = stack.enter_context(results_folder(output, VERIFY))
         plan = replace(
-            plan, effort=effort, growth=growth, workers=workers, folder=folder
+            plan,
+            effort=effort,
+            growth=growth,
+            minutes=minutes,
+            workers=workers,
+            folder=folder,
         )
         study = Verification(
             asked=asked,

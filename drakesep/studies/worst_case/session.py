@@ -73,7 +73,13 @@ class Session:
             plan.case, plan.objectives, self.batch, self.nominal, self.drake
         )
         return planned_effort(
-            plan.case, plan.objectives, plan.searches, plan.effort, plan.growth, speed
+            plan.case,
+            plan.objectives,
+            plan.searches,
+            plan.effort,
+            plan.growth,
+            speed,
+            plan.minutes,
         )
 
     @property
@@ -84,6 +90,18 @@ class Session:
     @functools.cached_property
     def _pace(self) -> Pace:
         return Pace(self.effort.seconds)
+
+    def begin(self) -> None:
+        """Plan what is searched, and only then begin the folder, if there is one.
+
+        Raises:
+            ValueError: it takes too long.
+        """
+        plan = self.plan
+        options = self.effort.options if plan.objectives else {}
+        if plan.folder is not None:
+            plan.folder.begin(plan.asked)
+            plan.folder.plan(options)
 
     def tell_plan(self) -> None:
         """Tell the user what the study will do, before it does."""
@@ -132,8 +150,8 @@ def session(
 ) -> Iterator[Session]:
     """Fly the nominal and the published runs, and begin to compile what searches fly.
 
-    What is refused is refused before anything is flown, and before the results of an
-    earlier study are taken out of the folder.
+    What is refused is refused before the results of an earlier study are taken out of
+    the folder: `Session.begin` does that, once it is known what the study takes.
 
     Args:
         plan: what is asked.
@@ -146,9 +164,11 @@ def session(
     """
     case = plan.case
     batch = checked_batch(plan)
-    if plan.folder is not None:
-        plan.folder.begin(plan.asked)
     nominal, drake = _fly_nominal(case)
+    if nominal.motion is None:
+        if plan.folder is not None:  # it says so, and keeps nothing of the last study
+            plan.folder.begin(plan.asked)
+        raise RuntimeError(f"the nominal run failed: {nominal.message}")
     several = drake * (len(case.published) + len(plan.objectives))
     few = batch is not None and several < WORKERS_START and plan.workers is None
     workers = 1 if few else plan.workers
@@ -194,8 +214,6 @@ def _fly_nominal(case: AnalysisCase) -> tuple[Run, float]:
     simulation = Simulation(case.separation, case.integration)
     began = time.perf_counter()
     nominal = simulation.run({})
-    if nominal.motion is None:
-        raise RuntimeError(f"the nominal run failed: {nominal.message}")
     return nominal, time.perf_counter() - began
 
 

@@ -74,8 +74,8 @@ ELSEWHERE = {
     "simulate": {"--output", "-o"},
     "sweep": {"--output", "-o", "--workers"},
     "clearance": {"--output", "-o"},
-    "worst-case": {"--output", "-o", "--workers", "--flips"},
-    "verify": {"--output", "-o", "--workers", "--flips", "--corners"},
+    "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes"},
+    "verify": {"--output", "-o", "--workers", "--flips", "--corners", "--minutes"},
 }
 """Tested below."""
 SWEPT = {"upper.mass_kg": [1180.0, 1200.0, 1220.0]}
@@ -278,6 +278,17 @@ def test_what_two_parameters_do_not_show(
     plan = drakesep.read_results(tmp_path).record.plan
     assert {name: plan[name] for name in planned} == planned
     assert plan["searches"] == ["corners"]
+
+
+@pytest.mark.parametrize("command", ["worst-case", "verify"])
+def test_minutes(command, case, tmp_path, capsys, monkeypatch, drakesep_):
+    """What they do not allow is refused; the plan itself is tested where it is made."""
+    words = [command, case, "-o", tmp_path, "--search", "drake", "--workers", 1]
+    words += ["--objective", "PM"] if command == "worst-case" else []
+    drakesep_(*words, "--minutes", 60)
+    code, _, err = run(capsys, monkeypatch, *words, "--minutes", 1e-6)
+    assert code == 2
+    assert "drakesep: minutes: must be 5 or more on this machine, got 1e-06, " in err
 
 
 @pytest.mark.parametrize(
