@@ -23,7 +23,7 @@ from drakesep.case_file.objectives import (
 from drakesep.plots.pictures import Pictures
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import VERIFY
-from drakesep.results.folder import Output, results_folder
+from drakesep.results.folder import Output, ResultsFolder, results_folder
 from drakesep.studies.background_process import BackgroundProcess
 from drakesep.studies.tolerance_growth import Growths, find_growths
 from drakesep.studies.worst_case.plan import OnProgress, StudyPlan
@@ -76,10 +76,10 @@ class Verification(WorstCases):
         """For each requirement and parameter, the tolerance that would violate it."""
         return tolerances_table(self.single_growths, self.case.box)
 
-    def save_tables(self, directory: str | Path) -> None:
-        """Write the tables, as far as there are any, into a folder."""
-        super().save_tables(directory)
-        folder = Path(directory)
+    def write_tables(self, results: ResultsFolder) -> None:
+        """Write the tables, as far as there are any, into a folder that is locked."""
+        super().write_tables(results)
+        folder = results.path
         # No verdict before the worst cases are known.
         if self.worst or (self.runs and not self.objectives):
             write_csv(self.requirements, folder / "requirements.csv")

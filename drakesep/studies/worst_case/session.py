@@ -19,6 +19,7 @@ from drakesep.analysis.metrics.objectives import MetricObjective, Objective
 from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import Problem, SearchProgress
+from drakesep.results.folder import ResultsFolder
 from drakesep.studies.background_process import BackgroundProcess
 from drakesep.studies.worst_case.effort import StudyEffort, planned_effort
 from drakesep.studies.worst_case.pace import Pace
@@ -30,7 +31,7 @@ from drakesep.systems.simulation.simulation import Simulation
 
 
 class _HasTables(Protocol):
-    def save_tables(self, directory: str | Path) -> None: ...
+    def write_tables(self, results: ResultsFolder) -> None: ...
 
 
 _Study = TypeVar("_Study", bound=_HasTables)
@@ -124,7 +125,7 @@ class Session:
     def write_down(self, study: _Study) -> _Study:
         """Return what a step leaves, with its tables in the folder, if there is one."""
         if self.plan.folder is not None:
-            study.save_tables(self.plan.folder.path)
+            study.write_tables(self.plan.folder)
             self.plan.folder.keep()
         return study
 
