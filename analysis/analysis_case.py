@@ -36,12 +36,12 @@ from drakesep.systems.checks import (
     Vector3,
     check_entries,
     check_finite,
-    check_positive,
     named,
     unknown,
 )
 from drakesep.systems.frozen_mapping import FrozenMapping
 from drakesep.systems.model.integration import Integration
+from drakesep.systems.model.magnitudes import check_size
 from drakesep.systems.model.parameters import (
     ParameterName,
     places_of_parts,
@@ -80,7 +80,7 @@ class ClearancePairs:
     def __post_init__(self) -> None:
         """Check the values."""
         if self.until_separation is not None:
-            check_positive("until_separation", self.until_separation)
+            check_size("length", "until_separation", self.until_separation)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -52,14 +52,13 @@ def case_for(outcome, command):
     if outcome == NOT_MET:
         data["requirements"][0]["at_least"] = 5.0
         data["bodies"]["lower"]["geometry"]["post"]["position_mm"][1] = 300.0
-    if outcome == RUN_FAILED:  # no step can follow such joints
-        for attachment in data["attachments"].values():
-            attachment["joint"] = dict.fromkeys(attachment["joint"], 1e30)
-            attachment["release_time_s"] = 0.3
-    if outcome == OTHER_RUN_FAILED:
+    if outcome in (RUN_FAILED, OTHER_RUN_FAILED):
         spring = data["attachments"]["two"]["spring"]
         del spring["design_mass_kg"]
         spring["law"] = "displacement"
+    if outcome == RUN_FAILED:
+        spring["stroke_mm"] = 5000.0  # the run ends sooner
+    if outcome == OTHER_RUN_FAILED:
         [published] = small_case()["published"]
         published["values"] = {"s2.stroke_mm": 5000.0}
         data["published"] = [published]

@@ -20,6 +20,7 @@ from drakesep.systems.checks import (
 )
 from drakesep.systems.geometry.meshes import read_mesh, readable
 from drakesep.systems.model.inertia import Inertia
+from drakesep.systems.model.magnitudes import check_size, check_within
 
 
 SolidKind: TypeAlias = Literal["box", "cylinder", "sphere", "ellipsoid", "capsule"]
@@ -80,7 +81,7 @@ def mass_properties_of_shape(
             f"{shape} must have {SOLIDS[shape]} dimensions, got {len(dimensions)}"
         )
     for dimension in dimensions:
-        check_positive(f"{shape}: dimension", dimension)
+        check_size("length", f"{shape}: dimension", dimension)
     solid = _unit_solid(shape, dimensions)
     scale = _mass(shape, mass, density, solid.get_mass()) / solid.get_mass()
     return _placed(
@@ -131,7 +132,7 @@ def mass_properties_of_mesh(
         ValueError: the file is missing, is no mesh, or one that is not closed, or as
             for a shape.
     """
-    check_positive("mesh: scale", scale)
+    check_size("factor", "mesh: scale", scale)
     mesh = read_mesh(file)
     volume = scale**3 * float(mesh.volume)
     m = _mass(str(file), mass, density, volume)
@@ -202,10 +203,10 @@ def _mass(name: str, mass: float | None, density: float | None, volume: float) -
         got = "neither" if mass is None else "both"
         raise InputError(f"{name}: must have a mass or a density, got {got}")
     if mass is not None:
-        check_positive(f"{name}: mass", mass)
+        check_size("mass", f"{name}: mass", mass)
         return mass
     assert density is not None  # above
-    check_positive(f"{name}: density", density)
+    check_size("density", f"{name}: density", density)
     return density * volume
 
 
@@ -223,6 +224,8 @@ def _placed(
 ) -> MassProperties:
     check_entries("solid: position", p_BoSo_B, 3)
     check_entries("solid: attitude", rpy_BS, 3)
+    check_within("length", "solid: position", *p_BoSo_B)
+    check_within("angle", "solid: attitude", *rpy_BS)
     X_BS = RigidTransform(RollPitchYaw(np.array(rpy_BS)), np.array(p_BoSo_B))
     R = X_BS.rotation().matrix()
     I_B = R @ I_SScm_S @ R.T
