@@ -14,7 +14,7 @@ SEARCH = ("--search", "drake", "--workers", "1")
 """Drake alone: no program to compile."""
 OF_STUDY = {
     GOOD: 0,
-    RUN_FAILED: 1,
+    RUN_FAILED: 4,
     BAD_FILE: 2,
     BAD_SETTING: 2,
     NO_FOLDER: 2,
@@ -25,11 +25,11 @@ CODES = {
     "show": {GOOD: 0, BAD_FILE: 2, INTERRUPTED: 130},
     "new": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
     "simulate": OF_STUDY,
-    "sweep": {**OF_STUDY, OTHER_RUN_FAILED: 1},
+    "sweep": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "clearance": {**OF_STUDY, NOT_MET: 1},
-    "animate": {**OF_STUDY, OTHER_RUN_FAILED: 1},
-    "worst-case": {**OF_STUDY, OTHER_RUN_FAILED: 1},
-    "verify": {**OF_STUDY, NOT_MET: 1, OTHER_RUN_FAILED: 1},
+    "animate": {**OF_STUDY, OTHER_RUN_FAILED: 4},
+    "worst-case": {**OF_STUDY, OTHER_RUN_FAILED: 4},
+    "verify": {**OF_STUDY, NOT_MET: 1, OTHER_RUN_FAILED: 4},
 }
 """What else there is does not come about: no requirement is asked of `simulate`."""
 SETTINGS = {

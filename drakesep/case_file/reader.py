@@ -93,7 +93,7 @@ def _text_of(path: Path) -> str:
     with path.open("rb") as file:
         data = file.read(_LONGEST + 1)
     if len(data) > _LONGEST:
-        raise OSError(errno.EFBIG, f"more than {_LONGEST // 1_000_000} MB", str(path))
+        raise OSError(errno.E2BIG, f"more than {_LONGEST // 1_000_000} MB", str(path))
     return data.decode("utf-8")
 
 

@@ -199,7 +199,7 @@ def verify(
         report.add(**vars(of_verification(study, folder.path)))
         print_requirements(report.console, study)
         say_where(report.console, folder)
-        if not study.completed:
+        if study.verdict is None:
             report.fail(_WHAT_FAILED)
         print_verdict(report.console, study)
         if not study.passed:
