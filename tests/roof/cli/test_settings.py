@@ -4,6 +4,8 @@ is something else than without it.
 Tables are compared to the last digit, file by file.
 """
 
+from collections import OrderedDict
+
 import pandas as pd
 import pytest
 import typer
@@ -340,6 +342,9 @@ def test_every_run_is_integrated_as_the_case_says(
         "max_step_s": 0.2,
     }
     wanted = Integration(scheme="bogacki_shampine3", accuracy=3e-7, max_step=0.2)
+    monkeypatch.setattr(
+        "drakesep.studies.shared_simulation._of_thread.known", OrderedDict()
+    )
     told, begin = [], Simulation.__init__
 
     def noted(self, separation, integration=None):
