@@ -12,7 +12,7 @@ from pathlib import Path
 
 from case_file_keys import keys_of_case_files
 from metric_table import table_of_metrics, table_of_quantities
-from parameter_table import table_of_parameters
+from parameter_table import table_of_magnitudes, table_of_parameters
 from port_tables import tables_of_ports
 from result_tables import table_of_study, tables_of_results
 from summary_tables import tables_of_summaries
@@ -23,7 +23,10 @@ TABLES: Mapping[str, Mapping[str, Callable[[], str]]] = {
     "command_line.md": {"summaries": tables_of_summaries},
     "case_file.md": {"keys": keys_of_case_files},
     "metrics.md": {"metrics": table_of_metrics, "quantities": table_of_quantities},
-    "parameters.md": {"parameters": table_of_parameters},
+    "parameters.md": {
+        "parameters": table_of_parameters,
+        "magnitudes": table_of_magnitudes,
+    },
     "ports.md": {"ports": tables_of_ports},
     "results.md": {"study": table_of_study, "files": tables_of_results},
 }

@@ -4,6 +4,7 @@ import itertools
 from collections.abc import Iterator
 
 from drakesep.systems.equations.springs import PUSHERS
+from drakesep.systems.model.magnitudes import MAGNITUDES
 from drakesep.units import records, unit_of_kind
 
 
@@ -40,3 +41,16 @@ def _owner(record: type) -> str:
     if not laws:
         return OWNERS[record.__name__]
     return f"a spring, `law: {' or '.join(laws).removeprefix('`')}"
+
+
+def table_of_magnitudes() -> str:
+    """Return a row for each kind of number: how small and how large it may be."""
+    rows = [
+        "| what it measures | above zero, no less than | no more than |",
+        "|---|---|---|",
+    ]
+    rows += [
+        f"| {kind.replace('_', ' ')} | {m.least:g} {m.unit} | {m.most:g} {m.unit} |"
+        for kind, m in MAGNITUDES.items()
+    ]
+    return "\n".join(row.replace("  |", " |") for row in rows)

@@ -14,7 +14,7 @@ from drakesep.analysis.metrics.registry import find_metric
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.springs import PUSHERS
 from drakesep.systems.model.loads import Load
-from drakesep.systems.model.parameter_table import Kind
+from drakesep.systems.model.magnitudes import Kind
 from drakesep.systems.model.parameter_table import split_axis as split_axis
 from drakesep.systems.model.parts import Part
 from drakesep.systems.model.separation import Attachment, Body, InitialMotion

@@ -10,6 +10,7 @@ from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.case_file.case import Case
 from drakesep.case_file.reader import load_case
+from drakesep.results.folder import ResultsFolder
 from drakesep.studies.verification import Verification, verify
 
 
@@ -49,5 +50,8 @@ def small_study(tmp_path_factory: pytest.TempPathFactory) -> tuple[Verification,
     folder = tmp_path_factory.mktemp("small")
     case = write_case(folder, small_case())
     study = verify(case, samples=200, starts=3, seed=3, workers=1)
-    study.save_tables(folder)
+    with ResultsFolder(folder, "verify") as results:
+        results.begin(study.asked)
+        study.write_tables(results)
+        results.end()
     return study, folder

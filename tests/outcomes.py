@@ -14,7 +14,7 @@ SEARCH = ("--search", "drake", "--workers", "1")
 """Drake alone: no program to compile."""
 OF_STUDY = {
     GOOD: 0,
-    RUN_FAILED: 1,
+    RUN_FAILED: 4,
     BAD_FILE: 2,
     BAD_SETTING: 2,
     NO_FOLDER: 2,
@@ -25,11 +25,11 @@ CODES = {
     "show": {GOOD: 0, BAD_FILE: 2, INTERRUPTED: 130},
     "new": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
     "simulate": OF_STUDY,
-    "sweep": {**OF_STUDY, OTHER_RUN_FAILED: 1},
+    "sweep": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "clearance": {**OF_STUDY, NOT_MET: 1},
-    "animate": {**OF_STUDY, OTHER_RUN_FAILED: 1},
-    "worst-case": {**OF_STUDY, OTHER_RUN_FAILED: 1},
-    "verify": {**OF_STUDY, NOT_MET: 1, OTHER_RUN_FAILED: 1},
+    "animate": {**OF_STUDY, OTHER_RUN_FAILED: 4},
+    "worst-case": {**OF_STUDY, OTHER_RUN_FAILED: 4},
+    "verify": {**OF_STUDY, NOT_MET: 1, OTHER_RUN_FAILED: 4},
 }
 """What else there is does not come about: no requirement is asked of `simulate`."""
 SETTINGS = {
@@ -52,14 +52,13 @@ def case_for(outcome, command):
     if outcome == NOT_MET:
         data["requirements"][0]["at_least"] = 5.0
         data["bodies"]["lower"]["geometry"]["post"]["position_mm"][1] = 300.0
-    if outcome == RUN_FAILED:  # no step can follow such joints
-        for attachment in data["attachments"].values():
-            attachment["joint"] = dict.fromkeys(attachment["joint"], 1e30)
-            attachment["release_time_s"] = 0.3
-    if outcome == OTHER_RUN_FAILED:
+    if outcome in (RUN_FAILED, OTHER_RUN_FAILED):
         spring = data["attachments"]["two"]["spring"]
         del spring["design_mass_kg"]
         spring["law"] = "displacement"
+    if outcome == RUN_FAILED:
+        spring["stroke_mm"] = 5000.0  # the run ends sooner
+    if outcome == OTHER_RUN_FAILED:
         [published] = small_case()["published"]
         published["values"] = {"s2.stroke_mm": 5000.0}
         data["published"] = [published]

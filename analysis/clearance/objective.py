@@ -24,9 +24,10 @@ from drakesep.analysis.metrics.objectives import (
     SignedMetric,
 )
 from drakesep.systems.arrays import Array
-from drakesep.systems.checks import InputError, check_positive, unknown
+from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.geometry.moved_parts import displacements
 from drakesep.systems.geometry.relative_path import RelativePath
+from drakesep.systems.model.magnitudes import check_size
 from drakesep.systems.model.part_pairs import owners_of, pairs_apart
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Pair, Separation, leaving_among
@@ -77,7 +78,7 @@ class LowestClearance(LargestOfParts):
                 positive, or no such body leaves.
         """
         if until_separation is not None:
-            check_positive("until_separation", until_separation)
+            check_size("length", "until_separation", until_separation)
         self.metric = metric
         self.name = name or f"lowest_{metric}"
         self.shown_as = SignedMetric(metric, -1.0)

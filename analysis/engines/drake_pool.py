@@ -7,7 +7,7 @@ from typing import Self
 
 from loky import ProcessPoolExecutor
 
-from drakesep.analysis.engines.interrupts import interrupts_ignored
+from drakesep.analysis.engines.interrupts import end_with, interrupts_ignored
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.springs import PUSHERS, PusherKind
 from drakesep.systems.model.integration import Integration
@@ -53,7 +53,7 @@ class DrakePool:
             self._pool = ProcessPoolExecutor(
                 max_workers=workers,
                 initializer=_prepare,
-                initargs=(separation, integration, dict(PUSHERS)),
+                initargs=(os.getpid(), separation, integration, dict(PUSHERS)),
             )
             with interrupts_ignored():  # by the workers, which inherit it
                 for _ in range(workers):
@@ -111,11 +111,13 @@ _simulation: Simulation | None = None
 
 
 def _prepare(
+    parent: int,
     separation: Separation,
     integration: Integration | None,
     pushers: Mapping[str, PusherKind],
 ) -> None:
     global _simulation
+    end_with(parent)
     PUSHERS.update(pushers)  # those that the caller has registered
     _simulation = Simulation(separation, integration)
 

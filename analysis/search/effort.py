@@ -1,6 +1,7 @@
 """How hard to search."""
 
 import dataclasses
+import math
 from dataclasses import dataclass, field
 from typing import TypedDict, Unpack
 
@@ -72,6 +73,15 @@ class SearchSettings:
             corners=most.corners >> 2 * grade,
         )
         return dataclasses.replace(settings, **effort)
+
+
+def fewer_starts(starts: int) -> int:
+    """Return from how many starts expensive objectives go, beside others: a quarter.
+
+    Args:
+        starts: of the others; the nominal among them is not left out.
+    """
+    return 1 + math.ceil((starts - 1) / 4)
 
 
 _LEAST = {

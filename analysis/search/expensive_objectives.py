@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import Self
 
 from drakesep.analysis.metrics.objectives import Objective
-from drakesep.analysis.search.effort import SearchSettings
+from drakesep.analysis.search.effort import SearchSettings, fewer_starts
 from drakesep.analysis.search.problem import (
     Candidate,
     OnProgress,
@@ -26,8 +26,6 @@ from drakesep.analysis.search.registry import SEARCHES, SQP_SEARCHES
 from drakesep.systems.checks import InputError
 
 
-_FEWER = 4
-"""Times as few starts, but for the nominal."""
 _A_MOMENT = 0.1
 """Between two tellings of progress, s."""
 
@@ -89,9 +87,10 @@ class ExpensiveSearches:
         """
         check_expensive(problem.evaluator.objectives, searches)
         names = [name for name in searches if name in SQP_SEARCHES]
-        fewer = 1 - (1 - settings.starts) // _FEWER
         self._problem = problem
-        self._settings = dataclasses.replace(settings, starts=fewer)
+        self._settings = dataclasses.replace(
+            settings, starts=fewer_starts(settings.starts)
+        )
         self._on_progress = on_progress
         self._known: list[Candidate] = []
         self._told: dict[str, queue.SimpleQueue[SearchProgress]] = {

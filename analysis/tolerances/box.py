@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drakesep.analysis.tolerances.sides import Sides, Tolerance
+from drakesep.analysis.tolerances.sides import Sides, Tolerance, check_matters
 from drakesep.systems.arrays import Array
-from drakesep.systems.checks import InputError, check_finite, named, unknown
+from drakesep.systems.checks import InputError, check_finite, unknown
 from drakesep.systems.model.parameters import parameters, with_values
 from drakesep.systems.model.separation import Separation
 
@@ -29,8 +29,7 @@ class Dispersion:
     def __post_init__(self) -> None:
         """Check the values."""
         check_finite(f"{self.name}: nominal", self.nominal)
-        with named(self.name):
-            Sides.of(self.tolerance)
+        check_matters(self.name, self.nominal, self.tolerance)
 
     @property
     def sides(self) -> Sides:

@@ -3,7 +3,12 @@
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from drakesep.systems.checks import InputError, check_not_negative, check_positive
+from drakesep.systems.checks import (
+    InputError,
+    check_not_negative,
+    check_positive,
+    named,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,3 +60,24 @@ class Sides:
 
 Tolerance: TypeAlias = float | Sides
 """A number: as far to either side."""
+
+
+_LEAST = 1e-15
+"""Of a tolerance, in SI."""
+
+
+def check_matters(name: str, nominal: float, tolerance: Tolerance) -> None:
+    """Raise InputError if a tolerance is so small that numbers do not show it.
+
+    Args:
+        name: of the parameter.
+        nominal: in SI.
+        tolerance: in SI.
+    """
+    with named(name):
+        larger = Sides.of(tolerance).larger
+    if larger < _LEAST or nominal - larger == nominal == nominal + larger:
+        raise InputError(
+            f"{name}: tolerance must be large enough to matter, got {larger:g} in SI "
+            f"beside a nominal of {nominal:g}"
+        )

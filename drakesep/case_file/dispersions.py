@@ -9,7 +9,7 @@ from typing import Annotated, Any, Self, TypeAlias
 from pydantic import BeforeValidator, Discriminator, Tag, model_validator
 
 from drakesep.analysis.tolerances import sides
-from drakesep.analysis.tolerances.sides import Sides
+from drakesep.analysis.tolerances.sides import Sides, check_matters
 from drakesep.case_file.errors import UNNAMED, CaseError, shown
 from drakesep.case_file.section import Section
 from drakesep.systems.checks import unknown
@@ -162,10 +162,13 @@ def tolerances_in_si(
                     f"{key}"
                 )
             found[fitting] = key, value
-    return {
-        names[key]: _tolerance(key, names[key], value, nominal[names[key]])
-        for key, (_, value) in found.items()
-    }
+    tolerances = {}
+    for key, (_, value) in found.items():
+        name = names[key]
+        tolerance = _tolerance(key, name, value, nominal[name])
+        check_matters(key, nominal[name], tolerance)
+        tolerances[name] = tolerance
+    return tolerances
 
 
 def _fitting(key: str, names: Mapping[str, str]) -> list[str]:

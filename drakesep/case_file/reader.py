@@ -1,16 +1,17 @@
 """Case files: YAML, built-in or a user's own."""
 
+import errno
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
-from ruamel.yaml import YAML
-from ruamel.yaml.error import YAMLError
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.case_file.case import Case, Origin
 from drakesep.case_file.errors import CaseError, explained, shown
+from drakesep.case_file.yaml_text import read_yaml
+from drakesep.systems.checks import InputError
 from drakesep.tables.roles import check_labels
 
 
@@ -37,7 +38,7 @@ def load_case(source: str | Path) -> Case:
     builtin = builtin_cases()
     path = builtin.get(str(source), Path(source))
     try:
-        text = path.read_bytes().decode("utf-8")
+        text = _text_of(path)
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "not a text file"
         raise CaseError(
@@ -45,11 +46,9 @@ def load_case(source: str | Path) -> Case:
             f"({', '.join(builtin)}), got: {reason}"
         ) from error
     try:
-        data = YAML(typ="safe", pure=True).load(text)
-    except YAMLError as error:
-        raise CaseError(
-            f"{source}: must be YAML, got: {_in_one_line(error)}"
-        ) from error
+        data = read_yaml(text)
+    except InputError as error:
+        raise CaseError(f"{source}: {error}") from error
     if not isinstance(data, dict):
         raise CaseError(f"{source}: must be a mapping of keys, got {shown(data)}")
     empty = list(_empty(data))
@@ -86,11 +85,16 @@ def analysis_case_of(case: Case | AnalysisCase | str | Path) -> AnalysisCase:
     return (case if isinstance(case, Case) else load_case(case)).in_si()
 
 
-def _in_one_line(error: YAMLError) -> str:
-    problem = getattr(error, "problem", None) or str(error)
-    mark = getattr(error, "problem_mark", None)
-    place = f" in line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-    return " ".join(problem.split()) + place
+_LONGEST = 10_000_000
+"""Bytes of a case file."""
+
+
+def _text_of(path: Path) -> str:
+    with path.open("rb") as file:
+        data = file.read(_LONGEST + 1)
+    if len(data) > _LONGEST:
+        raise OSError(errno.E2BIG, f"more than {_LONGEST // 1_000_000} MB", str(path))
+    return data.decode("utf-8")
 
 
 _LIMITS = ("at_most", "at_least")

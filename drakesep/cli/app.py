@@ -1,14 +1,13 @@
 """The command line. Imports that take time wait until a command needs them."""
 
 import os
-import signal
 import sys
 from typing import Annotated
 
 import typer
 
 from drakesep.cli.case_commands import cases, new, show
-from drakesep.cli.report import BAD_INPUT, TERMINATED, print_json, say_error
+from drakesep.cli.report import BAD_INPUT, print_json, say_error
 from drakesep.cli.run_commands import animate, clearance, simulate
 from drakesep.cli.search_commands import verify, worst_case
 from drakesep.cli.sweep_command import sweep
@@ -61,8 +60,6 @@ def main() -> None:
     # that it compiles slowly, say. What is fatal it still says. JAX reads this when it
     # is imported.
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
-    # So that leaving ends the workers, as it does for an interrupt.
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))
     if "--json" not in sys.argv:
         app()
     try:

@@ -4,6 +4,7 @@ Standard output has what was asked; errors, warnings and progress go to standard
 Imports that take time wait until something is said.
 """
 
+import contextlib
 import errno
 import json
 import math
@@ -14,6 +15,13 @@ from collections.abc import Mapping
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, NoReturn, Self, TextIO
 
+from drakesep.cli.signals import (
+    INTERRUPTED,
+    WORDS,
+    command_begins,
+    command_has_said,
+    heard,
+)
 from drakesep.systems.checks import InputError
 
 
@@ -21,8 +29,9 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
-FAILED, BAD_INPUT, INTERRUPTED, TERMINATED = 1, 2, 130, 143
-"""Exit codes; 0: done, and all is well."""
+NOT_MET, BAD_INPUT, MACHINE, FAILED = 1, 2, 3, 4
+"""Exit codes; 0: done, and all is well. 1: done, and something is not; 2: the input is
+wrong; 3: the machine failed; 4: a run did. Of signals see `drakesep.cli.signals`."""
 FORMAT = 1
 """Of the JSON object: another number means other keys."""
 
@@ -74,6 +83,7 @@ class Report:
         self.aside = _console(quiet=self._quiet, stderr=self._as_json)
         self._shown_before = warnings.showwarning
         warnings.showwarning = self._show_warning
+        command_begins(self._command, as_json=self._as_json)
         return self
 
     def add(self, **summary: Any) -> None:
@@ -86,11 +96,15 @@ class Report:
 
     def not_well(self) -> None:
         """Say by the exit code that all is not well, though all is done."""
-        self._code = FAILED
+        self._code = NOT_MET
 
     def fail(self, message: str) -> NoReturn:
-        """End the command: something has failed."""
+        """End the command: a run has failed."""
         raise CommandError(FAILED, message)
+
+    def not_met(self, message: str) -> NoReturn:
+        """End the command: all is done, and something is not well."""
+        raise CommandError(NOT_MET, message)
 
     def __exit__(
         self,
@@ -109,8 +123,8 @@ class Report:
             code, message = found
         say_error(message)
         if self._as_json:
-            message = message or _ENDED.get(code, "")
             print_json(self._command, code, message, self._warnings, self._summary)
+        command_has_said()
         if code:
             sys.exit(code)
 
@@ -128,36 +142,61 @@ class Report:
             print(f"drakesep: warning: {message}", file=sys.stderr)
 
 
-_ENDED = {INTERRUPTED: "interrupted", TERMINATED: "terminated"}
-"""What a JSON object says of an end that a person knows of."""
+_OF_MACHINE = frozenset(
+    {
+        *(errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.ENOMEM),
+        *(errno.EACCES, errno.EPERM, errno.EROFS, errno.EMFILE, errno.ENFILE),
+    }
+)
+"""Errors of the system that no other input mends: disk, memory, permission."""
 
 
 def _ending(error: BaseException) -> tuple[int, str] | None:
     """Return the exit code of an error and what is said of it; None if it is ours."""
+    signal = heard()
     match error:
-        case CommandError():
+        case CommandError() if signal in (None, error.code):
             return error.code, str(error)
+        case _ if signal is not None:
+            return signal, WORDS[signal]
         case InputError():
-            return BAD_INPUT, str(error)
+            return _blamed(error.__cause__), str(error)
         case BrokenPipeError():  # who reads has left: typer knows what to do
             return None
         case OSError():
-            disk = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-            code = FAILED if disk else BAD_INPUT
-            return code, f"{error.filename}: {error.strerror}"
+            return _blamed(error), f"{error.filename}: {error.strerror}"
+        case MemoryError():
+            return MACHINE, "the memory is full"
+        case RecursionError():
+            return None
         case RuntimeError():
-            return FAILED, str(error)
+            return (MACHINE if _of_machine(error) else FAILED), str(error)
         case KeyboardInterrupt():
-            return INTERRUPTED, ""
-        case SystemExit() if error.code == TERMINATED:
-            return TERMINATED, ""
+            return INTERRUPTED, WORDS[INTERRUPTED]
+        case SystemExit(code=int() as code) if code in WORDS:
+            return code, WORDS[code]
     return None
+
+
+def _blamed(error: BaseException | None) -> int:
+    """Return the exit code of an error of the system, or of another."""
+    machine = isinstance(error, OSError) and error.errno in _OF_MACHINE
+    return MACHINE if machine else BAD_INPUT
+
+
+def _of_machine(error: RuntimeError) -> bool:
+    """Return whether a process of ours has died, or JAX has found no room."""
+    from concurrent.futures import BrokenExecutor
+
+    full = type(error).__module__.startswith("jax") and "RESOURCE_EXH" in str(error)
+    return isinstance(error, BrokenExecutor) or full
 
 
 def say_error(message: str) -> None:
     """Print a message on standard error, line by line."""
-    for line in message.splitlines():
-        print(f"drakesep: {line}", file=sys.stderr)
+    with contextlib.suppress(OSError):  # the terminal may be gone
+        for line in message.splitlines():
+            print(f"drakesep: {line}", file=sys.stderr, flush=True)
 
 
 def print_json(
@@ -184,7 +223,11 @@ def print_json(
         "warnings": told,
         **summary,
     }
-    print(json.dumps(_plain(data), indent=1, ensure_ascii=False, allow_nan=False))
+    text = json.dumps(_plain(data), indent=1, ensure_ascii=False, allow_nan=False)
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        _reader_left()
 
 
 def _plain(value: Any) -> Any:
@@ -204,7 +247,18 @@ def _plain(value: Any) -> Any:
 def _console(*, quiet: bool, stderr: bool = False) -> "Console":
     from rich.console import Console
 
-    console = Console(quiet=quiet, stderr=stderr)
+    class OurConsole(Console):
+        def on_broken_pipe(self) -> None:
+            _reader_left()
+
+    console = OurConsole(quiet=quiet, stderr=stderr)
     if not console.is_terminal and "COLUMNS" not in os.environ:
-        console = Console(quiet=quiet, stderr=stderr, width=200)  # a file has no edge
+        console = OurConsole(quiet=quiet, stderr=stderr, width=200)  # a file: no edge
     return console
+
+
+def _reader_left() -> None:
+    """Let the rest go nowhere: that `| head` has seen enough is no error."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.close(nowhere)

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drakesep.cli.report import INTERRUPTED, CommandError, Report
+from drakesep.cli.report import CommandError, Report
+from drakesep.cli.signals import INTERRUPTED, WORDS
 
 
 if TYPE_CHECKING:
@@ -32,12 +33,15 @@ def results_folder(output: Path | None, case: str, command: str) -> "ResultsFold
 
 @contextlib.contextmanager
 def interruptible(folder: "ResultsFolder") -> Iterator[None]:
-    """End in one line if the user interrupts."""
+    """End in one line if a signal ends the command."""
     try:
         yield
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, SystemExit) as end:
+        code = INTERRUPTED if isinstance(end, KeyboardInterrupt) else end.code
+        if not isinstance(code, int) or code not in WORDS:
+            raise
         done = f"; what was done is in {folder.directory}" if folder.begun else ""
-        raise CommandError(INTERRUPTED, f"interrupted{done}") from None
+        raise CommandError(code, f"{WORDS[code]}{done}") from None
 
 
 def load(report: Report, case: str) -> "Case":

@@ -45,6 +45,13 @@ FlipsOption = Annotated[
 SeedOption = Annotated[
     int | None, typer.Option(min=0, help="Of what is drawn at random.")
 ]
+MinutesOption = Annotated[
+    float | None,
+    typer.Option(
+        help="That the study may take; if not given, 10, or as long as searches take "
+        "that are named. What takes longer is left out, or refused.",
+    ),
+]
 _OBJECTIVE = (
     "L1, L2, Linf, PM, one of a requirement, or highest_ or lowest_ and a metric"
 )
@@ -69,6 +76,7 @@ def worst_case(
     vertices: VerticesOption = None,
     flips: FlipsOption = None,
     seed: SeedOption = None,
+    minutes: MinutesOption = None,
     output: OutputOption = None,
     workers: WorkersOption = None,
     quiet: QuietOption = False,
@@ -95,6 +103,7 @@ def worst_case(
                 output=folder,
                 workers=workers,
                 on_progress=on_progress,
+                minutes=minutes,
                 **_given(
                     starts=starts,
                     samples=samples,
@@ -124,12 +133,13 @@ def verify(
     vertices: VerticesOption = None,
     flips: FlipsOption = None,
     seed: SeedOption = None,
+    minutes: MinutesOption = None,
     growth: Annotated[
         bool | None,
         typer.Option(
             "--growth/--no-growth",
             help="Find how far tolerances may grow; if not given, where a study with "
-            "it takes less than ten minutes.",
+            "it takes no longer than it may.",
         ),
     ] = None,
     corners: Annotated[
@@ -169,6 +179,7 @@ def verify(
                     workers=workers,
                     on_progress=on_progress,
                     background=background,
+                    minutes=minutes,
                     **_given(
                         starts=starts,
                         samples=samples,
@@ -184,7 +195,7 @@ def verify(
         summary = of_verification(study, folder.path)
         say(report, folder, summary, partial(print_requirements, study=study))
         print_verdict(report.console, study)
-        if not study.completed:
+        if study.verdict is None:
             report.fail(_WHAT_FAILED)
         if not study.passed:
             report.not_well()

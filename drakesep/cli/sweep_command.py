@@ -43,7 +43,7 @@ def sweep(
 ) -> None:
     """Fly variants, one run each: sweep.csv; a plot, if one parameter varies.
 
-    Exits with 1 if a run failed.
+    Exits with 4 if a run failed.
     """
     with Report("sweep", quiet=quiet, as_json=as_json) as report:
         values = parse_swept(swept)

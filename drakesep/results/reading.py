@@ -9,11 +9,12 @@ import pandas as pd
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.results.catalogue import STUDY
 from drakesep.results.recorded_case import read_case
-from drakesep.results.recorded_runs import read_run
+from drakesep.results.recorded_runs import read_role, read_run
 from drakesep.results.study_record import StudyRecord
 from drakesep.systems.checks import InputError, unknown
 from drakesep.tables.columns import read_table
 from drakesep.tables.labelled_run import LabelledRun
+from drakesep.tables.roles import Role
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +51,16 @@ class Results:
         if label not in self.labels:
             raise InputError(f"{self.folder}: {unknown('run', label, self.labels)}")
         return read_run(self.folder, label, self.case.separation)
+
+    @functools.cached_property
+    def roles(self) -> dict[str, Role]:
+        """What each run is that has completed, by its label; no motion is read.
+
+        Raises:
+            ValueError: a file of a run is not valid.
+        """
+        read = {label: read_role(self.folder, label) for label in self.labels}
+        return {label: role for label, (role, completed) in read.items() if completed}
 
     @functools.cached_property
     def runs(self) -> tuple[LabelledRun, ...]:

@@ -30,6 +30,7 @@ from drakesep.systems.model.run import Motion, Run, Trajectory
 from drakesep.systems.model.separation import Separation
 from drakesep.tables.columns import read_table, write_csv
 from drakesep.tables.labelled_run import LabelledRun
+from drakesep.tables.roles import Role
 
 
 STATE = (
@@ -118,10 +119,9 @@ def read_run(folder: Path, label: str, nominal: Separation) -> LabelledRun:
     Raises:
         ValueError: there is no such run, or its files are not those of one.
     """
-    file = folder / RUNS / f"{label}.json"
-    table = file.with_suffix(".csv")
+    file, table = _files(folder, label)
     with _of_a_study(file):
-        record = json.loads(file.read_text(encoding="utf-8"))
+        record = _record(file)
         facts = {k: from_json(v) for k, v in record.pop("run").items()}
         flown = with_values(nominal, facts.pop("values"))
     sampled: Mapping[str, Any] = {}
@@ -131,6 +131,32 @@ def read_run(folder: Path, label: str, nominal: Separation) -> LabelledRun:
     with _of_a_study(file):
         run = Run(separation=flown, **facts, **sampled)
         return LabelledRun(run=run, **{k: from_json(v) for k, v in record.items()})
+
+
+def read_role(folder: Path, label: str) -> tuple[Role, bool]:
+    """Return what a run of a results folder is, and whether its motion is there.
+
+    Args:
+        folder: of the results.
+        label: of the run.
+
+    Raises:
+        ValueError: there is no such run, or its file is not that of one.
+    """
+    file, table = _files(folder, label)
+    with _of_a_study(file):
+        return from_json(_record(file)["role"]), table.exists()
+
+
+def _files(folder: Path, label: str) -> tuple[Path, Path]:
+    """Return the files of a run: what it is, and its motion."""
+    file = folder / RUNS / f"{label}.json"
+    return file, file.with_suffix(".csv")
+
+
+def _record(file: Path) -> dict[str, Any]:
+    record: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+    return record
 
 
 @contextlib.contextmanager

@@ -11,10 +11,10 @@ from drakesep.files import write_text
 from drakesep.results.folder import writable_folder
 from drakesep.results.reading import Results
 from drakesep.studies.clearance import check_geometry
+from drakesep.studies.shared_simulation import shared_simulation
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Separation
-from drakesep.systems.simulation.simulation import Simulation
 from drakesep.tables.roles import Changed, Nominal, Worst, label_of
 from drakesep.tables.run_tables import shown_first
 
@@ -53,7 +53,7 @@ def animate(
     else:
         for label, changed in runs.items():
             values[label] = values_in_si(case.separation, changed)
-    simulation = Simulation(case.separation, case.integration)
+    simulation = shared_simulation(case)
     flown = {label: simulation.run(changed) for label, changed in values.items()}
     return _write(case, flown, Path(output))
 
@@ -79,18 +79,20 @@ def animate_results(
         RuntimeError: a run has failed.
     """
     check_geometry(results.case.separation)
-    runs = {label: results.run(label) for label in labels or results.labels}
-    if labels is None:
-        completed = {k: o for k, o in runs.items() if o.run.trajectory is not None}
-        roles = {label: one.role for label, one in completed.items()}
-        first = [k for k, role in roles.items() if isinstance(role, Nominal | Changed)]
-        worst = [k for k, role in roles.items() if isinstance(role, Worst)]
-        others = [k for k in roles if k not in first]
-        runs = {k: runs[k] for k in (*first, *(shown_first(worst) or others))}
-    if not runs:
+    chosen = labels or _shown_unasked(results)
+    if not chosen:
         raise InputError(f"{results.folder}: must keep a completed run, got none")
-    flown = {label: one.run for label, one in runs.items()}
+    flown = {label: results.run(label).run for label in chosen}
     return _write(results.case, flown, Path(output))
+
+
+def _shown_unasked(results: Results) -> list[str]:
+    """Return the labels of the runs that are shown if none is asked for."""
+    roles = results.roles
+    first = [k for k, role in roles.items() if isinstance(role, Nominal | Changed)]
+    worst = [k for k, role in roles.items() if isinstance(role, Worst)]
+    others = [k for k in roles if k not in first]
+    return [*first, *(shown_first(worst) or others)]
 
 
 def _write(case: AnalysisCase, flown: Mapping[str, Run], file: Path) -> list[str]:

@@ -11,8 +11,6 @@ takes seconds to import what it draws with: the sooner it is begun, the less is 
 import multiprocessing
 import os
 import signal
-import threading
-import time
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
@@ -21,7 +19,7 @@ from typing import Any, Self, TypeVar
 
 from loky import ProcessPoolExecutor
 
-from drakesep.analysis.engines.interrupts import interrupts_ignored
+from drakesep.analysis.engines.interrupts import end_with, interrupts_ignored
 from drakesep.analysis.metrics.metric import Metric
 from drakesep.analysis.metrics.registry import (
     find_metric,
@@ -109,22 +107,11 @@ class BackgroundProcess:
         return called
 
 
-def _end_with(parent: int) -> None:
-    """End this process when its parent is there no more: it must not write on."""
-    while os.getppid() == parent:
-        time.sleep(_LOOK)
-    os._exit(1)
-
-
-_LOOK = 0.2
-"""How often the parent is looked for, s."""
-
-
 def _prepare(
     parent: int, metrics: Sequence[Metric], pushers: Mapping[str, PusherKind]
 ) -> None:
     """Import what takes long, before it is needed; know what the caller registered."""
-    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+    end_with(parent)
     PUSHERS.update(pushers)
     for metric in metrics:
         if find_metric(metric.stem) is None:

@@ -28,7 +28,7 @@ from drakesep.case_file.objectives import (
 from drakesep.plots.pictures import Pictures
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import VERIFY
-from drakesep.results.folder import Output, results_folder
+from drakesep.results.folder import Output, ResultsFolder, results_folder
 from drakesep.studies.background_process import BackgroundProcess
 from drakesep.studies.tolerance_growth import Growths, find_growths
 from drakesep.studies.worst_case.plan import OnProgress, StudyPlan
@@ -82,10 +82,10 @@ class Verification(WorstCases):
         """For each requirement and parameter, the tolerance that would violate it."""
         return tolerances_table(self.single_growths, self.case.box)
 
-    def save_tables(self, directory: str | Path) -> None:
-        """Write the tables, as far as there are any, into a folder."""
-        super().save_tables(directory)
-        folder = Path(directory)
+    def write_tables(self, results: ResultsFolder) -> None:
+        """Write the tables, as far as there are any, into a folder that is locked."""
+        super().write_tables(results)
+        folder = results.path
         # No verdict before the worst cases are known.
         if self.worst or (self.runs and not self.objectives):
             write_csv(self.requirements, folder / "requirements.csv")
@@ -134,6 +134,7 @@ def verify(
     workers: int | None = None,
     on_progress: OnProgress | None = None,
     background: BackgroundProcess | None = None,
+    minutes: float | None = None,
     **effort: Unpack[Effort],
 ) -> Verification:
     """Find the worst cases of a case and hold them against its requirements.
@@ -148,20 +149,22 @@ def verify(
         objectives: that are searched beside these, as `worst_case` takes them.
         searches: as `worst_case` takes them.
         growth: whether to find how far tolerances may grow; None: unless Drake flies
-            alone, or a study with it takes more than ten minutes.
+            alone, or a study with it takes longer than it may.
         output: folder that receives tables and plots, tables as the study goes on.
         workers: number of processes that fly Drake; one per core if None; with 1, the
             caller's does all.
         on_progress: called as the study goes on.
         background: a process that is under way, to measure and draw in; one of its own
             if None.
+        minutes: as `worst_case` takes them.
         effort: `starts`, `samples`, `vertices`, `flips`, `generations`, `corners` and
             `seed` of `SearchSettings`; the speed of runs, as it is measured, decides
             what is left out: see `Verification.effort`.
 
     Raises:
         ValueError: the case is wrong or nothing is required, a search is wrong, a
-            function gives no finite number, or the folder cannot be written.
+            function gives no finite number, it takes longer than it may, or the folder
+            cannot be written.
         RuntimeError: the nominal run fails.
     """
     asked = Asked.of(
@@ -172,6 +175,7 @@ def verify(
             "objectives": objectives,
             "searches": searches,
             "growth": growth,
+            "minutes": minutes,
             **effort,
         },
         seed=SearchSettings(**effort).seed,
@@ -180,7 +184,12 @@ def verify(
     with contextlib.ExitStack() as stack:
         folder = stack.enter_context(results_folder(output, VERIFY))
         plan = replace(
-            plan, effort=effort, growth=growth, workers=workers, folder=folder
+            plan,
+            effort=effort,
+            growth=growth,
+            minutes=minutes,
+            workers=workers,
+            folder=folder,
         )
         study = Verification(
             asked=asked,

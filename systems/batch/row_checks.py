@@ -40,7 +40,7 @@ def check_rows(
     doubtful = ~np.isfinite(values).all(axis=1)
     declared = declarations(separation)
     for name, column in zip(names, values.T, strict=True):
-        doubtful |= ~declared[name].range.holds(column)
+        doubtful |= ~declared[name].holds(column)
         if declared[name].kind == "time":
             doubtful |= column >= separation.duration - _latest_start(separation)
     doubtful |= _edge_of_inertia(separation, names, values)

@@ -7,19 +7,18 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw
-from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import BodyIndex, FrameIndex, SpatialInertia
+from pydrake.multibody.tree import SpatialInertia
 
 from drakesep.systems.checks import (
     InputError,
     Vector3,
     check_entries,
-    check_positive,
     unknown,
 )
+from drakesep.systems.design.model_reader import read_apart
 from drakesep.systems.geometry.meshes import read_mesh, readable
 from drakesep.systems.model.inertia import Inertia
+from drakesep.systems.model.magnitudes import check_size, check_within
 
 
 SolidKind: TypeAlias = Literal["box", "cylinder", "sphere", "ellipsoid", "capsule"]
@@ -80,7 +79,7 @@ def mass_properties_of_shape(
             f"{shape} must have {SOLIDS[shape]} dimensions, got {len(dimensions)}"
         )
     for dimension in dimensions:
-        check_positive(f"{shape}: dimension", dimension)
+        check_size("length", f"{shape}: dimension", dimension)
     solid = _unit_solid(shape, dimensions)
     scale = _mass(shape, mass, density, solid.get_mass()) / solid.get_mass()
     return _placed(
@@ -131,7 +130,7 @@ def mass_properties_of_mesh(
         ValueError: the file is missing, is no mesh, or one that is not closed, or as
             for a shape.
     """
-    check_positive("mesh: scale", scale)
+    check_size("factor", "mesh: scale", scale)
     mesh = read_mesh(file)
     volume = scale**3 * float(mesh.volume)
     m = _mass(str(file), mass, density, volume)
@@ -146,8 +145,9 @@ def mass_properties_of_model(
     """Return the mass properties of a model in an SDF, URDF or MJCF file.
 
     Args:
-        file: read by Drake's parser. Joints that can move are taken as they stand: the
-            model is one rigid body.
+        file: read by Drake's parser, in a process of its own. Joints that can move are
+            taken as they stand: the model is one rigid body. Files that it includes are
+            looked for beside it.
         frame: name of the frame that becomes the body's; by default that of the first
             body.
 
@@ -160,30 +160,10 @@ def mass_properties_of_model(
 
 @functools.cache
 def _read_model(path: Path, frame: str | None, _: int) -> MassProperties:
-    plant = MultibodyPlant(time_step=0.0)
-    parser = Parser(plant)
-    # What the parser would mend with a warning, such as a negative mass, is an error.
-    parser.SetStrictParsing()
-    try:
-        parser.AddModels(str(path))
-        plant.Finalize()
-    except RuntimeError as error:
-        message = str(error).splitlines()[0].replace(str(path), path.name)
-        raise InputError(f"{path.name}: must be a model, got: {message}") from error
-    indices = [BodyIndex(i) for i in range(1, plant.num_bodies())]
-    if not indices:
-        raise InputError(f"{path.name}: must be a model, got no body")
-    base = plant.get_body(indices[0]).body_frame()
-    if frame is not None:
-        frames = [plant.get_frame(FrameIndex(i)) for i in range(1, plant.num_frames())]
-        names = [each.name() for each in frames]
-        if names.count(frame) != 1:
-            got = unknown("frame", frame, names) if frame not in names else "several"
-            raise InputError(f"{path.name}: frame {frame!r} must be one of it; {got}")
-        base = frames[names.index(frame)]
-    M = plant.CalcSpatialInertia(plant.CreateDefaultContext(), base, indices)
-    check_positive(f"{path.name}: mass", M.get_mass())
-    return mass_properties_of(M)
+    read = read_apart(path, frame)
+    return _placed(
+        read.mass, np.array(read.p_BoBcm_B), np.array(read.I_BBcm_B), _ORIGIN, _ORIGIN
+    )
 
 
 def mass_properties_of(M_BBo_B: SpatialInertia) -> MassProperties:
@@ -202,10 +182,10 @@ def _mass(name: str, mass: float | None, density: float | None, volume: float) -
         got = "neither" if mass is None else "both"
         raise InputError(f"{name}: must have a mass or a density, got {got}")
     if mass is not None:
-        check_positive(f"{name}: mass", mass)
+        check_size("mass", f"{name}: mass", mass)
         return mass
     assert density is not None  # above
-    check_positive(f"{name}: density", density)
+    check_size("density", f"{name}: density", density)
     return density * volume
 
 
@@ -223,6 +203,8 @@ def _placed(
 ) -> MassProperties:
     check_entries("solid: position", p_BoSo_B, 3)
     check_entries("solid: attitude", rpy_BS, 3)
+    check_within("length", "solid: position", *p_BoSo_B)
+    check_within("angle", "solid: attitude", *rpy_BS)
     X_BS = RigidTransform(RollPitchYaw(np.array(rpy_BS)), np.array(p_BoSo_B))
     R = X_BS.rotation().matrix()
     I_B = R @ I_SScm_S @ R.T

@@ -1,18 +1,21 @@
 """How bodies ring on their joints while these hold: small motions of the stack."""
 
+import functools
 from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
 
 from drakesep.systems.arrays import Array
+from drakesep.systems.checks import Vector3
 from drakesep.systems.equations.mated_stack import (
     Place,
     mated_places,
     place_in_stack,
 )
 from drakesep.systems.model.inertia import inertia_matrix
-from drakesep.systems.model.separation import Attachment, Body, Separation
+from drakesep.systems.model.joints import Joint
+from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import rotation_matrix
 
 
@@ -35,45 +38,72 @@ def joint_modes(separation: Separation, held: Collection[str]) -> JointModes:
         held: names of the attachments that hold.
     """
     attachments = [a for a in separation.attachments if a.name in held]
-    names = dict.fromkeys(name for a in attachments for name in (a.A, a.B))
-    bodies = [separation.body(name) for name in names]
-    if not bodies:
+    names = list(dict.fromkeys(name for a in attachments for name in (a.A, a.B)))
+    if not names:
         return JointModes(np.empty(0), np.empty(0))
     places = mated_places(separation)
+    bodies = ((separation.body(name), places[name]) for name in names)
+    return _modes(
+        tuple(_Mass(b.mass, b.p_BoBcm_B, b.I_BBcm_B, place) for b, place in bodies),
+        tuple(
+            _Held(names.index(a.A), names.index(a.B), a.p_AoPad_A, a.joint)
+            for a in attachments
+        ),
+    )
+
+
+class _Mass(NamedTuple):
+    """Of a body, what its ringing depends on."""
+
+    mass: float
+    p_BoBcm_B: Vector3
+    I_BBcm_B: tuple[float, ...]
+    place: Place
+
+
+class _Held(NamedTuple):
+    """A joint that holds, between two of the bodies."""
+
+    A: int
+    B: int
+    p_AoPad_A: Vector3
+    joint: Joint
+
+
+@functools.lru_cache(maxsize=64)  # runs of a case often differ in other numbers alone
+def _modes(bodies: tuple[_Mass, ...], held: tuple[_Held, ...]) -> JointModes:
     K, D = np.zeros((2, 6 * len(bodies), 6 * len(bodies)))
-    for attachment in attachments:
-        J = _deviation(attachment, bodies, places)
-        K_F, D_F, K_T, D_T = attachment.joint.held_gains()
+    for one in held:
+        J = _deviation(one, bodies)
+        K_F, D_F, K_T, D_T = one.joint.held_gains()
         K += J.T @ (np.array([*K_F, *K_T])[:, None] * J)
         D += J.T @ (np.array([*D_F, *D_T])[:, None] * J)
     root = np.zeros_like(K)
     for i, body in enumerate(bodies):
-        root[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = _whitening(body, places[body.name])
+        root[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = _whitening(body)
     squares, modes = np.linalg.eigh(root.T @ K @ root)
     decays = 0.5 * np.einsum("ik,ij,jk->k", modes, root.T @ D @ root, modes)
     # Round-off of what moves without the joints is no oscillation.
     least = 1e-9 * squares.max(initial=0.0)
     rings = (squares > least) & (squares > decays**2)
     rates = np.sqrt(squares[rings] - decays[rings] ** 2)
-    return JointModes(2.0 * np.pi / rates, decays[rings])
+    found = JointModes(2.0 * np.pi / rates, decays[rings])
+    for shared in found:
+        shared.flags.writeable = False
+    return found
 
 
-def _deviation(
-    attachment: Attachment, bodies: list[Body], places: dict[str, Place]
-) -> Array:
+def _deviation(held: _Held, bodies: tuple[_Mass, ...]) -> Array:
     """Return (6, 6 n): a joint's deviation, in its frame, from motions of bodies in S.
 
     A body moves by the translation of its CG, and by a rotation.
     """
-    R_SA = _orientation(places[attachment.A])
-    R_SJ = R_SA @ np.reshape(attachment.joint.R_AJ, (3, 3))
-    pad = np.array(place_in_stack(places[attachment.A], attachment.p_AoPad_A))
+    A = bodies[held.A].place
+    R_SJ = _orientation(A) @ np.reshape(held.joint.R_AJ, (3, 3))
+    pad = np.array(place_in_stack(A, held.p_AoPad_A))
     J = np.zeros((6, 6 * len(bodies)))
-    for i, body in enumerate(bodies):
-        if body.name not in (attachment.A, attachment.B):
-            continue
-        sign = 1.0 if body.name == attachment.B else -1.0
-        cg = np.array(place_in_stack(places[body.name], body.p_BoBcm_B))
+    for sign, i in ((-1.0, held.A), (1.0, held.B)):
+        cg = np.array(place_in_stack(bodies[i].place, bodies[i].p_BoBcm_B))
         own = J[:, 6 * i : 6 * i + 6]
         own[:3, :3] = own[3:, 3:] = sign * R_SJ.T
         # Rows e . (theta x r) = theta . (r x e).
@@ -81,9 +111,9 @@ def _deviation(
     return J
 
 
-def _whitening(body: Body, place: Place) -> Array:
+def _whitening(body: _Mass) -> Array:
     """Return (6, 6) what makes a body's mass matrix the identity, in S."""
-    R = _orientation(place)
+    R = _orientation(body.place)
     inertia = R @ inertia_matrix(body.I_BBcm_B) @ R.T
     root = np.eye(6) / np.sqrt(body.mass)
     root[3:, 3:] = np.linalg.inv(np.linalg.cholesky(inertia)).T

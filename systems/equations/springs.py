@@ -13,7 +13,8 @@ from typing import Any, ClassVar
 
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.pushers import PushLaw, positive_part
-from drakesep.systems.model.parameter_table import Kind, Parameter
+from drakesep.systems.model.magnitudes import Kind
+from drakesep.systems.model.parameter_table import Parameter
 from drakesep.systems.model.pushers import Pusher
 from drakesep.systems.model.springs import (
     DisplacementSpring,

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drakesep.systems.checks import InputError
+from drakesep.systems.model.magnitudes import check_size
 
 
 Inertia: TypeAlias = tuple[float, float, float, float, float, float]
@@ -73,6 +74,7 @@ def check_inertia(name: str, I_BBcm_B: tuple[float, ...]) -> None:
             f"{name} must be positive definite; got {entries} kg m^2, whose "
             f"smallest principal moment is {moments[0]:g}"
         )
+    check_size("inertia", f"{name}: smallest principal moment", float(moments[0]))
     if physical_margin(I_BBcm_B) < -_ROUND_OFF * moments[2]:
         raise InputError(
             f"{name} must have principal moments that obey the triangle inequality; "

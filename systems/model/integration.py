@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
 from drakesep.systems.checks import InputError, check_positive, unknown
+from drakesep.systems.model.magnitudes import check_size
 
 
 Scheme: TypeAlias = Literal["runge_kutta3", "bogacki_shampine3", "radau3"]
@@ -44,4 +45,4 @@ class Integration:
                 f"accuracy must be from {FINEST:g} to {COARSEST:g}, "
                 f"got {self.accuracy:g}"
             )
-        check_positive("max_step", self.max_step)
+        check_size("time", "max_step", self.max_step)

@@ -18,6 +18,7 @@ from drakesep.systems.checks import (
     check_unit,
     unknown,
 )
+from drakesep.systems.model.magnitudes import Kind, check_within
 from drakesep.systems.vectors import Rotation, cross, dot, scale, subtract
 
 
@@ -100,7 +101,7 @@ class Joint:
         """Check the values; write each gain as three, and the axes at full length."""
         if self.type not in JOINT_TYPES:
             raise InputError(f"joint: {unknown('type', self.type, JOINT_TYPES)}")
-        for name in ("K_F", "D_F", "K_T", "D_T"):
+        for name, kind in _KINDS.items():
             gains = getattr(self, name)
             if self.rigid:
                 if gains not in (None, _NO_GAINS):
@@ -115,6 +116,7 @@ class Joint:
             check_entries(f"joint {name}", gains, 3)
             for gain in gains:
                 check_not_negative(f"joint {name}", gain)
+            check_within(kind, f"joint {name}", *gains)
             object.__setattr__(self, name, tuple(gains))
         check_unit("joint x axis", self.x_axis_A)
         check_unit("joint y axis", self.y_axis_A)
@@ -157,6 +159,15 @@ class Joint:
             _held(self.K_T, rotation),
             _held(self.D_T, rotation),
         )
+
+
+_KINDS: dict[str, Kind] = {
+    "K_F": "stiffness",
+    "D_F": "damping",
+    "K_T": "angular_stiffness",
+    "D_T": "angular_damping",
+}
+"""What the gains measure."""
 
 
 def _held(gains: Gains | None, directions: tuple[bool, bool, bool]) -> Vector3:

@@ -14,6 +14,7 @@ from drakesep.systems.checks import (
     check_unit,
     unknown,
 )
+from drakesep.systems.model.magnitudes import Kind, check_within
 from drakesep.systems.model.parameter_table import (
     NOT_NEGATIVE,
     XYZ,
@@ -27,6 +28,7 @@ from drakesep.systems.vectors import scale
 Axes: TypeAlias = Literal["body", "world"]
 AXES: tuple[str, ...] = get_args(Axes)
 _ZERO = (0.0, 0.0, 0.0)
+_COLUMNS: dict[str, Kind] = {"forces": "force", "torques": "torque"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,7 +74,7 @@ class Load:
         if self.axes not in AXES:
             raise InputError(f"{self.name}: {unknown('axes', self.axes, AXES)}")
         self.PARAMETERS.check(f"{self.name}: ", self)
-        check_finite(f"{self.name}: times", *self.times)
+        check_within("time", f"{self.name}: times", *self.times)
         if len(self.times) < 2 or list(self.times) != sorted(set(self.times)):
             raise InputError(
                 f"{self.name}: times must be two or more and increase, "
@@ -81,7 +83,7 @@ class Load:
         check_not_negative(f"{self.name}: first time", self.times[0])
         if not len(self.forces) and not len(self.torques):
             raise InputError(f"{self.name}: must have forces or torques, got none")
-        for column in ("forces", "torques"):
+        for column, kind in _COLUMNS.items():
             rows = getattr(self, column) or (_ZERO,) * len(self.times)
             if len(rows) != len(self.times):
                 raise InputError(
@@ -90,6 +92,7 @@ class Load:
                 )
             for row in rows:
                 check_entries(f"{self.name}: {column}", row, 3)
+                check_within(kind, f"{self.name}: {column}", *row)
             object.__setattr__(self, column, tuple(map(tuple, rows)))
 
     def acts_after(self, row: int) -> bool:

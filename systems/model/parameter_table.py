@@ -7,24 +7,17 @@ engines. A new parameter is a field and its entry here.
 
 import math
 from collections.abc import Iterator
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 from drakesep.systems.checks import InputError, check_entries, check_finite
 from drakesep.systems.model.inertia import ENTRIES
+from drakesep.systems.model.magnitudes import (
+    MAGNITUDES,
+    Kind,
+    check_size,
+    check_within,
+)
 
-
-Kind: TypeAlias = Literal[
-    "mass",
-    "length",
-    "angle",
-    "angular_rate",
-    "inertia",
-    "force",
-    "damping",
-    "time",
-    "factor",
-]
-"""What a parameter measures. Its unit in files and tables follows from it."""
 
 XYZ = ("x", "y", "z")
 ROLL_PITCH_YAW = ("roll", "pitch", "yaw")
@@ -93,8 +86,20 @@ class Parameter(NamedTuple):
         value = getattr(record, self.field)
         return float(value if self.entry is None else value[self.entry])
 
+    @property
+    def positive(self) -> bool:
+        """Whether it must be above zero."""
+        return self.range.low == 0.0 and not self.range.closed
+
+    def holds(self, values: Any) -> Any:
+        """Return whether it may have a value, or each of an array (n,), in SI."""
+        magnitude = MAGNITUDES[self.kind]
+        return self.range.holds(values) & magnitude.holds(
+            values, positive=self.positive
+        )
+
     def check(self, prefix: str, value: float) -> None:
-        """Raise InputError unless its range holds a value.
+        """Raise InputError unless its range holds a value, and its kind has its size.
 
         Args:
             prefix: of the error: the record's name.
@@ -107,6 +112,8 @@ class Parameter(NamedTuple):
             raise InputError(
                 f"{prefix}{self.label} must be {self.range.text(self.kind)}, got {got}"
             )
+        check = check_size if self.positive else check_within
+        check(self.kind, prefix + self.label, value)
 
 
 def scalar(
@@ -174,5 +181,6 @@ class ParameterTable:
             value, first = getattr(record, field), parameters[0]
             if first.entry is not None:
                 check_entries(prefix + first.label, value, len(parameters))
+                check_within(first.kind, prefix + first.label, *value)
             elif not (first.optional and value == math.inf):
                 first.check(prefix, value)

@@ -14,8 +14,8 @@ from drakesep.systems.checks import (
     Vector3,
     check_entries,
     check_not_negative,
-    check_positive,
 )
+from drakesep.systems.model.magnitudes import check_size
 from drakesep.systems.model.parameter_table import (
     ROLL_PITCH_YAW,
     XYZ,
@@ -39,7 +39,7 @@ class Box:
         """Check the values."""
         check_entries("box: size", self.size, 3)
         for edge in self.size:
-            check_positive("box: edge", edge)
+            check_size("length", "box: edge", edge)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +55,7 @@ class Sphere:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        check_positive("sphere: radius", self.radius)
+        check_size("length", "sphere: radius", self.radius)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,8 +73,8 @@ class Capsule:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        check_positive("capsule: radius", self.radius)
-        check_positive("capsule: length", self.length)
+        check_size("length", "capsule: radius", self.radius)
+        check_size("length", "capsule: length", self.length)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,13 +101,15 @@ class Cone:
         """Check the values."""
         check_not_negative("cone or cylinder: radius aft", self.radius_aft)
         check_not_negative("cone or cylinder: radius fore", self.radius_fore)
-        check_positive(
-            "cone or cylinder: larger radius", max(self.radius_aft, self.radius_fore)
+        check_size(
+            "length",
+            "cone or cylinder: larger radius",
+            max(self.radius_aft, self.radius_fore),
         )
-        check_positive("cone or cylinder: length", self.length)
+        check_size("length", "cone or cylinder: length", self.length)
         if self.thickness is None:
             return
-        check_positive("cone or cylinder: thickness", self.thickness)
+        check_size("length", "cone or cylinder: thickness", self.thickness)
         if self.thickness >= min(self.radius_aft, self.radius_fore):
             raise InputError(
                 "cone or cylinder: thickness must be below the smaller radius, "
@@ -131,7 +133,7 @@ class Mesh:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        check_positive("mesh: scale", self.scale)
+        check_size("factor", "mesh: scale", self.scale)
 
 
 Shape: TypeAlias = Box | Sphere | Capsule | Cone | Mesh

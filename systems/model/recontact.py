@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from drakesep.systems.checks import check_not_negative, check_positive
+from drakesep.systems.checks import check_not_negative
+from drakesep.systems.model.magnitudes import check_size, check_within
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,6 +28,7 @@ class Recontact:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        check_positive("recontact: stiffness", self.stiffness)
-        check_not_negative("recontact: dissipation", self.dissipation)
-        check_not_negative("recontact: friction", self.friction)
+        check_size("stiffness", "recontact: stiffness", self.stiffness)
+        for name in ("dissipation", "friction"):
+            check_not_negative(f"recontact: {name}", getattr(self, name))
+            check_within("factor", f"recontact: {name}", getattr(self, name))

@@ -23,6 +23,7 @@ from drakesep.systems.checks import (
 from drakesep.systems.model.inertia import ENTRIES, Inertia, check_inertia
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.loads import Load
+from drakesep.systems.model.magnitudes import check_size, check_within
 from drakesep.systems.model.parameter_table import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -96,6 +97,8 @@ class Body:
         check_inertia(f"{self.name}: inertia", self.I_BBcm_B)
         check_entries(f"{self.name}: mated position", self.p_ABo, 3)
         check_entries(f"{self.name}: mated attitude", self.rpy_AB, 3)
+        check_within("length", f"{self.name}: mated position", *self.p_ABo)
+        check_within("angle", f"{self.name}: mated attitude", *self.rpy_AB)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -165,7 +168,7 @@ class Orbit:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        check_positive("orbit: radius", self.radius)
+        check_size("length", "orbit: radius", self.radius)
         check_positive("orbit: mu", self.mu)
 
     @property
@@ -271,7 +274,7 @@ class Separation:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        check_positive("duration", self.duration)
+        check_size("time", "duration", self.duration)
         self._check_names()
         self._check_bodies_named()
         self._check_bodies_attached()

@@ -12,6 +12,7 @@ from drakesep.systems.checks import (
     check_finite,
     unit_vector,
 )
+from drakesep.systems.model.magnitudes import check_within
 from drakesep.systems.model.parameter_table import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -181,8 +182,8 @@ class DisplacementSpring:
                 f"to each displacement, got {len(displacements)} displacements and "
                 f"{len(forces)} forces"
             )
-        check_finite(f"{name}: displacement", *displacements)
-        check_finite(f"{name}: force", *forces)
+        check_within("length", f"{name}: displacement", *displacements)
+        check_within("force", f"{name}: force", *forces)
         if displacements[0] != 0.0 or list(displacements) != sorted(set(displacements)):
             raise InputError(
                 f"{name}: displacements must increase from 0, got "

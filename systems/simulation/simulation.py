@@ -1,5 +1,6 @@
 """Runs of one separation: the diagram is built once, then flown as often as asked."""
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 
@@ -32,6 +33,9 @@ from drakesep.systems.simulation.contact_log import ContactLog
 from drakesep.systems.simulation.recorder import Recorder
 
 
+_MOST_STEPS = 100_000
+"""Of a run, which takes hundreds to thousands: with gains or forces that no launcher
+has it would take days."""
 _FIRST_STEP = 1e-3
 """Tried at the start, s."""
 _RECONTACT_STEP = 5e-3
@@ -148,11 +152,15 @@ class Simulation:
             kinks_within_steps=separation.recontact is not None
             or any(not law_of(spring).by_time for spring in separation.springs),
         )
+        steps = itertools.count(1)
         by_angle = any(math.isfinite(a.release_angle) for a in separation.attachments)
 
         def monitor(_: Context) -> EventStatus:
             recorder.note()
             contacts.note()
+            if next(steps) > _MOST_STEPS:
+                # Not EventStatus.Failed, which ends the process with a crash.
+                raise RuntimeError(f"it takes more than {_MOST_STEPS} steps")
             if by_angle and system.is_release_due(context):
                 return EventStatus.ReachedTermination(system, "release by angle")
             return EventStatus.DidNothing()

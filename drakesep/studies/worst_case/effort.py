@@ -5,29 +5,43 @@ follow every whim of a machine: what takes less than four minutes is searched wi
 of it, VEGA on a machine ten times as slow too. Of what takes longer, the first grade is
 taken that does not, by the speed of one core: the number of workers changes nothing.
 Where two machines plan otherwise, the options that a plan tells make them agree.
+
+What takes more than ten minutes is done if it is asked for: by the names of searches,
+or by granting more time, which has it searched harder too. Else it is refused.
 """
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Needs, Objective
-from drakesep.analysis.search.effort import Effort, SearchSettings
+from drakesep.analysis.search.effort import Effort, SearchSettings, fewer_starts
 from drakesep.analysis.search.problem import FROM_NOMINAL
 from drakesep.studies.worst_case.searches import WantedSearches, default_searches
 from drakesep.studies.worst_case.speed import Speed
+from drakesep.systems.checks import InputError, check_positive
 
 
 GROWTH, CONFIRMATION = "growth", "confirmation"
 """What follows the searches."""
 _GRADES = 8
-_AIM = 240.0
-"""Beyond this, s, the next grade is taken."""
-MOST = 600.0
-"""Beyond this, unasked, s, something is left out."""
-_LEFT_OUT_FIRST = (GROWTH, "multistart", "corners", "vertices", "samples")
+MINUTES = 10.0
+"""That a study may take, unasked: beyond these, something is left out."""
+_AIM = 0.4
+"""Beyond this share of them, the next grade is taken."""
+_LEFT_OUT_FIRST = {
+    "multistart": "starts",
+    "corners": "flips",
+    "vertices": "vertices",
+    "samples": "samples",
+}
+"""After growth; and the setting of each: what is asked for is not left out."""
 _CORES = 2
-"""With which grades are reckoned, whatever the machine has."""
+"""With which grades are reckoned, whatever the machine has; what is left out, with one.
+"""
+_GRANTED = 1.5
+"""Times what is reckoned, that a user is told to grant: tomorrow it may take longer."""
 
 # What searches ask for, as it was counted for VEGA and a smallsat.
 _ITERATIONS = 8
@@ -59,6 +73,8 @@ class StudyEffort:
     """That each search takes, and what follows them, in their order."""
     left_out: tuple[str, ...] = ()
     """What takes too long."""
+    minutes: float = MINUTES
+    """That it may take, if not all of it is asked for by name."""
     run_by_run: tuple[str, ...] = ()
     """Objectives for which whole runs are flown, since the batch cannot tell them by
     metrics; or all, if Drake flies alone."""
@@ -98,7 +114,8 @@ class StudyEffort:
             )
             text += f"{_rounded(self.whole_runs)} runs: {', '.join(self.run_by_run)}"
         if self.left_out:
-            text += f"; left out, as it takes too long: {', '.join(self.left_out)}"
+            text += f"; left out, to stay within {self.minutes:g} min: "
+            text += ", ".join(self.left_out)
         return text
 
     @property
@@ -123,6 +140,7 @@ def planned_effort(
     effort: Effort,
     growth: bool | None,
     speed: Speed,
+    minutes: float | None = None,
 ) -> StudyEffort:
     """Return what a study will do.
 
@@ -133,30 +151,32 @@ def planned_effort(
         effort: settings that are asked for, which are kept.
         growth: whether to look how far tolerances may grow; None: if there is time.
         speed: how fast the case flies.
+        minutes: that it may take; None: `MINUTES`, or as long as searches take that are
+            asked for.
+
+    Raises:
+        ValueError: it takes longer, with the least effort.
     """
+    granted = MINUTES if minutes is None else minutes
     costs = _Costs(case, objectives, speed, drake_alone=wanted.drake_alone)
     grows = (not wanted.drake_alone) if growth is None else growth
     for grade in range(_GRADES):
         settings = _settings(objectives, grade, effort)
         names = wanted.names or default_searches(len(case.box), settings, objectives)
-        if sum(costs.of(names, settings, grows, _CORES).values()) <= _AIM:
+        if costs.minutes(names, settings, grows, _CORES) <= _AIM * granted:
             break
-    droppable = [
-        name
-        for name in _LEFT_OUT_FIRST
-        if (growth is None and grows if name == GROWTH else wanted.names is None)
-    ]
-    left_out = []
-    for name in droppable:
-        if sum(costs.of(names, settings, grows, _CORES).values()) <= MOST:
+    left_out: list[str] = []
+    for name in _unasked(wanted, effort, growth):
+        if costs.minutes(names, settings, grows, 1) <= granted:
             break
-        if name == GROWTH:
+        if name == GROWTH and grows:
             grows = False
-        elif name not in names:
+        elif name in names:
+            names = tuple(other for other in names if other != name)
+        else:
             continue
-        names = tuple(other for other in names if other != name)
         left_out.append(name)
-    return StudyEffort(
+    planned = StudyEffort(
         objectives=len(objectives),
         parameters=len(case.box),
         searches=names,
@@ -164,9 +184,40 @@ def planned_effort(
         growth=grows,
         seconds=costs.of(names, settings, grows, speed.cores),
         left_out=tuple(left_out),
+        minutes=granted,
         run_by_run=costs.run_by_run,
-        whole_runs=costs.whole_runs(names, settings),
+        whole_runs=costs.whole_runs(names, settings, grows),
         drake_alone=wanted.drake_alone,
+    )
+    if minutes is not None or wanted.names is None:
+        _check_granted(planned)
+    return planned
+
+
+def _unasked(
+    wanted: WantedSearches, effort: Effort, growth: bool | None
+) -> Iterator[str]:
+    """Yield what may be left out, in the order in which it is."""
+    if growth is None:
+        yield GROWTH
+    if wanted.names is None:
+        yield from (s for s, number in _LEFT_OUT_FIRST.items() if number not in effort)
+
+
+def check_minutes(minutes: float | None) -> None:
+    """Raise InputError unless it is a time that a study may take."""
+    if minutes is not None:
+        check_positive("minutes", minutes)
+
+
+def _check_granted(planned: StudyEffort) -> None:
+    takes = planned.total / 60.0
+    if takes <= planned.minutes:
+        return
+    enough = 5 * math.ceil(_GRANTED * takes / 5)
+    raise InputError(
+        f"minutes: must be {enough} or more on this machine, got {planned.minutes:g}, "
+        f"for {planned}"
     )
 
 
@@ -201,14 +252,23 @@ class _Costs:
         self._cheap = [o for o in objectives if not o.expensive]
         self._dear = len(objectives) - len(self._cheap)
         self._runs = sum(o.needs is Needs.RUN for o in self._cheap)
-        names = {o.name for o in objectives}
-        self._ends = len(names & set(OBJECTIVES)) + len(objectives)
-        self._directions = sum(
-            name in names
+        needs = {o.name: o.needs for o in objectives}
+        self._ends = len(needs.keys() & set(OBJECTIVES)) + len(objectives)
+        towards = [
+            name
             for requirement in case.requirements
             if not requirement.measured_apart
             for name in case.names_towards(requirement)
-        )
+            if name in needs
+        ]
+        self._directions = len(towards)
+        self._directions_of_runs = sum(needs[name] is Needs.RUN for name in towards)
+
+    def minutes(
+        self, names: Sequence[str], settings: SearchSettings, growth: bool, cores: int
+    ) -> float:
+        """Return the minutes that all of it takes."""
+        return sum(self.of(names, settings, growth, cores).values()) / 60.0
 
     def of(
         self, names: Sequence[str], settings: SearchSettings, growth: bool, cores: int
@@ -216,10 +276,12 @@ class _Costs:
         """Return the seconds of searches, and of what follows them."""
         seconds = {name: self._search(name, settings, cores) for name in names}
         if self._dear and self._cheap:  # beside the others, in a thread
-            fewer = [_starts(name, _beside(settings.starts)) for name in names]
+            fewer = [_starts(name, fewer_starts(settings.starts)) for name in names]
             took = sum(fewer) * self._of_measurements
             last = max((n for n in names if _starts(n, 1)), key=names.index)
-            seconds[last] += max(0.0, took - sum(seconds.values()))
+            others = sum(seconds.values())
+            on_one = sum(self._search(name, settings, 1) for name in names)
+            seconds[last] += max(0.0, took - others, (took + on_one) / cores - others)
         look = _LOOKS * self._speed.measurement
         seconds[CONFIRMATION] = self._ends * (self._speed.drake + look)
         if growth:
@@ -236,12 +298,14 @@ class _Costs:
     def _whole_run(self) -> float:
         return self._speed.drake if self._drake_alone else self._speed.whole_run
 
-    def whole_runs(self, names: Sequence[str], settings: SearchSettings) -> float:
+    def whole_runs(
+        self, names: Sequence[str], settings: SearchSettings, growth: bool
+    ) -> float:
         """Return how many runs are flown one by one, for what metrics do not tell."""
         cheap = len(self._cheap) if self._drake_alone else self._runs
         swept = bool(cheap) or not self._cheap
-        beside = _beside(settings.starts) if self._cheap else settings.starts
-        runs = 0.0
+        beside = fewer_starts(settings.starts) if self._cheap else settings.starts
+        runs = self._whole_runs_of_growth(settings) if growth else 0.0
         for name in names:
             ascents = cheap * _starts(name, settings.starts)
             ascents += self._dear * _starts(name, beside)
@@ -292,18 +356,21 @@ class _Costs:
         limits = self._directions * (self._n + 1)
         stages = self._flown(_STAGES * settings.corners, cores)
         roots = self._flown(_OF_LIMIT * limits, cores, _ROOT_CALLS)
+        whole = self._whole_runs_of_growth(settings) * self._speed.whole_run
         once = self._speed.measurement + self._whole_run
-        return stages + roots + limits * _LIMIT + self._dear * _ON_RAY * once
+        rays = self._dear * _ON_RAY * once
+        return stages + roots + whole + limits * _LIMIT + rays
+
+    def _whole_runs_of_growth(self, settings: SearchSettings) -> float:
+        if not self._directions_of_runs:
+            return 0.0
+        limits = self._directions_of_runs * (self._n + 1)
+        return _STAGES * settings.corners + _OF_LIMIT * limits
 
 
 def _starts(name: str, starts: int) -> int:
     """Return from how many starts a search goes up; 0 if it is a sweep."""
     return {FROM_NOMINAL: 1, "multistart": starts}.get(name, 0)
-
-
-def _beside(starts: int) -> int:
-    """Return from how many starts it goes for expensive objectives beside others."""
-    return 1 + (starts - 1) // 4
 
 
 def in_time(seconds: float) -> str:

@@ -12,7 +12,7 @@ from drakesep.analysis.search.expensive_objectives import check_expensive
 from drakesep.analysis.search.problem import SearchProgress
 from drakesep.results.asked import Asked
 from drakesep.results.folder import ResultsFolder
-from drakesep.studies.worst_case.effort import StudyEffort
+from drakesep.studies.worst_case.effort import StudyEffort, check_minutes
 from drakesep.studies.worst_case.pace import Remaining
 from drakesep.studies.worst_case.searches import WantedSearches
 from drakesep.tables.roles import check_labels
@@ -36,6 +36,8 @@ class StudyPlan:
     """How hard to search; what is left out, the speed of runs decides."""
     growth: bool | None = False
     """Whether to find how far tolerances may grow; None: if there is time."""
+    minutes: float | None = None
+    """That it may take; None: ten, or as long as searches take that are asked for."""
     workers: int | None = None
     """Processes that fly Drake; one per core if None; with 1, the caller's does all."""
     clearances: Mapping[str, LowestClearance] = field(default_factory=dict)
@@ -46,6 +48,7 @@ class StudyPlan:
     def __post_init__(self) -> None:
         """Check the values."""
         SearchSettings(**self.effort)
+        check_minutes(self.minutes)
         if self.searches.names and not self.searches.drake_alone:
             check_expensive(self.objectives, self.searches.names)
         check_labels(self.case, [objective.name for objective in self.objectives])

@@ -51,6 +51,7 @@ def worst_case(
     output: Output | None = None,
     workers: int | None = None,
     on_progress: OnProgress | None = None,
+    minutes: float | None = None,
     **effort: Unpack[Effort],
 ) -> WorstCases:
     """Find the worst cases of a case over its tolerances.
@@ -67,19 +68,26 @@ def worst_case(
         workers: number of processes that fly Drake; one per core if None; with 1, the
             caller's does all.
         on_progress: called as the study goes on.
+        minutes: that it may take, from when the plan is told; None: ten, or as long as
+            the searches take, if `searches` names them.
         effort: `starts`, `samples`, `vertices`, `flips`, `generations` and `seed` of
             `SearchSettings`; the speed of runs, as it is measured, decides what is
             left out: see `WorstCases.effort`.
 
     Raises:
-        ValueError: the case, an objective or a search is wrong, or the folder cannot
-            be written.
+        ValueError: the case, an objective or a search is wrong, it takes longer than
+            it may, or the folder cannot be written.
         RuntimeError: the nominal run fails.
     """
     asked = Asked.of(
         WORST_CASE,
         case,
-        {"objectives": objectives, "searches": searches, **effort},
+        {
+            "objectives": objectives,
+            "searches": searches,
+            "minutes": minutes,
+            **effort,
+        },
         seed=SearchSettings(**effort).seed,
     )
     if not asked.case.tolerances:
@@ -91,6 +99,7 @@ def worst_case(
             objectives=chosen,
             searches=WantedSearches.named(searches),
             effort=effort,
+            minutes=minutes,
             workers=workers,
             clearances=clearances_of(chosen),
             folder=folder,
@@ -117,7 +126,9 @@ def carried_out(study: _Study, under_way: Session) -> _Study:
 
     Without objectives, the nominal and the published runs are all there is.
     """
-    study = under_way.write_down(_told(with_references(study, under_way)))
+    study = _told(with_references(study, under_way))
+    under_way.begin()
+    under_way.write_down(study)
     _record(study.runs, under_way)
     if study.objectives:
         references = len(study.runs)
@@ -176,8 +187,6 @@ def _measured(
 def searched(study: _Study, under_way: Session) -> _Study:
     """Return a study with its worst cases; each search is written down as it ends."""
     problem, effort = under_way.problem, under_way.effort
-    if under_way.plan.folder is not None:
-        under_way.plan.folder.plan(effort.options)
     under_way.tell_plan()
     done: list[Searched] = []
 

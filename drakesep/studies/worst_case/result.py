@@ -202,9 +202,9 @@ class WorstCases:
         """Of the study, as `study.json` has it; a search for worst cases gives none."""
         return None
 
-    def save_tables(self, directory: str | Path) -> None:
-        """Write the tables, as far as there are any, into a folder."""
-        folder = Path(directory)
+    def write_tables(self, results: ResultsFolder) -> None:
+        """Write the tables, as far as there are any, into a folder that is locked."""
+        folder = results.path
         write_csv(self.table, folder / "worst_cases.csv")
         save_remarks(self.remarks, folder)
         if self.searched:
@@ -229,7 +229,7 @@ class WorstCases:
         with ResultsFolder(directory, self.asked.study) as results:
             results.begin(self.asked)
             folder = results.path
-            self.save_tables(folder)
+            self.write_tables(results)
             save_runs(self.runs, self.case.separation, folder)
             results.keep([one.label for one in self.runs])
             if self.worst:

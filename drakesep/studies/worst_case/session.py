@@ -19,18 +19,19 @@ from drakesep.analysis.metrics.objectives import MetricObjective, Objective
 from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import Problem, SearchProgress
+from drakesep.results.folder import ResultsFolder
 from drakesep.studies.background_process import BackgroundProcess
+from drakesep.studies.shared_simulation import shared_simulation
 from drakesep.studies.worst_case.effort import StudyEffort, planned_effort
 from drakesep.studies.worst_case.pace import Pace
 from drakesep.studies.worst_case.plan import PLAN, OnProgress, Progress, StudyPlan
 from drakesep.studies.worst_case.speed import measured_speed
 from drakesep.systems.arrays import Array
 from drakesep.systems.model.run import Run
-from drakesep.systems.simulation.simulation import Simulation
 
 
 class _HasTables(Protocol):
-    def save_tables(self, directory: str | Path) -> None: ...
+    def write_tables(self, results: ResultsFolder) -> None: ...
 
 
 _Study = TypeVar("_Study", bound=_HasTables)
@@ -73,7 +74,13 @@ class Session:
             plan.case, plan.objectives, self.batch, self.nominal, self.drake
         )
         return planned_effort(
-            plan.case, plan.objectives, plan.searches, plan.effort, plan.growth, speed
+            plan.case,
+            plan.objectives,
+            plan.searches,
+            plan.effort,
+            plan.growth,
+            speed,
+            plan.minutes,
         )
 
     @property
@@ -84,6 +91,18 @@ class Session:
     @functools.cached_property
     def _pace(self) -> Pace:
         return Pace(self.effort.seconds)
+
+    def begin(self) -> None:
+        """Plan what is searched, and only then begin the folder, if there is one.
+
+        Raises:
+            ValueError: it takes too long.
+        """
+        plan = self.plan
+        options = self.effort.options if plan.objectives else {}
+        if plan.folder is not None:
+            plan.folder.begin(plan.asked)
+            plan.folder.plan(options)
 
     def tell_plan(self) -> None:
         """Tell the user what the study will do, before it does."""
@@ -106,7 +125,7 @@ class Session:
     def write_down(self, study: _Study) -> _Study:
         """Return what a step leaves, with its tables in the folder, if there is one."""
         if self.plan.folder is not None:
-            study.save_tables(self.plan.folder.path)
+            study.write_tables(self.plan.folder)
             self.plan.folder.keep()
         return study
 
@@ -132,8 +151,8 @@ def session(
 ) -> Iterator[Session]:
     """Fly the nominal and the published runs, and begin to compile what searches fly.
 
-    What is refused is refused before anything is flown, and before the results of an
-    earlier study are taken out of the folder.
+    What is refused is refused before the results of an earlier study are taken out of
+    the folder: `Session.begin` does that, once it is known what the study takes.
 
     Args:
         plan: what is asked.
@@ -146,9 +165,11 @@ def session(
     """
     case = plan.case
     batch = checked_batch(plan)
-    if plan.folder is not None:
-        plan.folder.begin(plan.asked)
     nominal, drake = _fly_nominal(case)
+    if nominal.motion is None:
+        if plan.folder is not None:  # it says so, and keeps nothing of the last study
+            plan.folder.begin(plan.asked)
+        raise RuntimeError(f"the nominal run failed: {nominal.message}")
     several = drake * (len(case.published) + len(plan.objectives))
     few = batch is not None and several < WORKERS_START and plan.workers is None
     workers = 1 if few else plan.workers
@@ -191,11 +212,9 @@ def checked_batch(plan: StudyPlan) -> Batch | None:
 
 def _fly_nominal(case: AnalysisCase) -> tuple[Run, float]:
     """Return the nominal run, and the seconds that it took."""
-    simulation = Simulation(case.separation, case.integration)
+    simulation = shared_simulation(case)
     began = time.perf_counter()
     nominal = simulation.run({})
-    if nominal.motion is None:
-        raise RuntimeError(f"the nominal run failed: {nominal.message}")
     return nominal, time.perf_counter() - began
 
 

@@ -46,8 +46,8 @@ def test_plan_first_then_a_line_each_tenth_and_each_ten_seconds():
     log(progress("samples", 36, 100, share=0.34))
     assert lines[0] == (
         "Worst cases of 1 objectives over 18 parameters: 50 000 samples, 262 144 "
-        "vertices, SQP from 8 starts, growth of tolerances; about 25 s; left out, as "
-        "it takes too long: multistart"
+        "vertices, SQP from 8 starts, growth of tolerances; about 25 s; left out, to "
+        "stay within 10 min: multistart"
     )
     assert lines[1] == "  1%, 25 s left: samples: 10 of 100, PM -1.15 m/s"
     assert [line[:4] for line in lines[2:]] == [" 10%", " 20%", " 30%", " 34%"]

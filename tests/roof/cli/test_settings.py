@@ -4,6 +4,8 @@ is something else than without it.
 Tables are compared to the last digit, file by file.
 """
 
+from collections import OrderedDict
+
 import pandas as pd
 import pytest
 import typer
@@ -74,8 +76,8 @@ ELSEWHERE = {
     "simulate": {"--output", "-o"},
     "sweep": {"--output", "-o", "--workers"},
     "clearance": {"--output", "-o"},
-    "worst-case": {"--output", "-o", "--workers", "--flips"},
-    "verify": {"--output", "-o", "--workers", "--flips", "--corners"},
+    "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes"},
+    "verify": {"--output", "-o", "--workers", "--flips", "--corners", "--minutes"},
 }
 """Tested below."""
 SWEPT = {"upper.mass_kg": [1180.0, 1200.0, 1220.0]}
@@ -280,6 +282,17 @@ def test_what_two_parameters_do_not_show(
     assert plan["searches"] == ["corners"]
 
 
+@pytest.mark.parametrize("command", ["worst-case", "verify"])
+def test_minutes(command, case, tmp_path, capsys, monkeypatch, drakesep_):
+    """What they do not allow is refused; the plan itself is tested where it is made."""
+    words = [command, case, "-o", tmp_path, "--search", "drake", "--workers", 1]
+    words += ["--objective", "PM"] if command == "worst-case" else []
+    drakesep_(*words, "--minutes", 60)
+    code, _, err = run(capsys, monkeypatch, *words, "--minutes", 1e-6)
+    assert code == 2
+    assert "drakesep: minutes: must be 5 or more on this machine, got 1e-06, " in err
+
+
 @pytest.mark.parametrize(
     "command", ["simulate", "sweep", "clearance", "worst-case", "verify"]
 )
@@ -329,6 +342,9 @@ def test_every_run_is_integrated_as_the_case_says(
         "max_step_s": 0.2,
     }
     wanted = Integration(scheme="bogacki_shampine3", accuracy=3e-7, max_step=0.2)
+    monkeypatch.setattr(
+        "drakesep.studies.shared_simulation._of_thread.known", OrderedDict()
+    )
     told, begin = [], Simulation.__init__
 
     def noted(self, separation, integration=None):

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -130,6 +131,24 @@ def test_animation_is_that_of_the_runs_flown(verified, tmp_path):
     assert (tmp_path / "two.html").read_bytes() == (
         tmp_path / "flown.html"
     ).read_bytes()
+
+
+def test_an_animation_reads_the_runs_that_it_shows(verified, tmp_path):
+    """Not the motion of others, which takes longer than to draw it."""
+    _, folder = verified
+    copy = tmp_path / "copy"
+    shutil.copytree(folder, copy)
+    shown = animate_results(drakesep.read_results(folder), output=tmp_path / "a.html")
+    left = {*drakesep.read_results(folder).labels} - {*shown}
+    assert left
+    for label in left:
+        (copy / "runs" / f"{label}.csv").write_text("not a table")
+    read = drakesep.read_results(copy)
+    assert animate_results(read, output=tmp_path / "b.html") == shown
+    assert (tmp_path / "a.html").read_bytes() == (tmp_path / "b.html").read_bytes()
+    animate_results(read, ["nominal"], output=tmp_path / "c.html")
+    with pytest.raises(InputError, match="must be that of a run"):
+        animate_results(read, [left.pop()], output=tmp_path / "d.html")
 
 
 def test_command_animates_a_folder(verified, tmp_path, capsys, monkeypatch):

@@ -70,3 +70,19 @@ def test_nothing_rings_where_no_joint_holds():
     assert not len(
         joint_modes(two_bodies(Joint(K_F=K, D_F=0, K_T=0, D_T=0)), ()).periods
     )
+
+
+def test_what_is_known_of_other_gains_or_masses_is_not_taken():
+    """Modes are kept for runs that differ elsewhere alone: each number matters."""
+    stiff, soft = (Joint(K_F=k, D_F=0.0, K_T=0.0, D_T=0.0) for k in (K, 0.25 * K))
+    period = 2.0 * math.pi * math.sqrt(REDUCED / K)
+    for _ in range(2):
+        assert periods(stiff)[-1] == pytest.approx(period, rel=1e-9)
+        assert periods(soft)[-1] == pytest.approx(2.0 * period, rel=1e-9)
+    pair = two_bodies(stiff)
+    heavy = dataclasses.replace(
+        pair,
+        bodies=tuple(dataclasses.replace(b, mass=4.0 * b.mass) for b in pair.bodies),
+    )
+    [*_, longest] = sorted(joint_modes(heavy, {"held"}).periods)
+    assert longest == pytest.approx(2.0 * period, rel=1e-9)

@@ -1,0 +1,123 @@
+"""What a command makes of signals, full disks and consoles, in its own process."""
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from small_case import small_case, write_case
+
+
+ENTRY = (sys.executable, "-c", "from drakesep.cli.entry import main; main()")
+IMPORTS = (sys.executable, "-X", "importtime", *ENTRY[1:])
+CODES = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGHUP: 129}
+WORDS = {130: "interrupted", 143: "terminated", 129: "hung up"}
+
+
+def heard():
+    """A test run in the background inherits that signals are ignored."""
+    for number in CODES:
+        signal.signal(number, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def begun(*words, entry=ENTRY, **how):
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    command = [*entry, *map(str, words)]
+    return subprocess.Popen(command, preexec_fn=heard, **{**pipes, **how})
+
+
+def imported(process, module):
+    """Wait until a module has been imported; Python tells it of each."""
+    for line in process.stderr:
+        if line.rstrip().endswith(f" {module}"):
+            return
+
+
+@pytest.mark.parametrize("number", CODES)
+@pytest.mark.parametrize("module", ["typer", "pydantic", "numpy", "jax", "pydrake"])
+def test_signals_as_it_imports(number, module, tmp_path):
+    """Nothing is begun yet: it ends at once, and says so to both kinds of readers."""
+    words = ("verify", "vega", "-o", tmp_path / "out", "--json")
+    process = begun(*words, entry=IMPORTS)
+    imported(process, module)
+    process.send_signal(number)
+    out, err = process.communicate(timeout=60)
+    code = CODES[number]
+    assert process.returncode == code
+    lines = [line for line in err.splitlines() if line.startswith("drakesep: ")]
+    assert lines == [f"drakesep: {WORDS[code]}"]
+    told = json.loads(out)
+    assert (told["format"], told["exit_code"], told["error"]) == (1, code, WORDS[code])
+
+
+def test_a_signal_that_is_lost():
+    """In a destructor, where Python lets no exception out: the watch ends it."""
+    script = (
+        "import os, signal, time\n"
+        "from drakesep.cli import signals\n"
+        "signals.listen(); signals.command_begins('verify', as_json=False)\n"
+        "class Careless:\n"
+        "    def __del__(self): os.kill(os.getpid(), signal.SIGINT)\n"
+        "careless = Careless(); del careless\n"
+        "time.sleep(60); print('went on')\n"
+    )
+    process = begun(entry=(sys.executable, "-c", script))
+    out, err = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert out == ""
+    assert err.splitlines()[-1] == "drakesep: interrupted"
+
+
+def test_a_signal_in_the_midst_of_a_study(tmp_path):
+    process = begun("verify", "vega", "-o", tmp_path, "--search", "drake")
+    while process.poll() is None and not (tmp_path / "study.json").exists():
+        time.sleep(0.05)
+    process.terminate()
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 143
+    assert err.splitlines()[-1].startswith("drakesep: terminated")
+    # In order, or in the midst of a minute within a compiler: never half.
+    assert json.loads((tmp_path / "study.json").read_text())["study"] == "verify"
+
+
+def test_a_reader_who_has_seen_enough():
+    with begun("show", "vega") as process:
+        process.stdout.close()
+        assert process.stderr.read() == ""
+    assert process.returncode == 0
+
+
+def test_a_console_that_cannot_show_a_character():
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    process = begun("show", "vega", env=environment)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 0, err
+    assert "kg" in out and out.isascii()
+
+
+@pytest.mark.parametrize("command", ["simulate", "sweep"])
+def test_a_full_disk_names_the_file(command, tmp_path):
+    """A limit on the size of files is what a full disk is: some are written."""
+    case = write_case(tmp_path, small_case())
+    words = ["upper.mass_kg=1180:1220:40"] if command == "sweep" else []
+
+    def limited():
+        heard()
+        resource.setrlimit(resource.RLIMIT_FSIZE, (12_000, 12_000))
+
+    process = subprocess.run(
+        [*ENTRY, command, str(case), *words, "-o", str(tmp_path / "out")],
+        preexec_fn=limited,
+        capture_output=True,
+        text=True,
+    )
+    assert process.returncode == 3, process.stderr
+    [line] = [x for x in process.stderr.splitlines() if x.startswith("drakesep: ")]
+    assert line.startswith(f"drakesep: {tmp_path / 'out'}")
+    assert line.endswith(": File too large")
+    assert not list((tmp_path / "out").rglob(".writing-*"))
