@@ -197,6 +197,8 @@ def verify(
         print_verdict(report.console, study)
         if study.verdict is None:
             report.fail(_WHAT_FAILED)
+        if not study.completed:  # and yet a run is beyond a limit
+            report.not_met(_WHAT_FAILED)
         if not study.passed:
             report.not_well()
 
