@@ -79,7 +79,7 @@ def test_command(capsys, monkeypatch, tmp_path, vega_verification, vega_folder):
 
 def test_runs_of_a_table(vega_verification, vega_folder, tmp_path):
     table = vega_folder / "worst_cases.csv"
-    shown = ("L1", "L2", "Linf", "PM", "lowest_clearance")
+    shown = ("L1", "L2", "Linf", "PM", "lowest_clearance_until_0.5_m")
     assert set(read_runs(table)) == {f"worst_{name}" for name in shown}
     with pytest.raises(InputError, match="unknown run 'worst_L3'; did you mean"):
         read_runs(table, ["worst_L3"])
