@@ -45,7 +45,7 @@ UNPHYSICAL = {
 IN_FLIGHT = {
     LaneStatus.STILL_HELD: {"attachment_2.release_angle": 3.0},
     LaneStatus.STROKE_LEFT: {"spring_1.stroke": 50.0},
-    LaneStatus.STEP_COLLAPSED: {"spring_1.damping": 1e16},
+    LaneStatus.STEP_COLLAPSED: {"spring_1.damping": 1e15},
     LaneStatus.TOO_MANY_STEPS: {"upper.mass": 1e-3},
 }
 """By how the row ends."""
