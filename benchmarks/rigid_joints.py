@@ -4,8 +4,8 @@
 
 The built-in cases of staged releases, in the batch engine and in Drake, in turns with
 VEGA on springs by time within one process, so that ratios hold on a machine whose speed
-drifts; medians. Errors are the largest of the final rates of the first body that leaves,
-against Drake at an accuracy of 1e-10 on the same joints.
+drifts; medians. Errors are the largest of the final rates of the first body that
+leaves, against Drake at an accuracy of 1e-10 on the same joints.
 """
 
 import dataclasses
@@ -87,7 +87,7 @@ def report(name: str, case: AnalysisCase, separation: Separation, rows: int) -> 
 def main() -> None:
     print("batch: runs a second over VEGA's, steps a row, s until the first result,")
     print("error in rad/s; Drake: ms a run, and over VEGA's")
-    for name in ("dual_launch", "fairing", "rideshare"):
+    for name in ("dual_launch", "fairing"):
         case = load_case(name)
         for kind, separation, rows in (
             ("rigid", case.separation, ROWS),
