@@ -19,7 +19,7 @@ from drakesep.systems.equations.mated_stack import held_joint
 from drakesep.systems.equations.relative_motion import BodyState, Wrench
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
-from drakesep.systems.vectors import Symmetric, Vector
+from drakesep.systems.vectors import Vector
 
 
 class PlaceRow(NamedTuple):
@@ -29,17 +29,6 @@ class PlaceRow(NamedTuple):
     """m."""
     axis_B: Vector
     """Its x axis, or y of a universal one, fixed in B."""
-
-
-class MassRow(NamedTuple):
-    """Mass properties of a joined body, in a Context."""
-
-    mass: float
-    """kg."""
-    p_BoBcm_B: Vector
-    """m."""
-    I_BBcm_B: Symmetric
-    """kg m^2."""
 
 
 class _Solved(NamedTuple):
@@ -73,7 +62,7 @@ class RigidJoints(LeafSystem):
 
     Parameters:
         0: for each attachment a `PlaceRow`.
-        1: for each joined body a `MassRow`.
+        1: for each joined body its `Massive`.
     """
 
     def __init__(self, separation: Separation, layout: StateLayout):
@@ -122,16 +111,16 @@ class RigidJoints(LeafSystem):
         bodies = [separation.bodies[i] for i in self._joints.bodies]
         return {
             *names_of(separation.attachments, ["p_AoPad_A"]),
-            *names_of(bodies, MassRow._fields),
+            *names_of(bodies, laws.Massive._fields),
         }
 
-    def _mass_rows(self, separation: Separation) -> list[MassRow]:
+    def _mass_rows(self, separation: Separation) -> list[laws.Massive]:
         bodies = [separation.bodies[i] for i in self._joints.bodies]
-        return [MassRow(b.mass, b.p_BoBcm_B, tuple(b.I_BBcm_B)) for b in bodies]
+        return [laws.Massive(b.mass, b.p_BoBcm_B, tuple(b.I_BBcm_B)) for b in bodies]
 
     def _calc_holding(self, context: Context, output: AbstractValue) -> None:
         held = laws.joints_that_hold(self._joints, *self._pads(context))
-        masses = [laws.Massive(*row) for row in self._masses.read(context)]
+        masses = self._masses.read(context)
         output.set_value(laws.HoldingJoints(self._joints, masses, held))
 
     def _pads(

@@ -70,7 +70,7 @@ def spring_work(run: Run, attachment: Attachment) -> float:
     time = run.completed_trajectory.time
     release, end = run.releases[attachment.name], run.stroke_ends[spring.name]
     pushes = (release <= time) & (time <= end)
-    A, B = (_states(run, name) for name in (attachment.A, attachment.B))
+    A, B = (states_of(run, name) for name in (attachment.A, attachment.B))
     place = push_place(run.separation, attachment, spring)
     _, speed = push_displacement(A, B, *place)
     power = _force(run, attachment) * speed
@@ -78,7 +78,7 @@ def spring_work(run: Run, attachment: Attachment) -> float:
 
 
 def _force(run: Run, attachment: Attachment) -> Array:
-    A, B = (_states(run, name) for name in (attachment.A, attachment.B))
+    A, B = (states_of(run, name) for name in (attachment.A, attachment.B))
     age = run.completed_trajectory.time - run.releases[attachment.name]
     return force_within_stroke(run.separation, attachment, A, B, age)
 
@@ -113,5 +113,6 @@ def force_within_stroke(
     return np.asarray(positive_part(force))
 
 
-def _states(run: Run, body: str) -> BodyState:
+def states_of(run: Run, body: str) -> BodyState:
+    """Return the states of a body at the times of a completed run, by its name."""
     return body_state(run.completed_trajectory.of(body).T, 0, 7)

@@ -8,7 +8,7 @@ import numpy as np
 
 from drakesep.systems.arrays import Array
 from drakesep.systems.equations import joints as joint_laws
-from drakesep.systems.equations.forces_of_run import spring_force_over
+from drakesep.systems.equations.forces_of_run import spring_force_over, states_of
 from drakesep.systems.equations.gravity import gravity_wrench, orbit_position
 from drakesep.systems.equations.load_sharing import joint_shares
 from drakesep.systems.equations.loads import load_wrench
@@ -81,7 +81,7 @@ def _load_of_spring(run: Run, attachment: Attachment) -> Array:
     time = run.completed_trajectory.time
     separation = run.separation
     joint = held_joint(separation, attachment)
-    A, B = (_states(run, name) for name in (attachment.A, attachment.B))
+    A, B = (states_of(run, name) for name in (attachment.A, attachment.B))
     motion, turn = pair_state(A, B), joint_laws.NO_TURN
     if holds_all_rotations(joint.type):
         q_AB = mated_orientation(*mated_ends(separation, attachment))
@@ -121,7 +121,7 @@ def _loads_of_rigid(run: Run) -> dict[str, Array]:
 def _other_wrenches(run: Run) -> dict[str, Array]:
     """Return all that acts on each body but rigid joints, (n, 6), about its origin."""
     separation, time = run.separation, run.completed_trajectory.time
-    states = {body.name: _states(run, body.name) for body in separation.bodies}
+    states = {body.name: states_of(run, body.name) for body in separation.bodies}
     total = {name: np.zeros((len(time), 6)) for name in states}
 
     def add_pair(attachment: Attachment, pair: tuple[Wrench, Wrench]) -> None:
@@ -188,7 +188,3 @@ def _rows(parts: tuple[Vector, Vector], count: int) -> Array:
 def _wrench(entries: list[float]) -> Wrench:
     a, b, c, x, y, z = entries
     return Wrench((a, b, c), (x, y, z))
-
-
-def _states(run: Run, body: str) -> BodyState:
-    return body_state(run.completed_trajectory.of(body).T, 0, 7)
