@@ -13,6 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from drakesep.systems.batch.holding_phases import holding_phases, rigid_in
 from drakesep.systems.batch.joints import BatchJoints
 from drakesep.systems.batch.lanes import (
     BatchParameters,
@@ -36,6 +37,7 @@ from drakesep.systems.equations.mated_stack import (
     place_in_A,
 )
 from drakesep.systems.equations.relative_motion import BodyState, RelativeMotion, Wrench
+from drakesep.systems.equations.rigid_joints import rigid_joints
 from drakesep.systems.model.loads import Load
 from drakesep.systems.model.parameters import names_of, parameters
 from drakesep.systems.model.separation import Attachment, Body, Pair, Separation
@@ -69,11 +71,9 @@ class BatchEquations:
             varied: names of the parameters that vary.
         """
         self.separation = separation
-        release_times = names_of(separation.attachments, ["release_time"])
-        self.holds = any(a.release_time > 0.0 for a in separation.attachments) or any(
-            name in varied for name in release_times
-        )
-        """Whether a joint holds at some time: joints are half of a program."""
+        rigid = rigid_joints(separation)
+        self.phases = holding_phases(separation, rigid, varied)
+        """Which attachments may hold: each phase is a program of its own."""
         self.ends = [separation.ends(a) for a in separation.attachments]
         self.released_at_angle = [
             i
@@ -85,7 +85,13 @@ class BatchEquations:
         self.places = BatchPlaces(separation, varied)
         """Of the bodies while mated."""
         self._joints = BatchJoints(separation, self.places)
-        self._rigid_joints = BatchRigidJoints(separation, self.places)
+        self._rigid_joints = [
+            BatchRigidJoints(separation, rigid, may_hold, self.places)
+            if may_hold
+            else None
+            for phase in self.phases
+            for may_hold in [rigid_in(rigid, phase)]
+        ]
         names = [body.name for body in separation.bodies]
         self._load_bodies = [names.index(load.body) for load in separation.loads]
         attachments = [a.name for a in separation.attachments]
@@ -239,20 +245,34 @@ class BatchEquations:
 
     # The equations.
 
+    @property
+    def holds(self) -> bool:
+        """Whether a joint holds at some time."""
+        return len(self.phases) > 1
+
+    def phase(self, mode: Mode) -> Lanes:
+        """Return the place of the first phase that has all that hold in any lane."""
+        held = jnp.isinf(mode.released).any(axis=1)
+        place = jnp.zeros((), dtype=int)
+        for phase in self.phases[:-1]:
+            others = [i for i in range(len(self.ends)) if i not in phase]
+            place = place + held[np.array(others)].any()
+        return place
+
     def derivative(
-        self, holding: bool, timed: Timed, x: Lanes, params: BatchParameters, mode: Mode
+        self, phase: int, timed: Timed, x: Lanes, params: BatchParameters, mode: Mode
     ) -> Lanes:
         """Return the derivative (13, m, n) of a state (13, m, n).
 
         Args:
-            holding: whether joints are computed: needless once all have let go.
+            phase: place of one that has all joints that hold.
             timed: what depends on time alone, at the state's time.
             x: the state.
             params: of the batch.
             mode: what has happened.
         """
         bodies = motion_laws.body_state(x, 0, _VELOCITIES)
-        wrench = self._sum_wrenches(holding, timed, bodies, params, mode)
+        wrench = self._sum_wrenches(phase, timed, bodies, params, mode)
         alpha, a = newton_euler_laws.accelerations(
             bodies,
             params.mass,
@@ -266,7 +286,7 @@ class BatchEquations:
 
     def _sum_wrenches(
         self,
-        holding: bool,
+        phase: int,
         timed: Timed,
         bodies: BodyState,
         params: BatchParameters,
@@ -287,14 +307,15 @@ class BatchEquations:
         if self.separation.springs:
             springs = self.springs.wrenches(timed.spring_force, bodies, params, mode)
             total = add_wrenches(total, springs)
-        if holding and self._joints:
+        if self.phases[phase] and self._joints:
             joints = self._joints.wrenches(bodies, params, mode)
             total = add_wrenches(total, joints)
         if self.separation.loads:
             total = add_wrenches(total, self._load_wrenches(timed, bodies, params))
-        if holding and self._rigid_joints:
+        rigid_joints = self._rigid_joints[phase]
+        if rigid_joints is not None:
             # Last: what they do follows from all else.
-            rigid = self._rigid_joints.wrenches(bodies, total, params, mode)
+            rigid = rigid_joints.wrenches(bodies, total, params, mode)
             total = add_wrenches(total, rigid)
         return total
 

@@ -89,7 +89,7 @@ class MotionFold:
         timed = equations.at_times(times, params, step.mode)
         slopes = lax.map(
             lambda node: equations.derivative(
-                equations.holds, node[0], node[1], params, step.mode
+                len(equations.phases) - 1, node[0], node[1], params, step.mode
             ),
             (timed, jnp.moveaxis(step.x, 1, 0)),
         )

@@ -3,57 +3,96 @@
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
 from drakesep.systems import vectors
+from drakesep.systems.batch.lane_blocks import LaneBlocks, lane_rows
 from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode, pick
 from drakesep.systems.batch.mated_places import BatchPlaces
 from drakesep.systems.batch.wrenches import WrenchSum
-from drakesep.systems.equations import rigid_joints as laws
-from drakesep.systems.equations.mated_stack import held_joint
+from drakesep.systems.equations.articulated_inertia import (
+    Massive,
+    matrix_of,
+    shifted_inertia,
+    shifted_wrench,
+)
+from drakesep.systems.equations.block_elimination import plan_elimination
+from drakesep.systems.equations.joint_loops import holding_wrenches
+from drakesep.systems.equations.joint_tree import (
+    Branch,
+    Carried,
+    Group,
+    JointPlace,
+    hold_tree,
+    plan_tree,
+)
+from drakesep.systems.equations.mated_stack import axis_on_A, held_joint
 from drakesep.systems.equations.relative_motion import BodyState, Wrench
-from drakesep.systems.equations.rigid_body import inverse
-from drakesep.systems.model.joints import JointType
+from drakesep.systems.equations.rigid_joints import (
+    RigidJoint,
+    RigidJoints,
+    joint_equations,
+    joined,
+)
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import Rotation, Vector
 
 
-class _Group(NamedTuple):
+class _Kind(NamedTuple):
     """Joints of one type, on an axis of lanes."""
 
-    joints: list[laws.RigidJoint]
-    type: JointType
+    joints: list[RigidJoint]
     R_AJ: Rotation
-    """Of (g, 1)."""
+    """Of (k, 1)."""
     axis_A: Vector
-    """y axis of a universal joint, fixed in A at first, of (g, 1)."""
+    """y axis of a universal joint, fixed in A at first, of (k, 1)."""
     axis_B: Vector
-    """The same in B, of (g, 1)."""
+    """The same in B, of (k, 1)."""
+
+    @property
+    def type(self) -> Any:
+        """Their type."""
+        return self.joints[0].type
 
 
 class BatchRigidJoints:
-    """The wrenches of a separation's rigid joints, on lanes."""
+    """The wrenches of those rigid joints of a separation that may hold, on lanes."""
 
-    def __init__(self, separation: Separation, places: BatchPlaces):
+    def __init__(
+        self,
+        separation: Separation,
+        joints: RigidJoints,
+        may_hold: Sequence[RigidJoint],
+        places: BatchPlaces,
+    ):
         """Prepare.
 
         Args:
             separation: whose joints they are.
+            joints: all of them.
+            may_hold: some of them.
             places: of its bodies while mated.
         """
+        self._joints = joints
         self._places = places
-        self._joints = laws.rigid_joints(separation)
-        self._groups = _groups(separation, self._joints)
-
-    def __bool__(self) -> bool:
-        """Return whether there are any."""
-        return bool(self._groups)
+        tree = self._tree = plan_tree(may_hold, alone=False)
+        self._branches = [_kind(separation, branch.joints) for branch in tree.branches]
+        self._loops = [
+            _kind(separation, [joint for joint in tree.loops if joint.type == type])
+            for type in dict.fromkeys(joint.type for joint in tree.loops)
+        ]
+        roots = tree.groups[0]
+        self._loop_edges = sorted({joint.edge for joint in tree.loops})
+        ends = [joints.edges[edge] for edge in self._loop_edges]
+        self._ends = [(roots.index(a), roots.index(b)) for a, b in ends]
+        self._plan = plan_elimination(len(roots), self._ends)
 
     def wrenches(
         self, bodies: BodyState, others: Wrench, params: BatchParameters, mode: Mode
     ) -> Wrench:
-        """Return the wrenches of the rigid joints that hold.
+        """Return the wrenches of the joints that hold.
 
         Args:
             bodies: of (m, n).
@@ -61,162 +100,200 @@ class BatchRigidJoints:
             params: of the batch.
             mode: what has happened.
         """
-        joints = self._joints
-        index = np.array(joints.bodies)
-        joined, acting = pick(bodies, index), pick(others, index)
-        p_WO = pick(joined.p_WBo, slice(0, 1))
-        massive = laws.Massive(
-            *pick((params.mass, params.p_BoBcm_B, params.I_BBcm_B), index)
-        )
-        M, h = laws.spatial_inertia(joined, massive, p_WO)
-        arm = vectors.subtract(joined.p_WBo, p_WO)
-        torque, force = laws.moved(acting, arm)
-        free = _rows([*torque, *force]) - _rows(h)
-        stiffness, rest = self._equations(joined, p_WO, params, mode)
-        found = laws.holding_wrenches(
-            joints, _rows(M), free, stiffness, rest, LaneBlocks()
-        )
-        edges = [
-            Wrench(tuple(found[:3, k]), tuple(found[3:, k]))
-            for k in range(len(joints.edges))
+        tree = self._tree
+        held = jnp.isinf(mode.released)
+        groups = [
+            Group(
+                pick_rows(bodies, index),
+                Massive(
+                    *pick_rows(
+                        (params.mass, params.p_BoBcm_B, params.I_BBcm_B), index
+                    )
+                ),
+                pick_rows(others, index),
+            )
+            for index in (self._indices(group) for group in tree.groups)
         ]
-        each = [pick(joined, k) for k in range(len(joints.bodies))]
-        total, origin = WrenchSum(bodies), pick(p_WO, 0)
-        for b, wrench in zip(
-            joints.bodies,
-            laws.wrenches_on_bodies(joints, edges, origin, each),
-            strict=True,
-        ):
-            total.add(b, wrench)
+        roots = groups[0].bodies
+        on_outboard, on_roots = hold_tree(
+            tree,
+            groups,
+            [self._place(kind, params) for kind in self._branches],
+            _LaneRows(held),
+            lambda carried: self._hold_loops(carried[0], roots, params, held),
+        )
+        total = WrenchSum(bodies)
+        for branch, wrench in zip(tree.branches, on_outboard, strict=True):
+            inboard = _outward(groups[branch.inboard].bodies, branch)
+            outboard = groups[branch.group].bodies
+            arm = vectors.subtract(outboard.p_WBo, inboard.p_WBo)
+            back = jax.tree.map(jnp.negative, shifted_wrench(wrench, arm))
+            carriers = [tree.groups[branch.inboard][row] for row in branch.rows]
+            for k, (b, a) in enumerate(
+                zip(tree.groups[branch.group], carriers, strict=True)
+            ):
+                total.add(self._joints.bodies[b], pick(wrench, k))
+                total.add(self._joints.bodies[a], pick(back, k))
+        for k, wrench in on_roots.items():
+            total.add(self._joints.bodies[tree.groups[0][k]], wrench)
         return total.wrench
 
-    def _equations(
-        self, joined: BodyState, p_WO: Vector, params: BatchParameters, mode: Mode
-    ) -> tuple[Lanes, Lanes]:
-        """Return (6, 6, e, n) stiffness of the edges, and (6, e, n) the rest."""
-        count = len(self._joints.edges)
-        stiffness: Any = 0.0
-        rest: Any = 0.0
-        held = jnp.isinf(mode.released)
-        for group in self._groups:
-            edges = [joint.edge for joint in group.joints]
-            members = [joint.attachments for joint in group.joints]
-            x, y, z = (
-                jnp.stack([entry[np.array(i)].mean(axis=0) for i in members])
-                for entry in params.p_BoPad_B
-            )
-            J, beside = laws.joint_equations(
-                group.type,
-                group.R_AJ,
-                pick(joined, np.array([joint.a for joint in group.joints])),
-                pick(joined, np.array([joint.b for joint in group.joints])),
-                (x, y, z),
-                self._axis_B(group, params),
-                p_WO,
-                self._joints.arm[edges][:, None],
-            )
-            ways = np.array([joint.way for joint in group.joints])[:, None]
-            holds = jnp.stack([held[np.array(i)].any(axis=0) for i in members])
-            k = jnp.where(holds, self._joints.stiffness[edges][:, None], 0.0)
-            rows, lanes = _rows(J), LaneBlocks()
-            blocks = lanes.multiply(lanes.transpose(k * rows), rows)
-            forces = lanes.apply(lanes.transpose(rows), k * ways * _rows(beside))
-            stiffness = stiffness + lanes.sum_to(blocks, edges, count)
-            rest = rest + lanes.sum_to(forces, edges, count)
-        return stiffness, rest
+    def _indices(self, group: Sequence[int]) -> list[int]:
+        """Return the bodies' places in the batch."""
+        return [self._joints.bodies[body] for body in group]
 
-    def _axis_B(self, group: _Group, params: BatchParameters) -> Vector:
-        if group.type != "universal" or not self._places.vary:
-            return group.axis_B
+    def _place(self, kind: _Kind, params: BatchParameters) -> JointPlace:
+        """Return where joints are, of (k, n); of a weld of pads, between these."""
+        members = [joint.attachments for joint in kind.joints]
+        pads = [
+            jnp.stack([sum(entry[i] for i in each) / len(each) for each in members])
+            for entry in params.p_BoPad_B
+        ]
+        x, y, z = pads
+        return JointPlace(kind.R_AJ, (x, y, z), self._axis_B(kind, params))
+
+    def _axis_B(self, kind: _Kind, params: BatchParameters) -> Vector:
+        if kind.type != "universal" or not self._places.vary:
+            return kind.axis_B
         axes = []
-        for k, joint in enumerate(group.joints):
-            a, b = (self._joints.bodies[end] for end in (joint.a, joint.b))
+        for k, joint in enumerate(kind.joints):
+            a, b = self._indices([joint.a, joint.b])
             q_AB = self._places.orientation(a, b, params)
-            axis_A = tuple(x[k] for x in group.axis_A)
+            axis_A = tuple(x[k] for x in kind.axis_A)
             axes.append(vectors.unrotate(vectors.rotation_matrix(q_AB), axis_A))
         x, y, z = (jnp.stack(entries) for entries in zip(*axes, strict=True))
         return x, y, z
 
+    # Loops.
 
-class LaneBlocks:
-    """Blocks as arrays (6, 6, k, n), and vectors (6, k, n)."""
+    def _hold_loops(
+        self, carried: Carried, roots: BodyState, params: BatchParameters, held: Lanes
+    ) -> tuple[list[Wrench], dict[int, Wrench]]:
+        """Return what loops do to the roots, of (r, n), and to each of them, of (n,)."""
+        if not self._ends:
+            return [], {}
+        p_WO = pick(roots.p_WBo, slice(0, 1))
+        arm = vectors.subtract(roots.p_WBo, p_WO)
+        torque, force = shifted_wrench(carried.wrench, arm)
+        M = matrix_of(shifted_inertia(carried.inertia, arm))
+        stiffness, rest = self._loop_equations(roots, p_WO, params, held)
+        found = holding_wrenches(
+            self._plan,
+            self._ends,
+            lane_rows(M),
+            lane_rows([*torque, *force]),
+            stiffness,
+            rest,
+            LaneBlocks(),
+        )
+        total = WrenchSum(roots)
+        for k, (a, b) in enumerate(self._ends):
+            wrench = Wrench(tuple(found[:3, k]), tuple(found[3:, k]))
+            total.add(b, _moved(wrench, arm, b))
+            total.add(a, _moved(jax.tree.map(jnp.negative, wrench), arm, a))
+        summed = total.wrench
+        each = {k: pick(summed, k) for k in range(len(self._tree.groups[0]))}
+        return [summed], each
 
-    def pick(self, blocks: Lanes, index: Sequence[int]) -> Lanes:
-        """Return some of the blocks, or vectors."""
-        if list(index) == list(range(blocks.shape[-2])):
-            return blocks
-        return blocks[..., np.array(index, dtype=int), :]
+    def _loop_equations(
+        self, roots: BodyState, p_WO: Vector, params: BatchParameters, held: Lanes
+    ) -> tuple[Lanes, Lanes]:
+        """Return (6, 6, e, n) stiffness of the edges, and (6, e, n) the rest."""
+        count, places = len(self._loop_edges), self._tree.groups[0]
+        stiffness: Any = 0.0
+        rest: Any = 0.0
+        for kind in self._loops:
+            edges = [joint.edge for joint in kind.joints]
+            A, B = (
+                pick_rows(roots, [places.index(body) for body in ends])
+                for ends in zip(*((j.a, j.b) for j in kind.joints), strict=True)
+            )
+            place = self._place(kind, params)
+            motion = joined(kind.type, place.R_AJ, A, B, place.p_BoPad_B, place.axis_B)
+            arm = self._joints.arm[edges][:, None]
+            J, beside = joint_equations(kind.type, motion, p_WO, arm)
+            ways = np.array([joint.way for joint in kind.joints])[:, None]
+            gains = self._joints.stiffness[edges][:, None]
+            k = jnp.where(_hold(kind.joints, held), gains, 0.0)
+            rows, lanes = lane_rows(J), LaneBlocks()
+            blocks = lanes.multiply(lanes.transpose(k * rows), rows)
+            forces = lanes.apply(lanes.transpose(rows), k * ways * lane_rows(beside))
+            targets = [self._loop_edges.index(edge) for edge in edges]
+            stiffness = stiffness + lanes.sum_to(blocks, targets, count)
+            rest = rest + lanes.sum_to(forces, targets, count)
+        return stiffness, rest
 
-    def sum_to(self, blocks: Lanes, index: Sequence[int], count: int) -> Lanes:
-        """Return as many sums of the blocks, or vectors: of each where it goes."""
-        if list(index) == list(range(count)):
-            return blocks
-        sums = []
-        for k in range(count):
-            mine = [i for i, target in enumerate(index) if target == k]
-            sums.append(self.pick(blocks, mine).sum(axis=-2))
-        return jnp.stack(sums, axis=-2)
 
-    def inverse(self, D: Lanes) -> Lanes:
-        """Return the inverses of symmetric positive definite blocks, by their halves.
+class _LaneRows:
+    """Bodies of a group on an axis of lanes (k, n)."""
 
-        Row by row XLA computes the same again and again, and takes ten times as long.
-        """
-        P, Q, R = D[:3, :3], D[:3, 3:], D[3:, 3:]
-        R = _inverse3(R)
-        QR = self.multiply(Q, R)
-        P = _inverse3(P - self.multiply(QR, self.transpose(Q)))
-        Q = -self.multiply(P, QR)
-        R = R - self.multiply(self.transpose(QR), Q)
-        upper = jnp.concatenate([P, Q], axis=1)
-        lower = jnp.concatenate([self.transpose(Q), R], axis=1)
-        return jnp.concatenate([upper, lower])
+    def __init__(self, held: Lanes):
+        """Prepare: (a, n) whether each attachment holds."""
+        self._held = held
 
-    def multiply(self, A: Lanes, B: Lanes) -> Lanes:
-        """Return A B, block by block."""
-        # Entry by entry: as a sum over an axis XLA takes five times as long.
-        inner = range(B.shape[0])
-        return _rows(
-            [
-                [sum(A[i, k] * B[k, j] for k in inner) for j in range(B.shape[1])]
-                for i in range(A.shape[0])
+    def outward(self, values: Any, branch: Branch) -> Any:
+        """Return what inboard bodies have, for each outboard body of a branch."""
+        return _outward(values, branch)
+
+    def inward(self, values: Any, branch: Branch, count: int) -> Any:
+        """Return what outboard bodies give to each of so many inboard ones, summed."""
+        of_each = [
+            [k for k, row in enumerate(branch.rows) if row == inboard]
+            for inboard in range(count)
+        ]
+
+        def total(x: Lanes) -> Lanes:
+            # Written out: as a sum over an axis XLA takes five times as long.
+            sums = [
+                sum((x[k : k + 1] for k in mine), start=jnp.zeros_like(x[:1]))
+                for mine in of_each
             ]
-        )
+            return sums[0] if count == 1 else jnp.concatenate(sums)
 
-    def apply(self, A: Lanes, x: Lanes) -> Lanes:
-        """Return A x, block by block."""
-        return sum(A[:, k] * x[k] for k in range(x.shape[0]))
+        return jax.tree.map(total, values)
 
-    def transpose(self, A: Lanes) -> Lanes:
-        """Return A^T, block by block."""
-        return A.swapaxes(0, 1)
+    def held(self, values: Any, branch: Branch) -> Any:
+        """Return values where a joint of a branch holds, and zero elsewhere."""
+        holds = _hold(branch.joints, self._held)
+        return jax.tree.map(lambda x: jnp.where(holds, x, 0.0), values)
 
 
-def _inverse3(S: Lanes) -> Lanes:
-    """Return the inverses of symmetric 3 by 3 blocks."""
-    xx, yy, zz, xy, xz, yz = inverse(
-        (S[0, 0], S[1, 1], S[2, 2], S[0, 1], S[0, 2], S[1, 2])
+def _outward(values: Any, branch: Branch) -> Any:
+    if not any(branch.rows):
+        return pick(values, slice(0, 1))  # the same for all
+    return pick_rows(values, branch.rows)
+
+
+def _hold(joints: Sequence[RigidJoint], held: Lanes) -> Lanes:
+    """Return (k, n) whether each joint holds: by any of its attachments."""
+    rows = []
+    for joint in joints:
+        first, *others = (held[i] for i in joint.attachments)
+        for other in others:
+            first = first | other
+        rows.append(first)
+    return jnp.stack(rows)
+
+
+def _moved(wrench: Wrench, arm: Vector, root: int) -> Wrench:
+    """Return a wrench about O, of (n,), about the origin of a root."""
+    return shifted_wrench(wrench, vectors.negate(pick(arm, root)))
+
+
+def pick_rows(lanes: Any, index: Sequence[int]) -> Any:
+    """Return some rows of tuples of lanes (k, n); neighbours without a copy."""
+    first, last = index[0], index[-1] + 1
+    if list(index) == list(range(first, last)):
+        return pick(lanes, slice(first, last))
+    return pick(lanes, np.array(index))
+
+
+def _kind(separation: Separation, joints: list[RigidJoint]) -> _Kind:
+    """Return joints of one type, on an axis of lanes."""
+    first = [separation.attachments[joint.first] for joint in joints]
+    axes = (
+        [joint.R_AJ for joint in joints],
+        [axis_on_A(attachment.joint) for attachment in first],
+        [held_joint(separation, attachment).axis_B for attachment in first],
     )
-    return _rows([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-
-
-def _rows(values: Sequence[Any]) -> Lanes:
-    """Return (r, ..., k, n) of r lanes (k, n), or of r such sequences."""
-    return jnp.stack([_rows(x) if isinstance(x, list) else x for x in values])
-
-
-def _groups(separation: Separation, joints: laws.RigidJoints) -> list[_Group]:
-    """Return the joints by their types."""
-    groups = []
-    for kind in dict.fromkeys(joint.type for joint in joints.joints):
-        mine = [joint for joint in joints.joints if joint.type == kind]
-        first = [separation.attachments[joint.attachments[0]] for joint in mine]
-        held = [held_joint(separation, attachment) for attachment in first]
-        axes = (
-            [joint.R_AJ for joint in mine],
-            [attachment.joint.y_axis_A for attachment in first],
-            [joint.axis_B for joint in held],
-        )
-        lanes = [tuple(np.array(values).T[..., None]) for values in axes]
-        groups.append(_Group(mine, kind, *lanes))
-    return groups
+    return _Kind(joints, *(tuple(np.array(x).T[..., None]) for x in axes))

@@ -68,20 +68,20 @@ def stages(
     times = t + method.C[:, None] * h
     timed = equations.at_times(times, params, mode)
 
-    def run(holding: bool) -> Callable[[None], Lanes]:
+    def run(phase: int) -> Callable[[None], Lanes]:
         def stage(i: int, K: Lanes) -> Lanes:
             y = x + h * jnp.tensordot(method.A[i], K, 1)
             now = jax.tree.map(lambda lanes: lanes[i], timed)
-            k = equations.derivative(holding, now, y, params, mode)
+            k = equations.derivative(phase, now, y, params, mode)
             return K.at[i].set(k)
 
         K = jnp.zeros((len(method.A), *x.shape))
         return lambda _: lax.fori_loop(0, method.stages, stage, K)
 
-    if not equations.holds:
-        return run(False)(None)
-    held = jnp.isinf(mode.released).any()
-    return lax.cond(held, run(True), run(False), None)
+    programs = [run(phase) for phase in range(len(equations.phases))]
+    if len(programs) == 1:
+        return programs[0](None)
+    return lax.switch(equations.phase(mode), programs, None)
 
 
 def at_nodes(x: Lanes, change: Lanes, moved: Lanes, accepted: Lanes) -> Lanes:

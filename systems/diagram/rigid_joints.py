@@ -13,10 +13,16 @@ from pydrake.systems.framework import (
 
 from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
-from drakesep.systems.equations import rigid_joints as laws
+from drakesep.systems.equations.articulated_inertia import Massive
+from drakesep.systems.equations.holding_joints import (
+    HoldingJoints,
+    joints_that_hold,
+    wrenches_on_bodies,
+)
 from drakesep.systems.equations.load_sharing import joint_shares
 from drakesep.systems.equations.mated_stack import held_joint
 from drakesep.systems.equations.relative_motion import BodyState, Wrench
+from drakesep.systems.equations.rigid_joints import rigid_joints
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import Vector
@@ -31,13 +37,17 @@ class PlaceRow(NamedTuple):
     """Its x axis, or y of a universal one, fixed in B."""
 
 
-class _Solved(NamedTuple):
-    """What the joints that hold do at a moment."""
+class _Solved:
+    """What the joints that hold do at a moment; written in place.
 
+    A value that is set is copied, all that it holds.
+    """
+
+    holds: bool = False
     bodies: list[BodyState]
     """That are joined."""
     edges: list[Wrench]
-    p_WO: Vector
+    """On B of each edge."""
 
 
 class RigidJoints(LeafSystem):
@@ -73,7 +83,7 @@ class RigidJoints(LeafSystem):
             layout: where `plant_state` holds the motion of each body.
         """
         super().__init__()
-        self._joints = laws.rigid_joints(separation)
+        self._joints = rigid_joints(separation)
         self._layout = layout
         size, count = 6 * len(separation.bodies), len(separation.attachments)
         self._state = self.DeclareVectorInputPort("plant_state", layout.size)
@@ -89,7 +99,9 @@ class RigidJoints(LeafSystem):
         )
         self._solved = self.DeclareCacheEntry(
             "solved",
-            ValueProducer(allocate=Value[object], calc=self._calc_solved),
+            ValueProducer(
+                allocate=lambda: Value[object](_Solved()), calc=self._calc_solved
+            ),
             {
                 self._state.ticket(),
                 self._others.ticket(),
@@ -111,17 +123,17 @@ class RigidJoints(LeafSystem):
         bodies = [separation.bodies[i] for i in self._joints.bodies]
         return {
             *names_of(separation.attachments, ["p_AoPad_A"]),
-            *names_of(bodies, laws.Massive._fields),
+            *names_of(bodies, Massive._fields),
         }
 
-    def _mass_rows(self, separation: Separation) -> list[laws.Massive]:
+    def _mass_rows(self, separation: Separation) -> list[Massive]:
         bodies = [separation.bodies[i] for i in self._joints.bodies]
-        return [laws.Massive(b.mass, b.p_BoBcm_B, tuple(b.I_BBcm_B)) for b in bodies]
+        return [Massive(b.mass, b.p_BoBcm_B, tuple(b.I_BBcm_B)) for b in bodies]
 
     def _calc_holding(self, context: Context, output: AbstractValue) -> None:
-        held = laws.joints_that_hold(self._joints, *self._pads(context))
+        held = joints_that_hold(self._joints, *self._pads(context))
         masses = self._masses.read(context)
-        output.set_value(laws.HoldingJoints(self._joints, masses, held))
+        output.set_value(HoldingJoints(self._joints, masses, held) if held else None)
 
     def _pads(
         self, context: Context
@@ -133,25 +145,25 @@ class RigidJoints(LeafSystem):
         return [row.p_BoPad_B for row in places], [row.axis_B for row in places], held
 
     def _calc_solved(self, context: Context, output: AbstractValue) -> None:
-        holding: laws.HoldingJoints = self._holding.Eval(context)
-        if not holding.held:
-            output.set_value(None)
+        holding: HoldingJoints | None = self._holding.Eval(context)
+        solved: _Solved = output.get_mutable_value()
+        solved.holds = holding is not None
+        if holding is None:
             return
         x = self._state.Eval(context).tolist()
         entries = self._others.Eval(context).tolist()
-        bodies = [self._layout.read_one(x, i) for i in self._joints.bodies]
+        solved.bodies = [self._layout.read_one(x, i) for i in self._joints.bodies]
         others = [
             Wrench(tuple(entries[k : k + 3]), tuple(entries[k + 3 : k + 6]))
             for k in (6 * i for i in self._joints.bodies)
         ]
-        output.set_value(_Solved(bodies, *holding.wrenches(bodies, others)))
+        solved.edges = holding.wrenches(solved.bodies, others)
 
     def _add_wrenches(self, context: Context, entries: list[float]) -> list[float]:
-        solved: _Solved | None = self._solved.Eval(context)
-        if solved is None:
+        solved: _Solved = self._solved.Eval(context)
+        if not solved.holds:
             return entries
-        bodies, edges, p_WO = solved
-        each = laws.wrenches_on_bodies(self._joints, edges, p_WO, bodies)
+        each = wrenches_on_bodies(self._joints, solved.edges, solved.bodies)
         for i, (torque, force) in zip(self._joints.bodies, each, strict=True):
             for k, value in enumerate((*torque, *force), start=6 * i):
                 entries[k] += value
@@ -166,9 +178,11 @@ class RigidJoints(LeafSystem):
 
     def _calc_loads(self, context: Context, output: BasicVector) -> None:
         loads = [0.0] * output.size()
-        solved: _Solved | None = self._solved.Eval(context)
-        if solved is not None:
-            shares = joint_shares(self._joints, *self._pads(context), *solved)
+        solved: _Solved = self._solved.Eval(context)
+        if solved.holds:
+            shares = joint_shares(
+                self._joints, *self._pads(context), solved.bodies, solved.edges
+            )
             for i, (torque, force) in shares.items():
                 loads[6 * i : 6 * i + 6] = [*torque, *force]
         output.SetFromVector(loads)

@@ -6,11 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drakesep.systems.equations.articulated_inertia import shifted_wrench
 from drakesep.systems.equations.relative_motion import BodyState, Wrench
 from drakesep.systems.equations.rigid_joints import (
     RigidJoints,
+    joined,
     joint_equations,
-    moved,
 )
 from drakesep.systems.model.joints import JointType
 from drakesep.systems.vectors import (
@@ -50,7 +51,6 @@ def joint_shares(
     held: Collection[int],
     bodies: Sequence[BodyState],
     wrenches: Sequence[Wrench],
-    p_WO: Vector,
 ) -> dict[int, Wrench]:
     """Return the loads of attachments with rigid joints that hold, by their indices.
 
@@ -60,8 +60,7 @@ def joint_shares(
         axis_B: as `HeldJoint` has it, of each attachment.
         held: indices of attachments that hold.
         bodies: that are joined.
-        wrenches: on B of each edge, about O, in W.
-        p_WO: place of O in W, m.
+        wrenches: on B of each edge, about its origin, in W.
 
     Returns:
         Torque about the pad, N m, and force, N, on its B, in its frame.
@@ -75,15 +74,13 @@ def joint_shares(
     loads: dict[int, Wrench] = {}
     for edge, mine in pads.items():
         a, b = joints.edges[edge]
-        shares = shared_loads(
-            bodies[a], bodies[b], [*mine.values()], wrenches[edge], p_WO
-        )
+        shares = shared_loads(bodies[a], bodies[b], [*mine.values()], wrenches[edge])
         loads |= dict(zip(mine, shares, strict=True))
     return loads
 
 
 def shared_loads(
-    A: BodyState, B: BodyState, pads: Sequence[Pad], wrench: Wrench, p_WO: Vector
+    A: BodyState, B: BodyState, pads: Sequence[Pad], wrench: Wrench
 ) -> list[Wrench]:
     """Return the loads of joints of two bodies that hold with a wrench together.
 
@@ -95,8 +92,7 @@ def shared_loads(
         A: first body.
         B: second body.
         pads: the joints.
-        wrench: of all on B, about O, in W.
-        p_WO: place of O in W, m.
+        wrench: of all on B, about its origin, in W.
 
     Returns:
         Of each the torque about its pad and the force, on its B, in its frame.
@@ -112,14 +108,17 @@ def shared_loads(
     arm = _PAD * math.sqrt(radius2) or 1.0
     equations = [
         joint_equations(
-            pad.type, pad.R_AJ, *end, pad.p_BoPad_B, pad.axis_B, centre, arm
+            pad.type,
+            joined(pad.type, pad.R_AJ, *end, pad.p_BoPad_B, pad.axis_B),
+            centre,
+            arm,
         )
         for pad, end in zip(pads, ends, strict=True)
     ]
     J = np.concatenate(
         [pad.way * np.array(x.J) for pad, x in zip(pads, equations, strict=True)]
     )
-    torque, force = moved(wrench, subtract(p_WO, centre))
+    torque, force = shifted_wrench(wrench, subtract(B.p_WBo, centre))
     given = np.linalg.pinv(J.T @ J, rcond=_FREE, hermitian=True) @ [*torque, *force]
     shares = iter((J @ given).tolist())
     loads = []
@@ -128,6 +127,6 @@ def shared_loads(
         a, b, c, x, y, z = total.tolist()
         R_WJ = compose(first.R_WB, pad.R_AJ)
         arm_W = subtract(centre, place)
-        torque, force = moved(Wrench((a, b, c), (x, y, z)), arm_W)
+        torque, force = shifted_wrench(Wrench((a, b, c), (x, y, z)), arm_W)
         loads.append(Wrench(unrotate(R_WJ, torque), unrotate(R_WJ, force)))
     return loads

@@ -9,7 +9,9 @@ import numpy as np
 from drakesep.systems.arrays import Array
 from drakesep.systems.equations import joints as joint_laws
 from drakesep.systems.equations.forces_of_run import spring_force_over, states_of
+from drakesep.systems.equations.articulated_inertia import Massive
 from drakesep.systems.equations.gravity import gravity_wrench, orbit_position
+from drakesep.systems.equations.holding_joints import HoldingJoints, joints_that_hold
 from drakesep.systems.equations.load_sharing import joint_shares
 from drakesep.systems.equations.loads import load_wrench
 from drakesep.systems.equations.mated_stack import (
@@ -25,12 +27,7 @@ from drakesep.systems.equations.relative_motion import (
     pair_state,
     wrenches_at_origin,
 )
-from drakesep.systems.equations.rigid_joints import (
-    HoldingJoints,
-    Massive,
-    joints_that_hold,
-    rigid_joints,
-)
+from drakesep.systems.equations.rigid_joints import rigid_joints
 from drakesep.systems.model.joints import holds_all_rotations
 from drakesep.systems.model.loads import Load
 from drakesep.systems.model.run import Run
@@ -104,15 +101,16 @@ def _loads_of_rigid(run: Run) -> dict[str, Array]:
     holds = np.array([time < run.releases[a.name] for a in attachments])
     rigid = [i for joint in joints.joints for i in joint.attachments]
     loads = {attachments[i].name: np.zeros((len(time), 6)) for i in rigid}
+    laws: dict[tuple[int, ...], HoldingJoints] = {}
     for k in np.flatnonzero(holds[rigid].any(axis=0)):
-        held = np.flatnonzero(holds[:, k]).tolist()
-        holding = HoldingJoints(
-            joints, massive, joints_that_hold(joints, pads, axes, held)
-        )
+        held = tuple(np.flatnonzero(holds[:, k]).tolist())
+        if held not in laws:
+            found = joints_that_hold(joints, pads, axes, held)
+            laws[held] = HoldingJoints(joints, massive, found)
         now = [body_state(trajectory.of(b.name)[k].tolist(), 0, 7) for b in bodies]
         others = [_wrench(acting[b.name][k].tolist()) for b in bodies]
-        edges, p_WO = holding.wrenches(now, others)
-        shares = joint_shares(joints, pads, axes, held, now, edges, p_WO)
+        edges = laws[held].wrenches(now, others)
+        shares = joint_shares(joints, pads, axes, held, now, edges)
         for i, (torque, force) in shares.items():
             loads[attachments[i].name][k] = [*torque, *force]
     return loads

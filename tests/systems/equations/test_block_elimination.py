@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drakesep.systems.batch.rigid_joints import LaneBlocks
+from drakesep.systems.batch.lane_blocks import LaneBlocks
 from drakesep.systems.equations.block_elimination import (
     Factorized,
     Matrices,

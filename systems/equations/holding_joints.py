@@ -1,0 +1,213 @@
+"""The rigid joints that hold, until an event changes that: on floats.
+
+As Drake evaluates them, moment by moment.
+"""
+
+from collections.abc import Collection, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from drakesep.systems.arrays import Array
+from drakesep.systems.equations.articulated_inertia import (
+    Massive,
+    matrix_of,
+    shifted_inertia,
+    shifted_wrench,
+)
+from drakesep.systems.equations.block_elimination import Matrices, plan_elimination
+from drakesep.systems.equations.joint_loops import holding_wrenches
+from drakesep.systems.equations.joint_tree import (
+    Alone,
+    Carried,
+    Group,
+    JointPlace,
+    hold_tree,
+    plan_tree,
+)
+from drakesep.systems.equations.relative_motion import BodyState, Wrench
+from drakesep.systems.equations.rigid_joints import (
+    RigidJoint,
+    RigidJoints,
+    joint_equations,
+    joined,
+)
+from drakesep.systems.vectors import Vector, add, negate, subtract
+
+
+_NONE = Wrench((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+class Held(NamedTuple):
+    """A rigid joint that holds, and where."""
+
+    joint: RigidJoint
+    place: JointPlace
+
+
+def joints_that_hold(
+    joints: RigidJoints,
+    p_BoPad_B: Sequence[Vector],
+    axis_B: Sequence[Vector],
+    held: Collection[int],
+) -> list[Held]:
+    """Return the joints of which an attachment holds; beside a weld, no other.
+
+    Args:
+        joints: of the separation.
+        p_BoPad_B: place of each attachment in its B, m.
+        axis_B: as `HeldJoint` has it, of each attachment.
+        held: indices of attachments that hold.
+    """
+    holding = [j for j in joints.joints if any(i in held for i in j.attachments)]
+    welds = {joint.edge for joint in holding if joint.type == "fixed"}
+    found = []
+    for joint in holding:
+        if joint.type == "fixed" or joint.edge not in welds:
+            pads = [p_BoPad_B[i] for i in joint.attachments]
+            x, y, z = np.mean(pads, axis=0).tolist()
+            place = JointPlace(joint.R_AJ, (x, y, z), axis_B[joint.first])
+            found.append(Held(joint, place))
+    return found
+
+
+class HoldingJoints:
+    """The rigid joints that hold, and the bodies that they join."""
+
+    def __init__(
+        self, joints: RigidJoints, massive: Sequence[Massive], held: Sequence[Held]
+    ):
+        """Prepare.
+
+        Args:
+            joints: of the separation.
+            massive: mass properties of the joined bodies.
+            held: the joints that hold.
+        """
+        self._joints, self._massive = joints, massive
+        self._places = {joint.first: place for joint, place in held}
+        tree = self._tree = plan_tree([joint for joint, _ in held], alone=True)
+        branches = [branch.joints[0] for branch in tree.branches]
+        self._branch_places = [self._places[joint.first] for joint in branches]
+        self._roots = [body for [body] in tree.groups[: tree.roots]]
+        self._loop_edges = sorted({joint.edge for joint in tree.loops})
+        ends = [joints.edges[edge] for edge in self._loop_edges]
+        self._ends = [(self._roots.index(a), self._roots.index(b)) for a, b in ends]
+        self._plan = plan_elimination(len(self._roots), self._ends)
+
+    def wrenches(
+        self, bodies: Sequence[BodyState], others: Sequence[Wrench]
+    ) -> list[Wrench]:
+        """Return the wrenches on B of each edge, about its origin.
+
+        Args:
+            bodies: that are joined.
+            others: all else that acts on them, about their origins.
+        """
+        tree = self._tree
+        groups = [
+            Group(bodies[i], self._massive[i], others[i]) for [i] in tree.groups
+        ]
+        on_outboard, on_edges = hold_tree(
+            tree,
+            groups,
+            self._branch_places,
+            Alone(),
+            lambda roots: self._hold_loops(roots, bodies),
+        )
+        found = [_NONE] * len(self._joints.edges)
+        for branch, wrench in zip(tree.branches, on_outboard, strict=True):
+            [joint], [body] = branch.joints, tree.groups[branch.group]
+            if self._joints.edges[joint.edge][1] != body:
+                [inboard] = tree.groups[branch.inboard]
+                arm = subtract(bodies[body].p_WBo, bodies[inboard].p_WBo)
+                wrench = _reaction(shifted_wrench(wrench, arm))
+            found[joint.edge] = wrench
+        for edge, wrench in on_edges.items():
+            found[edge] = wrench
+        return found
+
+    def _hold_loops(
+        self, roots: Sequence[Carried], bodies: Sequence[BodyState]
+    ) -> tuple[list[Wrench], dict[int, Wrench]]:
+        """Return what loops do to each root, and on B of each of their edges."""
+        if not self._ends:
+            return [], {}
+        states = [bodies[i] for i in self._roots]
+        p_WO = states[0].p_WBo
+        M, free = [], []
+        for (D, wrench), body in zip(roots, states, strict=True):
+            arm = subtract(body.p_WBo, p_WO)
+            torque, force = shifted_wrench(wrench, arm)
+            M.append(matrix_of(shifted_inertia(D, arm)))
+            free.append([*torque, *force])
+        stiffness, rest = self._loop_equations(bodies, p_WO)
+        found = holding_wrenches(
+            self._plan,
+            self._ends,
+            np.array(M),
+            np.array(free),
+            stiffness,
+            rest,
+            Matrices(),
+        )
+        on_roots, on_edges = [_NONE] * len(states), {}
+        for edge, (a, b), entries in zip(
+            self._loop_edges, self._ends, found.tolist(), strict=True
+        ):
+            wrench = Wrench((*entries[:3],), (*entries[3:],))
+            on_A, on_B = (
+                shifted_wrench(wrench, subtract(p_WO, states[k].p_WBo)) for k in (a, b)
+            )
+            on_edges[edge] = on_B
+            on_roots[b] = _sum(on_roots[b], on_B)
+            on_roots[a] = _sum(on_roots[a], _reaction(on_A))
+        return on_roots, on_edges
+
+    def _loop_equations(
+        self, bodies: Sequence[BodyState], p_WO: Vector
+    ) -> tuple[Array, Array]:
+        """Return (e, 6, 6) stiffness of the edges of loops, and (e, 6) the rest."""
+        count = len(self._loop_edges)
+        stiffness, rest = np.zeros((count, 6, 6)), np.zeros((count, 6))
+        for joint in self._tree.loops:
+            A, B, place = bodies[joint.a], bodies[joint.b], self._places[joint.first]
+            k, arm = (
+                float(x[joint.edge])
+                for x in (self._joints.stiffness, self._joints.arm)
+            )
+            motion = joined(
+                joint.type, place.R_AJ, A, B, place.p_BoPad_B, place.axis_B
+            )
+            equations = joint_equations(joint.type, motion, p_WO, arm)
+            J: Array = np.array(equations.J)
+            edge = self._loop_edges.index(joint.edge)
+            stiffness[edge] += k * (J.T @ J)
+            rest[edge] += joint.way * k * (equations.rest @ J)
+        return stiffness, rest
+
+
+def wrenches_on_bodies(
+    joints: RigidJoints, wrenches: Sequence[Wrench], bodies: Sequence[BodyState]
+) -> list[Wrench]:
+    """Return what rigid joints do to the joined bodies, about their origins.
+
+    Args:
+        joints: of the separation.
+        wrenches: on B of each edge, about its origin.
+        bodies: that are joined.
+    """
+    totals = [_NONE] * len(bodies)
+    for (a, b), wrench in zip(joints.edges, wrenches, strict=True):
+        arm = subtract(bodies[b].p_WBo, bodies[a].p_WBo)
+        totals[b] = _sum(totals[b], wrench)
+        totals[a] = _sum(totals[a], _reaction(shifted_wrench(wrench, arm)))
+    return totals
+
+
+def _sum(first: Wrench, second: Wrench) -> Wrench:
+    return Wrench(add(first.torque, second.torque), add(first.force, second.force))
+
+
+def _reaction(wrench: Wrench) -> Wrench:
+    return Wrench(negate(wrench.torque), negate(wrench.force))

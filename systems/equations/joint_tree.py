@@ -1,0 +1,345 @@
+"""Rigid joints by which bodies hang on one another: the wrenches that hold them.
+
+Featherstone's articulated bodies ("Rigid Body Dynamics Algorithms", 2008, chapter 7):
+from outboard bodies to the inboard ones that carry them goes what a joint transmits of
+their inertia and of all else that acts, back the acceleration. The work grows with the
+number of bodies, no equation is solved but that of each inboard body, and a weld is
+exact. What is left where no body hangs by a single joint is for `joint_loops`.
+
+Bodies of one kind are a group, so that an engine of lanes computes them at once: the
+roots, and the outboard bodies of each branch.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, Protocol, TypeAlias
+
+from drakesep.systems.equations.articulated_inertia import (
+    Acceleration,
+    Inertia,
+    Massive,
+    acceleration_by,
+    inertia_of_body,
+    shifted_acceleration,
+    shifted_inertia,
+    shifted_wrench,
+    sum_of_inertias,
+    without_direction,
+    wrench_for,
+)
+from drakesep.systems.equations.relative_motion import BodyState, Wrench
+from drakesep.systems.equations.rigid_joints import (
+    Joined,
+    RigidJoint,
+    held_turns,
+    joined,
+)
+from drakesep.systems.model.joints import CONSTRAINTS, JointType
+from drakesep.systems.vectors import (
+    Rotation,
+    Scalar,
+    Vector,
+    add,
+    cross,
+    dot,
+    scale,
+    subtract,
+)
+
+
+# In which order.
+
+
+class Branch(NamedTuple):
+    """Joints of one type, and their outboard bodies."""
+
+    joints: list[RigidJoint]
+    group: int
+    """Of the outboard bodies, one for each joint."""
+    inboard: int
+    """Group of their inboard bodies."""
+    rows: list[int]
+    """Of each joint the place of its inboard body in that group."""
+    to_B: bool
+    """Whether the outboard bodies are their joints' B."""
+
+
+class JointTree(NamedTuple):
+    """How bodies hang on one another, and what is left."""
+
+    groups: list[list[int]]
+    """Places of bodies among the joined ones: roots first."""
+    roots: int
+    """How many groups are of roots."""
+    branches: list[Branch]
+    """Inboard ones first."""
+    loops: list[RigidJoint]
+    """Joints of which no body hangs by one alone."""
+
+
+def plan_tree(joints: Sequence[RigidJoint], *, alone: bool) -> JointTree:
+    """Return how bodies hang on one another.
+
+    Args:
+        joints: that may hold.
+        alone: whether each body is a group of its own.
+    """
+    left = {body: _around(body, joints) for each in joints for body in (each.a, each.b)}
+    hanging: dict[int, list[tuple[int, RigidJoint]]] = {}
+    while leaves := _leaves(left):
+        for body, joint in leaves:
+            inboard = joint.a if joint.b == body else joint.b
+            hanging.setdefault(inboard, []).append((body, joint))
+            left[inboard] = [other for other in left[inboard] if other.first != joint.first]
+            del left[body]
+    roots = sorted(left)
+    groups = [[body] for body in roots] if alone else [roots]
+    tree = JointTree(groups, len(groups), [], [])
+    for inboard, group in enumerate(groups):  # that grows
+        for kind, members in _kinds(group, hanging, alone).items():
+            rows, bodies, mine = (list(x) for x in zip(*members, strict=True))
+            tree.branches.append(Branch(mine, len(groups), inboard, rows, kind[1]))
+            groups.append(bodies)
+    hang = [joint.first for branch in tree.branches for joint in branch.joints]
+    tree.loops.extend(joint for joint in joints if joint.first not in hang)
+    return tree
+
+
+def _around(body: int, joints: Sequence[RigidJoint]) -> list[RigidJoint]:
+    return [joint for joint in joints if body in (joint.a, joint.b)]
+
+
+def _leaves(left: dict[int, list[RigidJoint]]) -> list[tuple[int, RigidJoint]]:
+    """Return bodies that hang by a single joint, on one that does not hang itself."""
+    leaves: dict[int, RigidJoint] = {}
+    for body in sorted(left, reverse=True):
+        if len(left[body]) == 1:
+            [joint] = left[body]
+            other = joint.a if joint.b == body else joint.b
+            if other not in leaves:
+                leaves[body] = joint
+    return [*leaves.items()]
+
+
+def _kinds(
+    group: list[int], hanging: dict[int, list[tuple[int, RigidJoint]]], alone: bool
+) -> dict[Any, list[tuple[int, int, RigidJoint]]]:
+    """Return what hangs on a group's bodies by kind: its row there, body and joint."""
+    kinds: dict[Any, list[tuple[int, int, RigidJoint]]] = {}
+    for row, inboard in enumerate(group):
+        for body, joint in hanging.get(inboard, []):
+            kind = joint.type, joint.b == body, body if alone else None
+            kinds.setdefault(kind, []).append((row, body, joint))
+    return kinds
+
+
+# What holds.
+
+
+class Rows(Protocol):
+    """What an engine does with what it keeps of the bodies of a group."""
+
+    def outward(self, values: Any, branch: Branch) -> Any:
+        """Return what inboard bodies have, for each outboard body of a branch."""
+
+    def inward(self, values: Any, branch: Branch, count: int) -> Any:
+        """Return what outboard bodies give to each of so many inboard ones, summed."""
+
+    def held(self, values: Any, branch: Branch) -> Any:
+        """Return values where a joint of a branch holds, and zero elsewhere."""
+
+
+class Alone:
+    """Of bodies each of which is a group of its own, whose joints all hold."""
+
+    def outward(self, values: Any, branch: Branch) -> Any:
+        """Return them."""
+        return values
+
+    def inward(self, values: Any, branch: Branch, count: int) -> Any:
+        """Return them."""
+        return values
+
+    def held(self, values: Any, branch: Branch) -> Any:
+        """Return them."""
+        return values
+
+
+class JointPlace(NamedTuple):
+    """Where a joint is in its bodies."""
+
+    R_AJ: Rotation
+    p_BoPad_B: Vector
+    """m."""
+    axis_B: Vector
+    """y axis of a universal joint."""
+
+
+class Group(NamedTuple):
+    """The bodies of a group."""
+
+    bodies: BodyState
+    massive: Massive
+    others: Wrench
+    """All else that acts on them, about their origins."""
+
+
+class Carried(NamedTuple):
+    """What is to be accelerated: bodies, and what they carry."""
+
+    inertia: Inertia
+    wrench: Wrench
+    """That acts, less what their rates take."""
+
+
+LoopsLaw: TypeAlias = Callable[[list[Carried]], tuple[list[Wrench], Any]]
+"""From each group of roots to the wrenches that joints of loops give it, and whatever an
+engine wants to know of them beside."""
+
+
+def hold_tree(
+    tree: JointTree,
+    groups: Sequence[Group],
+    places: Sequence[JointPlace],
+    rows: Rows,
+    hold_loops: LoopsLaw,
+) -> tuple[list[Wrench], Any]:
+    """Return the wrenches on the outboard bodies of each branch, about their origins.
+
+    Args:
+        tree: of the joints.
+        groups: of bodies.
+        places: of each branch's joints.
+        rows: of the engine.
+        hold_loops: law of the joints of loops.
+
+    Returns:
+        Beside them, what `hold_loops` does.
+    """
+    carried = [_alone(group) for group in groups]
+    links = [
+        _Link(branch, rows.outward(groups[branch.inboard].bodies, branch), outboard)
+        for branch in tree.branches
+        for outboard in [groups[branch.group].bodies]
+    ]
+    through: dict[int, Carried] = {}
+    for link, place in reversed(list(zip(links, places, strict=True))):
+        group, inboard = link.branch.group, link.branch.inboard
+        D, wrench = through[group] = _transmitted(link, place, carried[group])
+        count = len(tree.groups[inboard])
+        given = Carried(shifted_inertia(D, link.arm), shifted_wrench(wrench, link.arm))
+        given = rows.inward(rows.held(given, link.branch), link.branch, count)
+        before = carried[inboard]
+        carried[inboard] = Carried(
+            sum_of_inertias(before.inertia, given.inertia),
+            _sum(before.wrench, given.wrench),
+        )
+    on_roots, loops = hold_loops(carried[: tree.roots])
+    wrenches = [each.wrench for each in carried]
+    for k, wrench in enumerate(on_roots):
+        wrenches[k] = _sum(wrenches[k], wrench)
+    accelerations: dict[int, Acceleration] = {}
+    found = []
+    for link in links:
+        branch, group, inboard = link.branch, link.branch.group, link.branch.inboard
+        if inboard not in accelerations:
+            accelerations[inboard] = acceleration_by(
+                carried[inboard].inertia, wrenches[inboard]
+            )
+        V = rows.outward(accelerations[inboard], branch)
+        D, wrench = through[group]
+        needed = wrench_for(D, shifted_acceleration(V, link.arm))
+        needed = rows.held(_difference(needed, wrench), branch)
+        wrenches[group] = _sum(wrenches[group], needed)
+        found.append(needed)
+    return found, loops
+
+
+class _Link:
+    """The bodies of a branch."""
+
+    def __init__(self, branch: Branch, inboard: BodyState, outboard: BodyState):
+        self.branch, self.outboard = branch, outboard
+        self.ends = (inboard, outboard) if branch.to_B else (outboard, inboard)
+        self.arm = subtract(outboard.p_WBo, inboard.p_WBo)
+
+
+def _alone(group: Group) -> Carried:
+    """Return bodies that carry nothing."""
+    D, of_rates = inertia_of_body(group.bodies, group.massive)
+    return Carried(D, _difference(group.others, of_rates))
+
+
+def _transmitted(link: _Link, place: JointPlace, carried: Carried) -> Carried:
+    """Return what a branch's joints transmit of what their outboard bodies carry."""
+    type, to_B = link.branch.joints[0].type, link.branch.to_B
+    motion = joined(type, place.R_AJ, *link.ends, place.p_BoPad_B, place.axis_B)
+    r = subtract(motion.p_WPad, link.outboard.p_WBo)
+    D, wrench = carried
+    for S in _free_directions(type, motion, r):
+        D, wrench = without_direction(D, wrench, S)
+    needed = wrench_for(D, _given(type, motion, r, 1.0 if to_B else -1.0))
+    return Carried(D, _difference(wrench, needed))
+
+
+def _free_directions(
+    type: JointType, motion: Joined, r: Vector
+) -> list[Acceleration]:
+    """Return how a body may move whose joint is at r from its origin."""
+    translation, rotation = CONSTRAINTS[type]
+    free = [
+        Acceleration(scale(0.0, e), e)
+        for e, held in zip(motion.axes, translation, strict=True)
+        if not held
+    ]
+    for k, held in enumerate(rotation):
+        if not held:
+            e = motion.axes[k]
+            if k == 1 and motion.hinge is not None:
+                e = motion.hinge
+            free.append(Acceleration(e, cross(r, e)))
+    return free
+
+
+def _given(
+    type: JointType, motion: Joined, r: Vector, sign: float
+) -> Acceleration:
+    """Return what a joint gives of the acceleration of a body, whatever acts.
+
+    Args:
+        type: of the joint.
+        motion: of its B from A.
+        r: its place from the body's origin, m.
+        sign: 1 of B, as its A has it; -1 of A, as its B has it.
+    """
+    a = _along(motion.axes, CONSTRAINTS[type].translation, motion.a)
+    if all(CONSTRAINTS[type].rotation):
+        alpha = motion.alpha
+    else:
+        alpha = scale(0.0, motion.alpha)
+        for e, beside in held_turns(type, motion):
+            alpha = add(alpha, scale(beside / dot(e, e), e))
+    alpha, a = scale(-sign, alpha), scale(-sign, a)
+    return Acceleration(alpha, add(a, cross(r, alpha)))
+
+
+def _along(
+    axes: Sequence[Vector], which: Sequence[bool], v: Vector
+) -> Vector:
+    """Return the part of a vector along some of three axes."""
+    if all(which):
+        return v
+    part = scale(0.0, v)
+    for e, held in zip(axes, which, strict=True):
+        if held:
+            part = add(part, scale(dot(e, v), e))
+    return part
+
+
+def _sum(first: Wrench, second: Wrench) -> Wrench:
+    return Wrench(add(first.torque, second.torque), add(first.force, second.force))
+
+
+def _difference(first: Wrench, second: Wrench) -> Wrench:
+    return Wrench(
+        subtract(first.torque, second.torque), subtract(first.force, second.force)
+    )
