@@ -178,20 +178,23 @@ class BatchSprings:
         ]
         return jnp.concatenate(ends)
 
-    def fastest(self, params: BatchParameters, mode: Mode, *, by_time: bool) -> Lanes:
+    def fastest(
+        self, params: BatchParameters, mass: Lanes, mode: Mode, *, by_time: bool
+    ) -> Lanes:
         """Return (n,) how fast the motion is that springs drive, rad/s.
 
         Args:
             params: of the batch.
+            mass: (m, n) of the bodies, with what moves as one with them, kg.
             mode: what has happened.
             by_time: whether of those that push for a time; else of `by_stroke`.
         """
-        acts, fastest = self._acts(mode), jnp.zeros_like(params.mass[0])
+        acts, fastest = self._acts(mode), jnp.zeros_like(mass[0])
         for group, values in zip(self._groups, params.springs, strict=True):
             if group.law.by_time is by_time:
                 a, b = group.ends
                 together = self._ends.count(group.ends)
-                lightness = 1.0 / params.mass[a] + 1.0 / params.mass[b]
+                lightness = 1.0 / mass[a] + 1.0 / mass[b]
                 frequency = group.law.frequency(values, together, lightness, jnp)
                 each = jnp.where(acts[np.array(group.springs)], frequency, 0.0)
                 fastest = jnp.maximum(fastest, each.max(axis=0))

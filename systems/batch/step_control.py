@@ -83,7 +83,7 @@ class StepControl:
         """
         frequency = _fastest(x)
         for by_time in (True, False):
-            springs = self._springs.fastest(params, mode, by_time=by_time)
+            springs = self._springs_drive(params, mode, by_time)
             frequency = jnp.maximum(frequency, springs)
         if self._equations.holds:
             frequency = jnp.maximum(frequency, self._held_frequency(params, mode))
@@ -91,8 +91,24 @@ class StepControl:
 
     def _largest_push(self, params: BatchParameters, mode: Mode) -> Lanes:
         """Return (n,) the longest step while springs push by displacement, s."""
-        frequency = self._springs.fastest(params, mode, by_time=False)
+        frequency = self._springs_drive(params, mode, by_time=False)
         return _still(_DRIVEN * self._scale / (frequency + TINY))
+
+    def _springs_drive(
+        self, params: BatchParameters, mode: Mode, by_time: bool
+    ) -> Lanes:
+        """Return (n,) how fast the motion is that springs drive, rad/s."""
+        mass = params.mass
+        welded: dict[tuple[int, int], list[int]] = {}
+        for i, attachment in enumerate(self._equations.separation.attachments):
+            if attachment.joint.rigid and attachment.joint.type == "fixed":
+                welded.setdefault(self._equations.ends[i], []).append(i)
+        for (a, b), pads in welded.items():
+            held = jnp.isinf(mode.released[np.array(pads)]).any(axis=0)
+            for body, other in ((a, b), (b, a)):
+                with_it = jnp.where(held, params.mass[other], 0.0)
+                mass = mass.at[body].add(with_it)
+        return self._springs.fastest(params, mass, mode, by_time=by_time)
 
     def _held_frequency(self, params: BatchParameters, mode: Mode) -> Lanes:
         """Return (n,) the fastest motion of bodies in the joints that hold, rad/s."""
