@@ -6,11 +6,11 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from drakesep.systems.batch.lanes import Lanes
+from drakesep.systems.batch.lanes import Lanes, Settler
 from drakesep.systems.equations.rigid_body import inverse
 
 
-class LaneBlocks:
+class LaneBlocks(Settler):
     """Blocks as arrays (6, 6, k, n), and vectors (6, k, n)."""
 
     def pick(self, blocks: Lanes, index: Sequence[int]) -> Lanes:
@@ -35,29 +35,28 @@ class LaneBlocks:
         Row by row XLA computes the same again and again, and takes ten times as long.
         """
         P, Q, R = D[:3, :3], D[:3, 3:], D[3:, 3:]
-        R = _inverse3(R)
+        R = self.settled(_inverse3(R))
         QR = self.multiply(Q, R)
-        P = _inverse3(P - self.multiply(QR, self.transpose(Q)))
+        P = self.settled(_inverse3(P - self.multiply(QR, self.transpose(Q))))
         Q = -self.multiply(P, QR)
         R = R - self.multiply(self.transpose(QR), Q)
         upper = jnp.concatenate([P, Q], axis=1)
         lower = jnp.concatenate([self.transpose(Q), R], axis=1)
-        return jnp.concatenate([upper, lower])
+        return self.settled(jnp.concatenate([upper, lower]))
 
     def multiply(self, A: Lanes, B: Lanes) -> Lanes:
         """Return A B, block by block."""
         # Entry by entry: as a sum over an axis XLA takes five times as long.
         inner = range(B.shape[0])
-        return lane_rows(
-            [
-                [sum(A[i, k] * B[k, j] for k in inner) for j in range(B.shape[1])]
-                for i in range(A.shape[0])
-            ]
-        )
+        product = [
+            [sum(A[i, k] * B[k, j] for k in inner) for j in range(B.shape[1])]
+            for i in range(A.shape[0])
+        ]
+        return self.settled(lane_rows(product))
 
     def apply(self, A: Lanes, x: Lanes) -> Lanes:
         """Return A x, block by block."""
-        return sum(A[:, k] * x[k] for k in range(x.shape[0]))
+        return self.settled(sum(A[:, k] * x[k] for k in range(x.shape[0])))
 
     def transpose(self, A: Lanes) -> Lanes:
         """Return A^T, block by block."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from drakesep.systems import vectors
 from drakesep.systems.batch.lane_blocks import LaneBlocks, lane_rows
-from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode, pick
+from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode, Settler, pick
 from drakesep.systems.batch.mated_places import BatchPlaces
 from drakesep.systems.batch.wrenches import WrenchSum
 from drakesep.systems.equations.articulated_inertia import (
@@ -114,13 +114,13 @@ class BatchRigidJoints:
             )
             for index in (self._indices(group) for group in tree.groups)
         ]
-        roots = groups[0].bodies
+        roots, x = groups[0].bodies, bodies.q_WB[0][0]
         on_outboard, on_roots = hold_tree(
             tree,
             groups,
             [self._place(kind, params) for kind in self._branches],
-            _LaneRows(held),
-            lambda carried: self._hold_loops(carried[0], roots, params, held),
+            _LaneRows(held, x),
+            lambda carried: self._hold_loops(carried[0], roots, params, held, LaneBlocks(x)),
         )
         total = WrenchSum(bodies)
         for branch, wrench in zip(tree.branches, on_outboard, strict=True):
@@ -167,7 +167,12 @@ class BatchRigidJoints:
     # Loops.
 
     def _hold_loops(
-        self, carried: Carried, roots: BodyState, params: BatchParameters, held: Lanes
+        self,
+        carried: Carried,
+        roots: BodyState,
+        params: BatchParameters,
+        held: Lanes,
+        lanes: LaneBlocks,
     ) -> tuple[list[Wrench], dict[int, Wrench]]:
         """Return what loops do to the roots, of (r, n), and to each of them, of (n,)."""
         if not self._ends:
@@ -176,15 +181,15 @@ class BatchRigidJoints:
         arm = vectors.subtract(roots.p_WBo, p_WO)
         torque, force = shifted_wrench(carried.wrench, arm)
         M = matrix_of(shifted_inertia(carried.inertia, arm))
-        stiffness, rest = self._loop_equations(roots, p_WO, params, held)
+        stiffness, rest = self._loop_equations(roots, p_WO, params, held, lanes)
         found = holding_wrenches(
             self._plan,
             self._ends,
-            lane_rows(M),
-            lane_rows([*torque, *force]),
-            stiffness,
-            rest,
-            LaneBlocks(),
+            lanes.settled(lane_rows(M)),
+            lanes.settled(lane_rows([*torque, *force])),
+            lanes.settled(stiffness),
+            lanes.settled(rest),
+            lanes,
         )
         total = WrenchSum(roots)
         for k, (a, b) in enumerate(self._ends):
@@ -196,7 +201,12 @@ class BatchRigidJoints:
         return [summed], each
 
     def _loop_equations(
-        self, roots: BodyState, p_WO: Vector, params: BatchParameters, held: Lanes
+        self,
+        roots: BodyState,
+        p_WO: Vector,
+        params: BatchParameters,
+        held: Lanes,
+        lanes: LaneBlocks,
     ) -> tuple[Lanes, Lanes]:
         """Return (6, 6, e, n) stiffness of the edges, and (6, e, n) the rest."""
         count, places = len(self._loop_edges), self._tree.groups[0]
@@ -215,7 +225,7 @@ class BatchRigidJoints:
             ways = np.array([joint.way for joint in kind.joints])[:, None]
             gains = self._joints.stiffness[edges][:, None]
             k = jnp.where(_hold(kind.joints, held), gains, 0.0)
-            rows, lanes = lane_rows(J), LaneBlocks()
+            rows = lanes.settled(lane_rows(J))
             blocks = lanes.multiply(lanes.transpose(k * rows), rows)
             forces = lanes.apply(lanes.transpose(rows), k * ways * lane_rows(beside))
             targets = [self._loop_edges.index(edge) for edge in edges]
@@ -224,11 +234,17 @@ class BatchRigidJoints:
         return stiffness, rest
 
 
-class _LaneRows:
+class _LaneRows(Settler):
     """Bodies of a group on an axis of lanes (k, n)."""
 
-    def __init__(self, held: Lanes):
-        """Prepare: (a, n) whether each attachment holds."""
+    def __init__(self, held: Lanes, x: Lanes):
+        """Prepare.
+
+        Args:
+            held: (a, n) whether each attachment holds.
+            x: as `Settler` has it.
+        """
+        super().__init__(x)
         self._held = held
 
     def outward(self, values: Any, branch: Branch) -> Any:

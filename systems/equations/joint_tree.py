@@ -147,6 +147,9 @@ class Rows(Protocol):
     def held(self, values: Any, branch: Branch) -> Any:
         """Return values where a joint of a branch holds, and zero elsewhere."""
 
+    def settled(self, values: Any) -> Any:
+        """Return values that are used several times: to be computed once."""
+
 
 class Alone:
     """Of bodies each of which is a group of its own, whose joints all hold."""
@@ -160,6 +163,10 @@ class Alone:
         return values
 
     def held(self, values: Any, branch: Branch) -> Any:
+        """Return them."""
+        return values
+
+    def settled(self, values: Any) -> Any:
         """Return them."""
         return values
 
@@ -215,7 +222,7 @@ def hold_tree(
     Returns:
         Beside them, what `hold_loops` does.
     """
-    carried = [_alone(group) for group in groups]
+    carried = [rows.settled(_alone(group)) for group in groups]
     links = [
         _Link(branch, rows.outward(groups[branch.inboard].bodies, branch), outboard)
         for branch in tree.branches
@@ -224,14 +231,18 @@ def hold_tree(
     through: dict[int, Carried] = {}
     for link, place in reversed(list(zip(links, places, strict=True))):
         group, inboard = link.branch.group, link.branch.inboard
-        D, wrench = through[group] = _transmitted(link, place, carried[group])
+        D, wrench = through[group] = rows.settled(
+            _transmitted(link, place, carried[group], rows)
+        )
         count = len(tree.groups[inboard])
         given = Carried(shifted_inertia(D, link.arm), shifted_wrench(wrench, link.arm))
         given = rows.inward(rows.held(given, link.branch), link.branch, count)
         before = carried[inboard]
-        carried[inboard] = Carried(
-            sum_of_inertias(before.inertia, given.inertia),
-            _sum(before.wrench, given.wrench),
+        carried[inboard] = rows.settled(
+            Carried(
+                sum_of_inertias(before.inertia, given.inertia),
+                _sum(before.wrench, given.wrench),
+            )
         )
     on_roots, loops = hold_loops(carried[: tree.roots])
     wrenches = [each.wrench for each in carried]
@@ -242,8 +253,8 @@ def hold_tree(
     for link in links:
         branch, group, inboard = link.branch, link.branch.group, link.branch.inboard
         if inboard not in accelerations:
-            accelerations[inboard] = acceleration_by(
-                carried[inboard].inertia, wrenches[inboard]
+            accelerations[inboard] = rows.settled(
+                acceleration_by(carried[inboard].inertia, wrenches[inboard])
             )
         V = rows.outward(accelerations[inboard], branch)
         D, wrench = through[group]
@@ -269,14 +280,18 @@ def _alone(group: Group) -> Carried:
     return Carried(D, _difference(group.others, of_rates))
 
 
-def _transmitted(link: _Link, place: JointPlace, carried: Carried) -> Carried:
+def _transmitted(
+    link: _Link, place: JointPlace, carried: Carried, rows: Rows
+) -> Carried:
     """Return what a branch's joints transmit of what their outboard bodies carry."""
     type, to_B = link.branch.joints[0].type, link.branch.to_B
-    motion = joined(type, place.R_AJ, *link.ends, place.p_BoPad_B, place.axis_B)
+    motion = rows.settled(
+        joined(type, place.R_AJ, *link.ends, place.p_BoPad_B, place.axis_B)
+    )
     r = subtract(motion.p_WPad, link.outboard.p_WBo)
     D, wrench = carried
     for S in _free_directions(type, motion, r):
-        D, wrench = without_direction(D, wrench, S)
+        D, wrench = rows.settled(without_direction(D, wrench, S))
     needed = wrench_for(D, _given(type, motion, r, 1.0 if to_B else -1.0))
     return Carried(D, _difference(wrench, needed))
 
