@@ -1,6 +1,7 @@
 """The rigid joints as a Drake system."""
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from pydrake.common.value import AbstractValue, Value
@@ -44,10 +45,10 @@ class _Solved:
     """
 
     holds: bool = False
-    bodies: list[BodyState]
-    """That are joined."""
-    edges: list[Wrench]
-    """On B of each edge."""
+    bodies: Mapping[int, BodyState]
+    """By their places among the joined ones, those that are held."""
+    edges: Mapping[int, Wrench]
+    """On B of each edge that holds."""
 
 
 class RigidJoints(LeafSystem):
@@ -152,11 +153,16 @@ class RigidJoints(LeafSystem):
             return
         x = self._state.Eval(context).tolist()
         entries = self._others.Eval(context).tolist()
-        solved.bodies = [self._layout.read_one(x, i) for i in self._joints.bodies]
-        others = [
-            Wrench(tuple(entries[k : k + 3]), tuple(entries[k + 3 : k + 6]))
-            for k in (6 * i for i in self._joints.bodies)
-        ]
+        indices = {body: self._joints.bodies[body] for body in holding.bodies}
+        solved.bodies = {
+            body: self._layout.read_one(x, i) for body, i in indices.items()
+        }
+        others = {
+            body: Wrench(
+                tuple(entries[6 * i : 6 * i + 3]), tuple(entries[6 * i + 3 : 6 * i + 6])
+            )
+            for body, i in indices.items()
+        }
         solved.edges = holding.wrenches(solved.bodies, others)
 
     def _add_wrenches(self, context: Context, entries: list[float]) -> list[float]:
@@ -164,8 +170,9 @@ class RigidJoints(LeafSystem):
         if not solved.holds:
             return entries
         each = wrenches_on_bodies(self._joints, solved.edges, solved.bodies)
-        for i, (torque, force) in zip(self._joints.bodies, each, strict=True):
-            for k, value in enumerate((*torque, *force), start=6 * i):
+        for body, (torque, force) in each.items():
+            first = 6 * self._joints.bodies[body]
+            for k, value in enumerate((*torque, *force), start=first):
                 entries[k] += value
         return entries
 

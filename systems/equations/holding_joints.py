@@ -3,7 +3,7 @@
 As Drake evaluates them, moment by moment.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -95,14 +95,19 @@ class HoldingJoints:
         self._ends = [(self._roots.index(a), self._roots.index(b)) for a, b in ends]
         self._plan = plan_elimination(len(self._roots), self._ends)
 
+    @property
+    def bodies(self) -> list[int]:
+        """Places of the bodies that are held, among the joined ones."""
+        return [body for [body] in self._tree.groups]
+
     def wrenches(
-        self, bodies: Sequence[BodyState], others: Sequence[Wrench]
-    ) -> list[Wrench]:
-        """Return the wrenches on B of each edge, about its origin.
+        self, bodies: Mapping[int, BodyState], others: Mapping[int, Wrench]
+    ) -> dict[int, Wrench]:
+        """Return the wrenches on B of each edge that holds, about its origin.
 
         Args:
-            bodies: that are joined.
-            others: all else that acts on them, about their origins.
+            bodies: by their places among the joined ones, those that are held.
+            others: all else that acts on each, about its origin.
         """
         tree = self._tree
         groups = [
@@ -115,20 +120,17 @@ class HoldingJoints:
             Alone(),
             lambda roots: self._hold_loops(roots, bodies),
         )
-        found = [_NONE] * len(self._joints.edges)
         for branch, wrench in zip(tree.branches, on_outboard, strict=True):
             [joint], [body] = branch.joints, tree.groups[branch.group]
             if self._joints.edges[joint.edge][1] != body:
                 [inboard] = tree.groups[branch.inboard]
                 arm = subtract(bodies[body].p_WBo, bodies[inboard].p_WBo)
                 wrench = _reaction(shifted_wrench(wrench, arm))
-            found[joint.edge] = wrench
-        for edge, wrench in on_edges.items():
-            found[edge] = wrench
-        return found
+            on_edges[joint.edge] = wrench
+        return on_edges
 
     def _hold_loops(
-        self, roots: Sequence[Carried], bodies: Sequence[BodyState]
+        self, roots: Sequence[Carried], bodies: Mapping[int, BodyState]
     ) -> tuple[list[Wrench], dict[int, Wrench]]:
         """Return what loops do to each root, and on B of each of their edges."""
         if not self._ends:
@@ -165,7 +167,7 @@ class HoldingJoints:
         return on_roots, on_edges
 
     def _loop_equations(
-        self, bodies: Sequence[BodyState], p_WO: Vector
+        self, bodies: Mapping[int, BodyState], p_WO: Vector
     ) -> tuple[Array, Array]:
         """Return (e, 6, 6) stiffness of the edges of loops, and (e, 6) the rest."""
         count = len(self._loop_edges)
@@ -188,17 +190,20 @@ class HoldingJoints:
 
 
 def wrenches_on_bodies(
-    joints: RigidJoints, wrenches: Sequence[Wrench], bodies: Sequence[BodyState]
-) -> list[Wrench]:
-    """Return what rigid joints do to the joined bodies, about their origins.
+    joints: RigidJoints,
+    wrenches: Mapping[int, Wrench],
+    bodies: Mapping[int, BodyState],
+) -> dict[int, Wrench]:
+    """Return what rigid joints do to the bodies that they hold, about their origins.
 
     Args:
         joints: of the separation.
-        wrenches: on B of each edge, about its origin.
-        bodies: that are joined.
+        wrenches: on B of each edge that holds, about its origin.
+        bodies: by their places among the joined ones.
     """
-    totals = [_NONE] * len(bodies)
-    for (a, b), wrench in zip(joints.edges, wrenches, strict=True):
+    totals = dict.fromkeys(bodies, _NONE)
+    for edge, wrench in wrenches.items():
+        a, b = joints.edges[edge]
         arm = subtract(bodies[b].p_WBo, bodies[a].p_WBo)
         totals[b] = _sum(totals[b], wrench)
         totals[a] = _sum(totals[a], _reaction(shifted_wrench(wrench, arm)))

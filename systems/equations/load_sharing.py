@@ -1,7 +1,7 @@
 """How rigid joints of two bodies share a load: as equal springs in parallel."""
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -49,8 +49,8 @@ def joint_shares(
     p_BoPad_B: Sequence[Vector],
     axis_B: Sequence[Vector],
     held: Collection[int],
-    bodies: Sequence[BodyState],
-    wrenches: Sequence[Wrench],
+    bodies: Mapping[int, BodyState],
+    wrenches: Mapping[int, Wrench],
 ) -> dict[int, Wrench]:
     """Return the loads of attachments with rigid joints that hold, by their indices.
 
@@ -59,8 +59,8 @@ def joint_shares(
         p_BoPad_B: place of each attachment in its B, m.
         axis_B: as `HeldJoint` has it, of each attachment.
         held: indices of attachments that hold.
-        bodies: that are joined.
-        wrenches: on B of each edge, about its origin, in W.
+        bodies: by their places among the joined ones.
+        wrenches: on B of each edge that holds, about its origin, in W.
 
     Returns:
         Torque about the pad, N m, and force, N, on its B, in its frame.

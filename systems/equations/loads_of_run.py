@@ -107,8 +107,12 @@ def _loads_of_rigid(run: Run) -> dict[str, Array]:
         if held not in laws:
             found = joints_that_hold(joints, pads, axes, held)
             laws[held] = HoldingJoints(joints, massive, found)
-        now = [body_state(trajectory.of(b.name)[k].tolist(), 0, 7) for b in bodies]
-        others = [_wrench(acting[b.name][k].tolist()) for b in bodies]
+        names = {i: bodies[i].name for i in laws[held].bodies}
+        now = {
+            i: body_state(trajectory.of(name)[k].tolist(), 0, 7)
+            for i, name in names.items()
+        }
+        others = {i: _wrench(acting[name][k].tolist()) for i, name in names.items()}
         edges = laws[held].wrenches(now, others)
         shares = joint_shares(joints, pads, axes, held, now, edges)
         for i, (torque, force) in shares.items():

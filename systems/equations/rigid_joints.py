@@ -38,6 +38,9 @@ leaves this part less of the error, and round-off of accelerations is this many 
 large in wrenches."""
 
 
+_W: Rotation = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+
+
 # What there is.
 
 
@@ -156,7 +159,7 @@ class Joined(NamedTuple):
     p_WPad: Vector
     """m."""
     axes: tuple[Vector, Vector, Vector]
-    """Of the joint's frame, in W."""
+    """Of the joint's frame, in W; W's own for a fixed one, which holds along any."""
     a: Vector
     """Of B's pad as seen from A, m/s^2."""
     alpha: Vector
@@ -194,7 +197,7 @@ def joined(
         subtract(cross(B.w_WB, cross(B.w_WB, r_B)), cross(A.w_WB, cross(A.w_WB, r_A))),
         scale(2.0, cross(A.w_WB, v)),
     )
-    R = compose(A.R_WB, R_AJ)
+    R = _W if type == "fixed" else compose(A.R_WB, R_AJ)
     x, y, z = ((R[i], R[3 + i], R[6 + i]) for i in range(3))
     hinge = turning = None
     if type == "universal":
@@ -244,9 +247,9 @@ def joint_equations(
     J, rest = [], []
     for e, held in zip(motion.axes, CONSTRAINTS[type].translation, strict=True):
         if held:
-            J.append([*cross(p_OPad, e), *e])
+            J.append([*cross(p_OPad, e), *(x + zero for x in e)])
             rest.append(dot(e, motion.a))  # Eq. 1
     for e, beside in held_turns(type, motion):
-        J.append([*scale(arm, e), zero, zero, zero])
+        J.append([*(x + zero for x in scale(arm, e)), zero, zero, zero])
         rest.append(arm * beside)  # Eq. 2
     return Equations(J, rest)
