@@ -39,7 +39,7 @@ from drakesep.systems.equations.mated_stack import (
 from drakesep.systems.equations.relative_motion import BodyState, RelativeMotion, Wrench
 from drakesep.systems.equations.rigid_joints import rigid_joints
 from drakesep.systems.model.loads import Load
-from drakesep.systems.model.parameters import names_of, parameters
+from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.separation import Attachment, Body, Pair, Separation
 from drakesep.systems.vectors import Vector
 

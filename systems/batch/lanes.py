@@ -68,9 +68,9 @@ class Settler:
     """Has values that are used several times computed once.
 
     XLA computes what is cheap again wherever it is used, and for long chains of sums
-    and products all that goes into them: ten times the work where bodies hang on bodies.
-    Quotients count as dear, and are kept. One by one, which the compiler does not know,
-    is exact.
+    and products all that goes into them: ten times the work where bodies hang on one
+    another. Quotients count as dear, and are kept. A quotient by one is exact, where
+    the compiler does not know that it is one.
     """
 
     def __init__(self, x: Lanes):

@@ -33,8 +33,8 @@ from drakesep.systems.equations.relative_motion import BodyState, Wrench
 from drakesep.systems.equations.rigid_joints import (
     RigidJoint,
     RigidJoints,
-    joint_equations,
     joined,
+    joint_equations,
 )
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import Rotation, Vector
@@ -106,9 +106,7 @@ class BatchRigidJoints:
             Group(
                 pick_rows(bodies, index),
                 Massive(
-                    *pick_rows(
-                        (params.mass, params.p_BoBcm_B, params.I_BBcm_B), index
-                    )
+                    *pick_rows((params.mass, params.p_BoBcm_B, params.I_BBcm_B), index)
                 ),
                 pick_rows(others, index),
             )
@@ -120,7 +118,9 @@ class BatchRigidJoints:
             groups,
             [self._place(kind, params) for kind in self._branches],
             _LaneRows(held, x),
-            lambda carried: self._hold_loops(carried[0], roots, params, held, LaneBlocks(x)),
+            lambda carried: self._hold_loops(
+                carried[0], roots, params, held, LaneBlocks(x)
+            ),
         )
         total = WrenchSum(bodies)
         for branch, wrench in zip(tree.branches, on_outboard, strict=True):
@@ -174,7 +174,7 @@ class BatchRigidJoints:
         held: Lanes,
         lanes: LaneBlocks,
     ) -> tuple[list[Wrench], dict[int, Wrench]]:
-        """Return what loops do to the roots, of (r, n), and to each of them, of (n,)."""
+        """Return what loops do to the roots, of (r, n); and of (n,), to each."""
         if not self._ends:
             return [], {}
         p_WO = pick(roots.p_WBo, slice(0, 1))

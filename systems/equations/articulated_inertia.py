@@ -1,8 +1,9 @@
 """What it takes to accelerate a body, with all that hangs on it by joints.
 
 Articulated inertias (Featherstone, "Rigid Body Dynamics Algorithms", 2008, chapter 7),
-in W and about the body's origin: a torque is I alpha + H a, a force H^T alpha + M a. The
-acceleration of a body is that of its origin, without what its angular velocity gives.
+in W and about the body's origin: a torque is I alpha + H a, a force H^T alpha + M a.
+The acceleration of a body is that of its origin, without what its angular velocity
+gives.
 """
 
 from typing import NamedTuple
@@ -116,9 +117,7 @@ def acceleration_by(D: Inertia, wrench: Wrench) -> Acceleration:
     )
     G_force = (dot(x, wrench.force), dot(y, wrench.force), dot(z, wrench.force))
     alpha = apply(inverse(left), subtract(wrench.torque, G_force))
-    return Acceleration(
-        alpha, apply(M_1, subtract(wrench.force, unrotate(D.H, alpha)))
-    )
+    return Acceleration(alpha, apply(M_1, subtract(wrench.force, unrotate(D.H, alpha))))
 
 
 def without_direction(
@@ -179,9 +178,7 @@ def shifted_inertia(D: Inertia, arm: Vector) -> Inertia:
     """Return an inertia about a point from which its own is at an arm."""
     xx, yy, zz, xy, xz, yz = D.M
     columns = [cross(arm, each) for each in ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))]
-    H = tuple(
-        D.H[3 * i + j] + columns[j][i] for i in range(3) for j in range(3)
-    )
+    H = tuple(D.H[3 * i + j] + columns[j][i] for i in range(3) for j in range(3))
     # I + A H^T - (H + A M) A, with A of the cross product with the arm.
     x, y, z = (cross(arm, row) for row in (D.H[:3], D.H[3:6], D.H[6:]))
     a, b, c = (cross(row, arm) for row in (H[:3], H[3:6], H[6:]))

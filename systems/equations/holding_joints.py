@@ -29,8 +29,8 @@ from drakesep.systems.equations.relative_motion import BodyState, Wrench
 from drakesep.systems.equations.rigid_joints import (
     RigidJoint,
     RigidJoints,
-    joint_equations,
     joined,
+    joint_equations,
 )
 from drakesep.systems.vectors import Vector, add, negate, subtract
 
@@ -110,9 +110,7 @@ class HoldingJoints:
             others: all else that acts on each, about its origin.
         """
         tree = self._tree
-        groups = [
-            Group(bodies[i], self._massive[i], others[i]) for [i] in tree.groups
-        ]
+        groups = [Group(bodies[i], self._massive[i], others[i]) for [i] in tree.groups]
         on_outboard, on_edges = hold_tree(
             tree,
             groups,
@@ -175,12 +173,9 @@ class HoldingJoints:
         for joint in self._tree.loops:
             A, B, place = bodies[joint.a], bodies[joint.b], self._places[joint.first]
             k, arm = (
-                float(x[joint.edge])
-                for x in (self._joints.stiffness, self._joints.arm)
+                float(x[joint.edge]) for x in (self._joints.stiffness, self._joints.arm)
             )
-            motion = joined(
-                joint.type, place.R_AJ, A, B, place.p_BoPad_B, place.axis_B
-            )
+            motion = joined(joint.type, place.R_AJ, A, B, place.p_BoPad_B, place.axis_B)
             equations = joint_equations(joint.type, motion, p_WO, arm)
             J: Array = np.array(equations.J)
             edge = self._loop_edges.index(joint.edge)

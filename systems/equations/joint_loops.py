@@ -2,9 +2,9 @@
 
 By the method of multipliers: in a few rounds with joints that are stiff to
 accelerations, each of which begins where the last one has come to. However many joints
-hold the same directions, this is well posed, and of all wrenches that hold them it finds
-those of equal joints (Carpentier, Budhiraja and Mansard, "Proximal and sparse resolution
-of constrained dynamic equations", RSS 2021).
+hold the same directions, this is well posed, and of all wrenches that hold them it
+finds those of equal joints (Carpentier, Budhiraja and Mansard, "Proximal and sparse
+resolution of constrained dynamic equations", RSS 2021).
 
 Wrenches and accelerations are about a common point O, in W: six numbers, of which the
 first three are of rotation.

@@ -36,7 +36,6 @@ from drakesep.systems.equations.rigid_joints import (
 from drakesep.systems.model.joints import CONSTRAINTS, JointType
 from drakesep.systems.vectors import (
     Rotation,
-    Scalar,
     Vector,
     add,
     cross,
@@ -89,7 +88,9 @@ def plan_tree(joints: Sequence[RigidJoint], *, alone: bool) -> JointTree:
         for body, joint in leaves:
             inboard = joint.a if joint.b == body else joint.b
             hanging.setdefault(inboard, []).append((body, joint))
-            left[inboard] = [other for other in left[inboard] if other.first != joint.first]
+            left[inboard] = [
+                other for other in left[inboard] if other.first != joint.first
+            ]
             del left[body]
     roots = sorted(left)
     groups = [[body] for body in roots] if alone else [roots]
@@ -199,8 +200,8 @@ class Carried(NamedTuple):
 
 
 LoopsLaw: TypeAlias = Callable[[list[Carried]], tuple[list[Wrench], Any]]
-"""From each group of roots to the wrenches that joints of loops give it, and whatever an
-engine wants to know of them beside."""
+"""From each group of roots to the wrenches that joints of loops give it, and whatever
+an engine wants to know of them beside."""
 
 
 def hold_tree(
@@ -296,9 +297,7 @@ def _transmitted(
     return Carried(D, _difference(wrench, needed))
 
 
-def _free_directions(
-    type: JointType, motion: Joined, r: Vector
-) -> list[Acceleration]:
+def _free_directions(type: JointType, motion: Joined, r: Vector) -> list[Acceleration]:
     """Return how a body may move whose joint is at r from its origin."""
     translation, rotation = CONSTRAINTS[type]
     free = [
@@ -315,9 +314,7 @@ def _free_directions(
     return free
 
 
-def _given(
-    type: JointType, motion: Joined, r: Vector, sign: float
-) -> Acceleration:
+def _given(type: JointType, motion: Joined, r: Vector, sign: float) -> Acceleration:
     """Return what a joint gives of the acceleration of a body, whatever acts.
 
     Args:
@@ -337,9 +334,7 @@ def _given(
     return Acceleration(alpha, add(a, cross(r, alpha)))
 
 
-def _along(
-    axes: Sequence[Vector], which: Sequence[bool], v: Vector
-) -> Vector:
+def _along(axes: Sequence[Vector], which: Sequence[bool], v: Vector) -> Vector:
     """Return the part of a vector along some of three axes."""
     if all(which):
         return v

@@ -8,8 +8,8 @@ import numpy as np
 
 from drakesep.systems.arrays import Array
 from drakesep.systems.equations import joints as joint_laws
-from drakesep.systems.equations.forces_of_run import spring_force_over, states_of
 from drakesep.systems.equations.articulated_inertia import Massive
+from drakesep.systems.equations.forces_of_run import spring_force_over, states_of
 from drakesep.systems.equations.gravity import gravity_wrench, orbit_position
 from drakesep.systems.equations.holding_joints import HoldingJoints, joints_that_hold
 from drakesep.systems.equations.load_sharing import joint_shares

@@ -15,6 +15,7 @@ from drakesep.systems.simulation.simulation import Simulation
 
 
 NONE = (math.inf,) * 3
+RIGID = {"rigid": True}
 RADIUS = 0.9
 """Of the ring on which payloads stand, m."""
 HIGH = 0.3
@@ -38,7 +39,7 @@ CUBESATS = {
 }
 
 
-def carrier(places, payload, spring, every, leave=None) -> Case:
+def carrier(places, payload, spring, every, leave=None, joint=RIGID) -> Case:
     """Payloads around a ring on a stage, which leave along x one after the other.
 
     Args:
@@ -47,6 +48,7 @@ def carrier(places, payload, spring, every, leave=None) -> Case:
         spring: of each, through its CG.
         every: how long until the next leaves, s.
         leave: how many there are, from +y on; all places are taken if None.
+        joint: that holds each until then.
     """
     mass, (xx, yy, zz) = payload
     bodies, attachments = {"stage": STAGE}, {}
@@ -68,7 +70,7 @@ def carrier(places, payload, spring, every, leave=None) -> Case:
             "A": "stage",
             "B": name,
             "position_mm": place,
-            "joint": JOINT,
+            "joint": joint,
             "spring": {"name": f"p{i + 1}", "law": "displacement", **spring},
             "release_time_s": every * i,
         }
@@ -85,14 +87,13 @@ def carrier(places, payload, spring, every, leave=None) -> Case:
 
 GIVEN = {
     "ten": TEN,
-    "six of 24 cubesats": CUBESATS | {"leave": 6},
+    "ten on springs": TEN | {"joint": JOINT},
     "24 cubesats": CUBESATS,
 }
 EVERY = pytest.mark.parametrize(
     "name",
-    ["ten", "six of 24 cubesats", pytest.param("24 cubesats", marks=pytest.mark.slow)],
+    ["ten", "ten on springs", pytest.param("24 cubesats", marks=pytest.mark.slow)],
 )
-"""All of them take half a minute."""
 
 
 @cache
@@ -119,9 +120,11 @@ def test_each_leaves_at_its_speed_by_hand(name):
         mass, compliance = composite((separation.bodies[0], *rest), leaving.p_ABo)
         energy = 0.5 * spring.force_max * spring.stroke
         speed = math.sqrt(2.0 * energy * (1.0 / leaving.mass + 1.0 / mass + compliance))
-        # The joints of the others give: they take F^2 / 2 K of the energy, at most.
+        # Joints on springs take F^2 / 2 K of the energy, at most; rigid ones none.
+        # The stack turns by some thousandths, of which the speed feels some percent.
         lost = spring.force_max**2 / (2.0 * JOINT["stiffness_N_m"]) / energy
-        assert told[metric] == pytest.approx(speed, rel=0.5 * lost), metric
+        allowed = 0.5 * lost if name == "ten on springs" else 1e-4
+        assert told[metric] == pytest.approx(speed, rel=allowed), metric
 
 
 def composite(bodies, port):

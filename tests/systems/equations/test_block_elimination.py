@@ -66,7 +66,9 @@ def test_lanes_are_systems_of_their_own(edges):
     )
     right = np.random.default_rng(0).normal(size=own.shape[1:])
     with jax.enable_x64(True):
-        got = np.array(Factorized(plan, own, couplings, LaneBlocks(right[0, 0])).solve(right))
+        got = np.array(
+            Factorized(plan, own, couplings, LaneBlocks(right[0, 0])).solve(right)
+        )
     for lane, (_, _, dense, _) in enumerate(systems):
         expected = np.linalg.solve(dense, right[..., lane].T.ravel())
         assert got[..., lane].T.ravel() == pytest.approx(expected, abs=1e-12)
