@@ -184,13 +184,15 @@ def test_what_takes_too_long_leaves_the_last_results(case, tmp_path):
     assert before == {file: file.read_bytes() for file in tmp_path.rglob("*.*")}
 
 
-def test_the_options_of_a_plan_plan_it_again(case):
+@pytest.mark.parametrize("asked", [None, ["multistart", "samples"], ["drake"]])
+def test_the_options_of_a_plan_plan_it_again(case, asked):
     """On any machine."""
-    first = plan(case, slower(300.0))
+    first = plan(case, slower(300.0), names=asked)
     options = dict(first.options)
     names, growth = options.pop("searches"), options.pop("growth")
     again = plan(case, FAST, names=list(names), growth=growth, **options)
     assert again.options == first.options
+    assert again.drake_alone == first.drake_alone
 
 
 def test_the_plan_stands_in_the_folder(case, tmp_path):
@@ -200,7 +202,7 @@ def test_the_plan_stands_in_the_folder(case, tmp_path):
     )
     record = drakesep.read_results(tmp_path).record
     assert study.effort is not None
-    assert record.plan == {**study.effort.options, "searches": ["sqp"]}
+    assert record.plan == {**study.effort.options, "searches": ["drake"]}
 
 
 def test_searches_that_suit():
