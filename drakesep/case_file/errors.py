@@ -37,6 +37,8 @@ def _explain(error: dict[str, Any]) -> str:
     match error["type"]:
         case "missing":
             return f"{place}: missing"
+        case "unexpected_keyword_argument":
+            return f"{place}: unknown key"
         case "greater_than":
             message = f"must be > {context['gt']:g}{got}"
         case "greater_than_equal":

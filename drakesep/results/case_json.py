@@ -60,6 +60,8 @@ _RECORDS: tuple[type[Any], ...] = (
     *(Clearance, Contact, ContactForces),
 )
 _ENUMS: tuple[type[enum.Enum], ...] = (Ending, RunStatus)
+NO_RECORD = (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError)
+"""What comes of reading a file that somebody has changed: JSON may hold anything."""
 
 
 def to_json(value: Any) -> Any:

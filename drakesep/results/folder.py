@@ -3,6 +3,7 @@
 import contextlib
 import fcntl
 import os
+import threading
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -84,6 +85,7 @@ class ResultsFolder:
         self._asked: Asked | None = None
         self._labels: dict[str, None] = {}
         self._others: dict[Path, tuple[int, int]] = {}
+        self._writing = threading.RLock()
 
     def __enter__(self) -> Self:
         """Lock it.
@@ -132,29 +134,34 @@ class ResultsFolder:
 
     def plan(self, options: Mapping[str, Any]) -> None:
         """Write down what the study has planned, before it does."""
-        assert self._record is not None
-        self._record = replace(self._record, plan=dict(options))
-        self.keep()
+        with self._writing:
+            assert self._record is not None
+            self._record = replace(self._record, plan=dict(options))
+            self.keep()
 
     def keep(self, labels: Sequence[str] = ()) -> None:
-        """Write down which files the study has left until now.
+        """Write down which files the study has left until now, if it has not ended.
+
+        Any thread may: what is drawn beside the study is written down when it is there.
 
         Args:
             labels: of runs that are written, or being written.
         """
-        assert self._record is not None
-        self._labels |= dict.fromkeys(labels)
-        assert self._asked is not None
-        bodies = [pair.B for pair in self._asked.case.separation.others]
-        names = names_of(self._study, tuple(self._labels), bodies)
-        files = files_in(self.path, names, self._is_ours)
-        there = {one.name for one in files}
-        self._record = replace(
-            self._record,
-            runs=[k for k in self._labels if f"{RUNS}/{k}.json" in there],
-            files=files_as_json(files),
-        )
-        self._record.write(self.path)
+        with self._writing:
+            self._labels |= dict.fromkeys(labels)
+            if self._record is None:
+                return
+            assert self._asked is not None
+            bodies = [pair.B for pair in self._asked.case.separation.others]
+            names = names_of(self._study, tuple(self._labels), bodies)
+            files = files_in(self.path, names, self._is_ours)
+            there = {one.name for one in files}
+            self._record = replace(
+                self._record,
+                runs=[k for k in self._labels if f"{RUNS}/{k}.json" in there],
+                files=files_as_json(files),
+            )
+            self._record.write(self.path)
 
     def end(self, *, failed: str = "", verdict: str | None = None) -> None:
         """Write down how the study ended, and what it has left.
@@ -169,16 +176,17 @@ class ResultsFolder:
     def _end(
         self, ended: Ended, *, message: str = "", verdict: str | None = None
     ) -> None:
-        assert self._record is not None and self._asked is not None
-        self._record = replace(
-            self._record,
-            ended=ended,
-            message=message,
-            verdict=verdict,
-            seconds=round(self._asked.seconds, 3),
-        )
-        self.keep()
-        self._record = None
+        with self._writing:
+            assert self._record is not None and self._asked is not None
+            self._record = replace(
+                self._record,
+                ended=ended,
+                message=message,
+                verdict=verdict,
+                seconds=round(self._asked.seconds, 3),
+            )
+            self.keep()
+            self._record = None
 
     def __exit__(
         self,

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.files import written
-from drakesep.results.case_json import from_json, to_json
+from drakesep.results.case_json import NO_RECORD, from_json, to_json
 from drakesep.results.catalogue import CASE, GEOMETRY
 from drakesep.results.provenance import sha256_of
 from drakesep.systems.checks import InputError
@@ -70,7 +70,7 @@ def read_case(folder: Path) -> AnalysisCase:
     file = folder / CASE
     try:
         case = from_json(json.loads(file.read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError, KeyError) as error:
+    except NO_RECORD as error:
         raise InputError(f"{file}: must hold a case, got: {error}") from error
     if not isinstance(case, AnalysisCase):
         raise InputError(f"{file}: must hold a case, got {type(case).__name__}")

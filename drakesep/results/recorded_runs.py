@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 
 from drakesep.files import write_text
-from drakesep.results.case_json import from_json, to_json
+from drakesep.results.case_json import NO_RECORD, from_json, to_json
 from drakesep.results.catalogue import RUNS
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
@@ -164,7 +164,7 @@ def _of_a_study(file: Path) -> Iterator[None]:
     """Say in errors which file they are of."""
     try:
         yield
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except NO_RECORD as error:
         reason = f"{type(error).__name__}: {error}"
         raise InputError(f"{file}: must be that of a run, got {reason}") from error
 

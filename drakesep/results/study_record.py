@@ -8,6 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+
+from drakesep.case_file.errors import explained, shown
 from drakesep.files import write_text
 from drakesep.results import provenance
 from drakesep.results.asked import Asked
@@ -33,6 +36,8 @@ class Ended(enum.Enum):
 @dataclass(frozen=True, kw_only=True)
 class StudyRecord:
     """What `study.json` says; its fields are the keys of the file."""
+
+    __pydantic_config__ = ConfigDict(extra="forbid")
 
     format: int = _FORMAT
     """Of the file."""
@@ -78,6 +83,14 @@ class StudyRecord:
     ``what`` it holds, and of a table what a ``row`` is for, and of each of its
     ``columns`` the ``name``, the ``unit`` and ``what`` it holds."""
 
+    def __post_init__(self) -> None:
+        """Check what others are found by."""
+        for i, file in enumerate(self.files):
+            if not isinstance(name := file.get("name"), str):
+                raise InputError(
+                    f"files (entry {i + 1}).name: must be text, got {shown(name)}"
+                )
+
     def write(self, folder: Path) -> None:
         """Write it into a folder."""
         data = {**self.__dict__, "ended": self.ended.value}
@@ -96,15 +109,15 @@ class StudyRecord:
             data = json.loads(file.read_text(encoding="utf-8"))
         except FileNotFoundError:
             return None
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RecursionError) as error:
             raise InputError(f"{file}: must be that of a study, got: {error}") from None
         if not isinstance(data, dict) or data.get("format") != _FORMAT:
             got = data.get("format") if isinstance(data, dict) else None
             raise InputError(f"{file}: format must be {_FORMAT}, got {got}")
         try:
-            return cls(**{**data, "ended": Ended(data["ended"])})
-        except (TypeError, KeyError, ValueError) as error:
-            raise InputError(f"{file}: must be that of a study, got: {error}") from None
+            return TypeAdapter(cls).validate_python(data)
+        except ValidationError as error:
+            raise explained(error, f"{file}: ") from None
 
 
 def record_of(asked: Asked, folder: Path, command: Sequence[str] | None) -> StudyRecord:

@@ -18,7 +18,11 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Needs, Objective
 from drakesep.analysis.search.effort import Effort, SearchSettings, fewer_starts
 from drakesep.analysis.search.problem import FROM_NOMINAL
-from drakesep.studies.worst_case.searches import WantedSearches, default_searches
+from drakesep.studies.worst_case.searches import (
+    DRAKE,
+    WantedSearches,
+    default_searches,
+)
 from drakesep.studies.worst_case.speed import Speed
 from drakesep.systems.checks import InputError, check_positive
 
@@ -123,7 +127,7 @@ class StudyEffort:
         """What plans the same on any machine, by the arguments' names."""
         settings = self.settings
         return {
-            "searches": self.searches,
+            "searches": (DRAKE,) if self.drake_alone else self.searches,
             "samples": settings.samples,
             "vertices": settings.vertices,
             "flips": settings.flips,

@@ -131,9 +131,17 @@ class Session:
 
     def draw(self, save: Callable[[Path], None]) -> None:
         """Begin to draw into the folder, if there is one, while the study goes on."""
-        if self.plan.folder is not None:
-            folder = self.plan.folder.path
-            self._drawings.append(self.background.submit(save, folder))
+        folder = self.plan.folder
+        if folder is None:
+            return
+
+        def listed(_: Future[None]) -> None:
+            with contextlib.suppress(OSError):  # the study's own next writing raises it
+                folder.keep()
+
+        drawing = self.background.submit(save, folder.path)
+        drawing.add_done_callback(listed)
+        self._drawings.append(drawing)
 
     def wait_for_drawings(self) -> None:
         """Wait until all is drawn that has been begun, or has failed."""

@@ -10,8 +10,11 @@ import signal
 import subprocess
 import sys
 import textwrap
+import threading
 import time
+from concurrent.futures import Future
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,6 +27,7 @@ from drakesep.files import PREFIX, written
 from drakesep.results.asked import Asked
 from drakesep.results.folder import ResultsFolder
 from drakesep.results.recorded_case import MeshChanged
+from drakesep.studies.worst_case.session import Session
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.parts import Mesh, Part
 
@@ -156,6 +160,36 @@ def test_lock_dies_with_its_process(tmp_path):
     assert record(tmp_path)["ended"] == "completed"
     assert not any(name.startswith(PREFIX) for name in names(tmp_path))
     assert "contacts.csv" not in names(tmp_path)
+
+
+def test_what_is_drawn_beside_a_study_is_listed_when_it_is_there(tmp_path):
+    """Not at the study's next step: of one that is killed until then, it would stay."""
+    drawn = Future()
+    background = SimpleNamespace(submit=lambda save, folder: drawn)
+    with ResultsFolder(tmp_path, "worst-case") as folder:
+        folder.begin(Asked.of("worst-case", "vega"))
+        session = Session(
+            plan=SimpleNamespace(folder=folder),
+            background=background,
+            **dict.fromkeys(
+                ("nominal", "drake", "published", "pool", "evaluator", "batch")
+            ),
+        )
+        session.draw(lambda path: None)
+        folder.keep(["nominal"])
+        (tmp_path / "runs").mkdir()
+        made = {"tornado.png", "runs/nominal.json"}
+        for name in made:
+            (tmp_path / name).write_text("drawn")
+        thread = threading.Thread(target=drawn.set_result, args=(None,))
+        thread.start()
+        thread.join()
+        listed = {file["name"] for file in record(tmp_path)["files"]}
+        assert listed == made | {"study.json", "case.json"}
+        assert record(tmp_path)["runs"] == ["nominal"]
+        folder.end()
+    folder.keep()  # of a drawing that comes late
+    assert record(tmp_path)["ended"] == "completed"
 
 
 def test_a_file_that_fails_leaves_the_one_before(tmp_path):

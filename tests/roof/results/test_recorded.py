@@ -191,6 +191,81 @@ def test_broken_folders_are_refused_by_name(verified, file, text, tmp_path):
         drakesep.read_results(broken).run("nominal")
 
 
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory):
+    """The folder of a run."""
+    folder = tmp_path_factory.mktemp("simulated")
+    drakesep.simulate(one_pair(run={"duration_s": 0.2}), output=folder)
+    return folder
+
+
+def places(value, place=()):
+    """Where values stand in what JSON holds, the first of each list."""
+    yield place
+    match value:
+        case dict():
+            for key, entry in value.items():
+                yield from places(entry, (*place, key))
+        case list():
+            for i, entry in enumerate(value[:1]):
+                yield from places(entry, (*place, i))
+
+
+def replaced(value, place, other):
+    if not place:
+        return other
+    key, *rest = place
+    copied = value.copy()
+    copied[key] = replaced(value[key], rest, other)
+    return copied
+
+
+@pytest.mark.parametrize("name", ["study.json", "case.json", "runs/nominal.json"])
+def test_whatever_stands_in_a_folder_is_read_or_refused(name, simulated, tmp_path):
+    """Each value of its files in turn, changed by hand into something else."""
+    folder = shutil.copytree(simulated, tmp_path / "changed")
+    file = folder / name
+    written = json.loads(file.read_text(encoding="utf-8"))
+    refused = 0
+    for place in places(written):
+        for other in (5, "other", [1]):
+            changed = json.dumps(replaced(written, place, other))
+            file.write_text(changed, encoding="utf-8")
+            try:
+                results = drakesep.read_results(folder)
+                assert results.case and results.roles
+                if name != "case.json":  # read anew for each run
+                    assert results.runs and len(results.table("summary.csv")) == 1
+            except InputError:
+                refused += 1
+    assert refused > 10
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "why"),
+    [
+        ("files", [{"what": "a file"}], r"files \(entry 1\)\.name: must be text"),
+        ("files", [3], r"files \(entry 1\): must be a mapping"),
+        ("runs", "nominal", "runs: "),
+        ("other", 1, "other: unknown key"),
+    ],
+)
+def test_a_record_changed_by_hand_is_refused_by_its_key(
+    key, value, why, simulated, tmp_path
+):
+    """By the reader and by the next study, which leaves the folder as it is."""
+    folder = shutil.copytree(simulated, tmp_path / "changed")
+    file = folder / "study.json"
+    said = {**json.loads(file.read_text(encoding="utf-8")), key: value}
+    file.write_text(json.dumps(said), encoding="utf-8")
+    before = {f: f.read_bytes() for f in folder.rglob("*.*")}
+    with pytest.raises(InputError, match=rf"study\.json: {why}"):
+        drakesep.read_results(folder)
+    with pytest.raises(InputError, match=rf"study\.json: {why}"):
+        drakesep.simulate(one_pair(), output=folder)
+    assert {f: f.read_bytes() for f in folder.rglob("*.*")} == before
+
+
 def test_tables_of_a_folder_are_asked_for_by_name(verified):
     study, folder = verified
     results = drakesep.read_results(folder)

@@ -2,12 +2,15 @@
 
 import dataclasses
 import re
+from pathlib import Path
 
 import pytest
 
 import drakesep
 from drakesep.analysis.metrics.objectives import OBJECTIVES, highest
 from drakesep.analysis.search.effort import SearchSettings
+from drakesep.results.asked import Asked
+from drakesep.studies.verification import planned
 from drakesep.studies.worst_case.effort import MINUTES, in_time, planned_effort
 from drakesep.studies.worst_case.pace import Pace
 from drakesep.studies.worst_case.searches import WantedSearches, default_searches
@@ -69,6 +72,17 @@ def test_what_is_flown_run_by_run_is_told_beforehand(case):
     assert "run by run" not in str(plan(case, FAST))
     drake = str(plan(case, FAST, names=["drake"]))
     assert "; flown run by run in Drake, some 600 runs: L1, L2, Linf, PM" in drake
+
+
+def test_the_page_has_what_is_told_of_vega(case):
+    """But for the time."""
+    objectives = planned(Asked.of("verify", case)).objectives
+    told = str(plan(case, FAST, objectives=objectives)).partition("; about ")
+    page = (Path(__file__).parents[3] / "docs/worst_cases.md").read_text("utf-8")
+    [line] = re.findall(r"^ {4}Worst (cases of .*)$", page, re.M)
+    before, _, after = line.partition("; about ")
+    assert f"worst {before}" == told[0]
+    assert after.partition("; ")[2] == told[2].partition("; ")[2]
 
 
 def test_the_number_of_cores_changes_what_is_said_not_what_is_done(case):
@@ -184,13 +198,15 @@ def test_what_takes_too_long_leaves_the_last_results(case, tmp_path):
     assert before == {file: file.read_bytes() for file in tmp_path.rglob("*.*")}
 
 
-def test_the_options_of_a_plan_plan_it_again(case):
+@pytest.mark.parametrize("asked", [None, ["multistart", "samples"], ["drake"]])
+def test_the_options_of_a_plan_plan_it_again(case, asked):
     """On any machine."""
-    first = plan(case, slower(300.0))
+    first = plan(case, slower(300.0), names=asked)
     options = dict(first.options)
     names, growth = options.pop("searches"), options.pop("growth")
     again = plan(case, FAST, names=list(names), growth=growth, **options)
     assert again.options == first.options
+    assert again.drake_alone == first.drake_alone
 
 
 def test_the_plan_stands_in_the_folder(case, tmp_path):
@@ -200,7 +216,7 @@ def test_the_plan_stands_in_the_folder(case, tmp_path):
     )
     record = drakesep.read_results(tmp_path).record
     assert study.effort is not None
-    assert record.plan == {**study.effort.options, "searches": ["sqp"]}
+    assert record.plan == {**study.effort.options, "searches": ["drake"]}
 
 
 def test_searches_that_suit():
