@@ -97,7 +97,7 @@ def _how(growth: "Growth | None") -> str:
 
 def _limit(requirement: Requirement, unit: Unit) -> dict[str, str | float]:
     return {
-        "requirement": f"{_named(requirement)} {requirement.condition}".strip(),
+        "requirement": _named(requirement),
         "axis": requirement.quantity[1],
         "unit": unit.symbol,
         "sense": requirement.sense,
