@@ -553,16 +553,20 @@ _WORST_CASES = (
         what="Tolerances that would violate requirements, the others as they are.",
         row="requirement and parameter",
         columns=(
-            Column("requirement", "", "Its quantity."),
-            Column("axis", "", "Empty if it has none."),
+            *_LIMIT,
             Column("parameter", "", "With its unit."),
-            Column("tolerance", "in `parameter`", "The larger of its sides."),
+            Column("minus", "in `parameter`", "Its side below the nominal."),
+            Column("plus", "in `parameter`", "Its side above the nominal."),
             Column(
-                "violated_at", "in `parameter`", "The larger side that violates it."
+                "violated_minus",
+                "in `parameter`",
+                "The side below, where the tolerance has grown until it violates.",
             ),
-            Column("factor", "", "On the tolerance."),
+            Column("violated_plus", "in `parameter`", "The side above, there."),
+            Column("factor", "", "On both sides."),
             Column("looked_up_to", "", "Largest factor that was looked at."),
             Column("status", "", "Why it could not be found; empty if it was."),
+            *_IDENTITY,
         ),
     ),
     FileKind(

@@ -38,9 +38,8 @@ from drakesep.studies.worst_case.searches import WantedSearches
 from drakesep.studies.worst_case.session import session
 from drakesep.systems.checks import InputError
 from drakesep.tables.columns import write_csv
-from drakesep.tables.evidence_tables import tolerances_table
 from drakesep.tables.labelled_run import nominal_of
-from drakesep.tables.requirement_tables import requirements_table
+from drakesep.tables.requirement_tables import requirements_table, tolerances_table
 from drakesep.tables.run_tables import is_column_of_runs
 
 
@@ -73,14 +72,21 @@ class Verification(WorstCases):
             self.growths,
             self.single_growths,
             self.case.box,
-            [pair.B for pair in self.case.separation.pairs],
+            self._bodies,
             self.functions,
         )
 
     @property
     def tolerances(self) -> pd.DataFrame:
         """For each requirement and parameter, the tolerance that would violate it."""
-        return tolerances_table(self.single_growths, self.case.box)
+        return tolerances_table(
+            self.single_growths, self.case.box, self._bodies, self.functions
+        )
+
+    @property
+    def _bodies(self) -> list[str]:
+        """Names of those that leave, the first first."""
+        return [pair.B for pair in self.case.separation.pairs]
 
     def write_tables(self, results: ResultsFolder) -> None:
         """Write the tables, as far as there are any, into a folder that is locked."""
