@@ -179,7 +179,6 @@ def grow_along_rays(problem: Problem, limits: Sequence[Limit]) -> list[Growth]:
         return []
     caps = _caps(problem)
     rays = np.array([limit.u for limit in limits])
-    values = np.array([limit.value for limit in limits])
     failures: dict[int, str] = {}
 
     def excess(factors: Array, index: NDArray[np.intp]) -> Array:

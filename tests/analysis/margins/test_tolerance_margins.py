@@ -251,7 +251,8 @@ def failing(function, fails):
 
 
 @pytest.mark.parametrize(
-    ("fails_from", "searched", "on_ray"), [(1.2, 1.0, 1.0), (2.2, 2.0, 2.0), (9.0, MOST, MOST)]
+    ("fails_from", "searched", "on_ray"),
+    [(1.2, 1.0, 1.0), (2.2, 2.0, 2.0), (9.0, MOST, MOST)],
 )
 def test_growth_is_looked_at_as_far_as_runs_tell(fails_from, searched, on_ray):
     """No limit is reached, but runs fail from some growth on: nothing is known there.
