@@ -60,6 +60,24 @@ def requirements_table(
     return pd.DataFrame(rows)
 
 
+def limits_table(
+    requirements: Sequence[Requirement], bodies: Sequence[str]
+) -> pd.DataFrame:
+    """Return a row for each requirement and axis, with its limit.
+
+    Args:
+        requirements: of a case.
+        bodies: as `requirements_table` takes them.
+    """
+    return pd.DataFrame(
+        {
+            **_limit(requirement, unit_of(requirement.metric)),
+            **_identity(requirement, bodies),
+        }
+        for requirement in requirements
+    )
+
+
 def requirements_of_run_table(
     findings: Sequence[Finding], bodies: Sequence[str]
 ) -> pd.DataFrame:
