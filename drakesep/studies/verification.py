@@ -26,6 +26,7 @@ from drakesep.case_file.objectives import (
     listed,
 )
 from drakesep.plots.pictures import Pictures
+from drakesep.plots.shown_runs import bodies_shown_by
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import VERIFY
 from drakesep.results.folder import Output, ResultsFolder, results_folder
@@ -123,9 +124,10 @@ class Verification(WorstCases):
         motions = {}
         for one in self.runs:
             if one.run.motion is not None:
-                motions[one.label] = one.run.motion
-                for body, motion in one.run.others.items():
-                    motions[f"{one.label}_{body}"] = motion
+                for body in bodies_shown_by(one):
+                    first = body == one.run.separation.B
+                    name = one.label if first else f"{one.label}_{body}"
+                    motions[name] = one.run.motion_of(body)
         return replace(super().pictures, motions=motions)
 
 
