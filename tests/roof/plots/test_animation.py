@@ -50,8 +50,8 @@ def test_the_camera_draws_back_as_bodies_leave(page):
     for one in shown:
         assert one["far"][0] == 1.0
         assert np.all(np.diff(one["far"]) >= 0.0)
-    # By hand: the payload, in a sphere of 1.57 m, leaves by 3.4 m; the stack fits in one
-    # of 1.62 m, of which half as much again is seen at first.
+    # By hand: the payload, in a sphere of 1.57 m, leaves by 3.4 m; the stack fits in
+    # one of 1.62 m, of which half as much again is seen at first.
     assert shown[0]["far"][-1] == pytest.approx((3.4 + 1.57) / (1.5 * 1.62), rel=0.03)
 
 
