@@ -161,6 +161,7 @@ class LowestClearance(LargestOfParts):
         return About(
             -found.minimum,
             lambda other: -float(n_A @ second_from_first(other)) - rest,
+            self.is_window_ended(run),
         )
 
     def linearised_parts(self, run: Run, around: Sequence[Run]) -> tuple[Array, Array]:

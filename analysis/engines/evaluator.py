@@ -19,6 +19,8 @@ class Evaluated(NamedTuple):
     """(n,) of one objective for each row, or (n, m) of all; NaN where a run failed."""
     failures: dict[int, str]
     """Why runs failed, by row."""
+    unended: frozenset[int] = frozenset()
+    """Rows whose run ends before what is looked at does: their values may rise yet."""
 
 
 class Evaluator(Protocol):

@@ -78,14 +78,17 @@ class RunEvaluator:
     def one(self, rows: Array, which: Sequence[int]) -> Evaluated:
         """Return one objective at each row: the which[i]-th at row i."""
         values = np.full(len(rows), np.nan)
-        failures = {}
+        failures, unended = {}, set()
         self._flown.update(which)
         for i, run in enumerate(self._fly(rows)):
             if run.status is RunStatus.FAILED:
                 failures[i] = run.message
-            else:
-                values[i] = self._tell(which[i], run, rows[i])
-        return Evaluated(values, failures)
+                continue
+            about = self._about(which[i], run, rows[i])
+            values[i] = about.value
+            if not about.ended:
+                unended.add(i)
+        return Evaluated(values, failures, frozenset(unended))
 
     def near(self, rows: Array, k: int) -> Evaluated:
         """Return an objective at the first row, and about it at the others."""

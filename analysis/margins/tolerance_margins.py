@@ -71,11 +71,12 @@ class Growth:
     limit: Limit
     factor: float
     """At which the limit is reached; infinite if it was not found to be; 0 if the
-    nominal is beyond it, or the other tolerances without this one; NaN if runs
-    failed."""
+    nominal is beyond it, or the other tolerances without this one; NaN if nothing was
+    told at all: runs failed, or ended too soon."""
     most: float
-    """Up to which growth was looked at. A parameter that does not exist so far grows as
-    far as it does, while others go on."""
+    """Up to which growth was looked at: less where runs fail from there on, or end too
+    soon. A parameter that does not exist so far grows as far as it does, while others
+    go on."""
     values: dict[str, float]
     """Of the parameters where the limit is reached, in SI; empty if it is not."""
     message: str = ""
@@ -83,11 +84,21 @@ class Growth:
     along_ray: bool = False
     """Whether it was looked for along the ray to the worst case alone."""
 
-    def is_sooner_than(self, other: "Growth") -> bool:
-        """Return whether it reaches its limit before another; no failure does."""
-        if math.isnan(other.factor):
-            return not math.isnan(self.factor)
-        return self.factor < other.factor
+    @property
+    def looked_up_to(self) -> float:
+        """Largest factor that was looked at; NaN if none was."""
+        return math.nan if math.isnan(self.factor) else self.most
+
+    @property
+    def order(self) -> tuple[float, float]:
+        """The least of several, of the same limit, is what they say together.
+
+        A limit that is reached comes first, the sooner; then what was not looked at as
+        far as another.
+        """
+        if math.isfinite(self.factor):
+            return self.factor, 0.0
+        return math.inf, 0.0 if math.isnan(self.factor) else self.most
 
 
 def grow(
@@ -111,7 +122,7 @@ def grow(
         return []
     on_progress(0, len(limits))
     caps = _caps(problem)
-    growths = [
+    unknown = [
         Growth(
             limit=limit,
             factor=math.nan,
@@ -124,10 +135,10 @@ def grow(
         [-1.0, 1.0], size=(corners, len(problem.tolerances))
     )
     which, points = _beginnings(problem, limits, caps, signs)
-    found = _roots(problem, [growths[i] for i in which], points, caps)
-    rays = np.array([limit.u for limit in limits])
+    found = _roots(problem, [unknown[i] for i in which], points, caps)
+    growths, rays = found[: len(limits)], points[: len(limits)].copy()  # their own
     for i, growth, point in zip(which, found, points, strict=True):
-        if growth.is_sooner_than(growths[i]):
+        if growth.order < growths[i].order:
             growths[i], rays[i] = growth, point
     moving = [i for i, growth in enumerate(growths) if growth.factor != 0.0]
     for _ in range(_ROUNDS):
@@ -136,11 +147,11 @@ def grow(
             break
         mine = [growths[i] for i in moving]
         tried = _search(problem, mine, rays[moving], caps)
-        found = _roots(problem, mine, tried, caps)
+        found = _roots(problem, [unknown[i] for i in moving], tried, caps)
         still = []
         for i, growth, point in zip(moving, found, tried, strict=True):
             before = growths[i].factor
-            if growth.is_sooner_than(growths[i]):
+            if growth.order < growths[i].order:
                 growths[i], rays[i] = growth, point
                 if not before - growth.factor <= _SETTLED * growth.factor:
                     still.append(i)
@@ -168,25 +179,23 @@ def grow_along_rays(problem: Problem, limits: Sequence[Limit]) -> list[Growth]:
         return []
     caps = _caps(problem)
     rays = np.array([limit.u for limit in limits])
-    values = np.array([limit.value for limit in limits])
     failures: dict[int, str] = {}
 
     def excess(factors: Array, index: NDArray[np.intp]) -> Array:
-        told = _told_on_rays(
-            problem, [limits[i] for i in index], rays[index], factors, caps
-        )
+        told = _excess(problem, [limits[i] for i in index], rays[index], factors, caps)
         for j, why in told.failures.items():
             failures.setdefault(int(index[j]), why)
-        return np.asarray(told.values - values[index])
+        return told.values
 
     n = len(limits)
     lower, upper = np.zeros(n), np.full(n, np.inf)
-    open_, flown = np.arange(n), np.zeros(n, dtype=bool)
+    open_, all_told, most = np.arange(n), np.ones(n, dtype=bool), np.full(n, np.nan)
     for factor in _COARSE:
         if not len(open_):
             break
         beyond = excess(np.full(len(open_), factor), open_)
-        flown[open_[~np.isnan(beyond)]] = True
+        all_told[open_] &= ~np.isnan(beyond)
+        most[open_[all_told[open_]]] = factor
         upper[open_[beyond >= 0.0]] = factor
         lower[open_[beyond < 0.0]] = factor
         open_ = open_[~(beyond >= 0.0)]
@@ -204,8 +213,8 @@ def grow_along_rays(problem: Problem, limits: Sequence[Limit]) -> list[Growth]:
     found = [
         Growth(
             limit=limit,
-            factor=float(upper[i]) if flown[i] else math.nan,
-            most=MOST,
+            factor=_factor(upper[i], most[i]),
+            most=MOST if math.isfinite(upper[i]) else float(most[i]),
             values={},
             message=failures.get(i, ""),
             along_ray=True,
@@ -216,6 +225,31 @@ def grow_along_rays(problem: Problem, limits: Sequence[Limit]) -> list[Growth]:
         replace(growth, values=_point(problem, growth, ray, caps))
         for growth, ray in zip(found, rays, strict=True)
     ]
+
+
+def _factor(reached: float, most: float) -> float:
+    """Return where a limit is reached: NaN if nowhere, and not even 0 was told."""
+    return math.nan if math.isinf(reached) and math.isnan(most) else float(reached)
+
+
+def _excess(
+    problem: Problem,
+    limits: Sequence[Limit],
+    rays: Array,
+    factors: Array,
+    caps: Array,
+) -> Evaluated:
+    """Return by how much limits are exceeded on rays (k, n) of grown tolerances.
+
+    What ends too soon to be told is a violation if it is beyond its limit by then; else
+    it is not known, NaN.
+    """
+    told = _told_on_rays(problem, limits, rays, factors, caps)
+    beyond = told.values - np.array([limit.value for limit in limits])
+    for i in told.unended:
+        if beyond[i] < 0.0:
+            beyond[i] = math.nan
+    return told._replace(values=beyond)
 
 
 def _told_on_rays(
@@ -306,17 +340,14 @@ def _roots(
 ) -> list[Growth]:
     """Return the growths at which limits are first reached along rays."""
     limits = [growth.limit for growth in growths]
-    values = np.array([limit.value for limit in limits])
     failures: dict[int, str] = {}
 
     def excess(factor: Array, which: Array) -> Array:
         index = which.astype(int)
-        told = _told_on_rays(
-            problem, [limits[i] for i in index], rays[index], factor, caps
-        )
+        told = _excess(problem, [limits[i] for i in index], rays[index], factor, caps)
         for j, why in told.failures.items():
             failures.setdefault(int(index[j]), why)
-        return np.asarray(told.values - values[index])
+        return told.values
 
     every = np.arange(len(growths), dtype=float)
     most = np.array([growth.most for growth in growths])
@@ -327,10 +358,10 @@ def _roots(
     for i, column in enumerate(on_grid.T):
         flown = np.flatnonzero(~np.isnan(column))
         beyond = flown[column[flown] >= 0.0]
-        if not len(flown):
-            continue
         if not len(beyond):
-            factors[i] = np.inf
+            told = np.append(np.isnan(column), True).argmax()  # from 0 on, without gaps
+            if told:
+                factors[i], most[i] = np.inf, grid[told - 1, i]
         else:
             # Already a violation, should the root between fail.
             factors[i] = grid[beyond[0], i]
@@ -347,8 +378,13 @@ def _roots(
         )
         factors[index] = np.where(result.success, result.x, factors[index])
     return [
-        replace(growth, factor=float(factor), message=failures.get(i, ""))
-        for i, (growth, factor) in enumerate(zip(growths, factors, strict=True))
+        replace(
+            growth,
+            factor=float(factors[i]),
+            most=float(most[i]),
+            message=failures.get(i, ""),
+        )
+        for i, growth in enumerate(growths)
     ]
 
 
@@ -358,7 +394,9 @@ def _search(
     """Return the worst points of the grown sets, scaled by their own tolerances."""
     starts = []
     for growth, ray in zip(growths, rays, strict=True):
-        factor = growth.factor if growth.factor <= growth.most else growth.most
+        factor = growth.factor
+        if not math.isfinite(factor):
+            factor = max(growth.most, _GRID[1])  # a set of one point has no slopes
         grown = problem.tolerances.grown(_factors(growth.limit, factor, caps))
         starts.append(
             Start(

@@ -46,6 +46,8 @@ class About(NamedTuple):
     """Of the objective, in SI."""
     near: "Callable[[Run], float]"
     """Of runs all but equal: of the same value there, and the same slope."""
+    ended: bool = True
+    """Whether all that is looked at is within the run; else the value may rise yet."""
 
 
 class Needs(enum.IntEnum):
@@ -285,7 +287,8 @@ class _Composite(Objective):
         def near(other: Run) -> float:
             return float(slopes[felt] @ [each[i].near(other) for i in felt])
 
-        return About(float(self._rule.value(values)), near)
+        ended = all(one.ended for one in each)
+        return About(float(self._rule.value(values)), near, ended)
 
 
 class _CompositeOfMetrics(_Composite, MetricObjective):

@@ -36,8 +36,6 @@ class Requirement:
     sense: Sense
     limit: float
     """In SI."""
-    condition: str = ""
-    """When it holds, in words, if its metric does not say it."""
     id: str = ""
     """By which others know it, such as ``UM-4.2``."""
     source: str = ""

@@ -5,6 +5,7 @@ candidates: points with the value of one objective.
 """
 
 import dataclasses
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
@@ -36,13 +37,6 @@ class Problem:
             return self.only
         return tuple(range(len(self.evaluator.objectives)))
 
-    def noted(self, what: str) -> str:
-        """Return a note on a search, with for how many objectives it was."""
-        count = len(self.evaluator.objectives)
-        if len(self.asked) == count:
-            return what
-        return f"{what}, for {len(self.asked)} of {count} objectives"
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Candidate:
@@ -71,10 +65,20 @@ class Searched:
     """Flown."""
     failures: Mapping[str, int]
     """How many runs failed, by their reason."""
-    note: str
-    """What was searched, in words."""
+    what: Mapping[str, int]
+    """What was searched, in words, and for how many objectives."""
     objectives: tuple[int, ...]
     """That it looked for."""
+    of: int
+    """Objectives of the study."""
+
+    @property
+    def note(self) -> str:
+        """What was searched, in a line; of a part of the objectives, of how many."""
+        return "; ".join(
+            what if count == self.of else f"{what}, for {count} of {self.of} objectives"
+            for what, count in self.what.items()
+        )
 
     def best(self, objective: int) -> Candidate | None:
         """Return the best candidate of an objective; None if there is none."""
@@ -83,17 +87,19 @@ class Searched:
 
     def joined(self, other: "Searched") -> "Searched":
         """Return this search with the same of other objectives."""
-        failures = dict(self.failures)
-        for why, count in other.failures.items():
-            failures[why] = failures.get(why, 0) + count
         return dataclasses.replace(
             self,
             candidates=self.candidates + other.candidates,
             points=self.points + other.points,
-            failures=failures,
-            note=f"{self.note}; {other.note}",
+            failures=_summed(self.failures, other.failures),
+            what=_summed(self.what, other.what),
             objectives=self.objectives + other.objectives,
         )
+
+
+def _summed(some: Mapping[str, int], others: Mapping[str, int]) -> dict[str, int]:
+    """Return counts of both, those of the first before others."""
+    return dict(Counter(some) + Counter(others))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

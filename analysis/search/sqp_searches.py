@@ -133,7 +133,8 @@ def _search(
             failures[ascent.message] = failures.get(ascent.message, 0) + 1
     origin = "the nominal"
     if search != FROM_NOMINAL:
-        origin = f"{max(map(len, points.values()))} more starts"
+        more = max(map(len, points.values()))
+        origin = f"{more} more start{'' if more == 1 else 's'}"
     exact = any(map(problem.evaluator.exact, points))
     note = f"SQP from {origin}" + ("" if exact else ", slopes by differences")
     return Searched(
@@ -147,6 +148,7 @@ def _search(
         ),
         points=sum(a.evaluations for a in ascents),
         failures=failures,
-        note=problem.noted(note),
+        what={note: len(problem.asked)},
         objectives=problem.asked,
+        of=len(problem.evaluator.objectives),
     )

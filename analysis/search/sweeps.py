@@ -86,8 +86,9 @@ class Best:
             ),
             points=self.points,
             failures=self.failures,
-            note=self._problem.noted(note),
+            what={note: len(self._problem.asked)},
             objectives=self._problem.asked,
+            of=len(self._problem.evaluator.objectives),
         )
 
 

@@ -11,12 +11,14 @@ from rich.markup import escape
 from rich.table import Table
 
 from drakesep.case_file.case import Case
+from drakesep.cli.requirement_lines import requirement_lines
 from drakesep.systems.checks import X_AXIS
 from drakesep.systems.equations.springs import law_name
 from drakesep.systems.model.parameters import ParameterName, parameters
 from drakesep.systems.model.parts import Cone, Shape
 from drakesep.systems.model.separation import Pair
 from drakesep.tables.columns import tolerance_text
+from drakesep.tables.requirement_tables import limits_table
 from drakesep.units import unit_of, with_unit
 
 
@@ -31,11 +33,16 @@ def print_frame(
     digits: int = 5,
     *,
     index: int = 1,
+    whole: bool = False,
 ) -> None:
     """Print a table; numbers to so many significant digits.
 
-    A wide table goes out in parts, each with the first columns, as many as `index`.
+    A wide table goes out in parts, each with the first columns, as many as `index`;
+    unless it is to stay whole, and fold what has no room in its cells.
     """
+    if whole:
+        console.print(_table(escape(title), frame, digits))
+        return
     first, columns = list(frame.columns[:index]), list(frame.columns[index:])
     room = (console.width - _FIRST_WIDTH) // _OTHER_WIDTH - (index - 1)
     others = max(1, min(len(columns), room))
@@ -103,7 +110,9 @@ def print_case(console: Console, case: Case) -> None:
         names = ", ".join(section.parameters)
         console.print(f"In an ellipsoid, {related}: {names}", markup=False)
     if case.limits:
-        print_frame(console, "Requirements", _requirements(case))
+        bodies = [pair.B for pair in case.separation.pairs]
+        lines = requirement_lines(limits_table(case.limits, bodies), bodies)
+        print_frame(console, "Requirements", lines, whole=True)
 
 
 def print_notes(console: Console, notes: Iterable[str]) -> None:
@@ -240,16 +249,4 @@ def _others(case: Case) -> pd.DataFrame:
         }
         for owner, mine in owners.items()
         if mine
-    )
-
-
-def _requirements(case: Case) -> pd.DataFrame:
-    return pd.DataFrame(
-        {
-            "quantity": with_unit(requirement.metric),
-            "sense": requirement.sense,
-            "limit": unit_of(requirement.metric).from_si(requirement.limit),
-            "id": requirement.id,
-        }
-        for requirement in case.limits
     )

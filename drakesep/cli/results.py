@@ -2,8 +2,10 @@
 
 from rich.console import Console
 
+from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.requirements import Verdict
 from drakesep.cli.console import print_frame, print_notes
+from drakesep.cli.requirement_lines import growth_lines, requirement_lines
 from drakesep.studies.clearance import Clearances
 from drakesep.studies.remarks import notes_of
 from drakesep.studies.simulate import Simulated
@@ -37,8 +39,8 @@ def print_simulated(console: Console, result: Simulated) -> None:
     print_frame(console, "Metrics of the run", metrics)
     if len(result.requirements):
         title = "Requirements in this run alone; over the tolerances, `verify` looks"
-        shown = result.requirements.drop(columns="source")
-        print_frame(console, title, shown, index=2)
+        lines = requirement_lines(result.requirements, _bodies(result.case))
+        print_frame(console, title, lines, whole=True)
     if len(result.contacts):
         print_frame(console, "Parts that touch again", result.contacts)
     print_notes(console, notes_of(result.remarks, result.labelled.label))
@@ -102,8 +104,17 @@ def print_worst_cases(console: Console, study: WorstCases) -> None:
 def print_requirements(console: Console, study: Verification) -> None:
     """Print the worst cases, and the requirements with their margins."""
     print_worst_cases(console, study)
+    frame, bodies = study.requirements, _bodies(study.case)
     title = "Requirements over the tolerances"
-    print_frame(console, title, study.requirements, index=2)
+    print_frame(console, title, requirement_lines(frame, bodies), whole=True)
+    if study.growths:
+        title = "How far tolerances may grow until a requirement is violated"
+        print_frame(console, title, growth_lines(frame, bodies), whole=True)
+
+
+def _bodies(case: AnalysisCase) -> list[str]:
+    """Return the names of the bodies that leave."""
+    return [pair.B for pair in case.separation.pairs]
 
 
 def print_verdict(console: Console, study: Verification) -> None:

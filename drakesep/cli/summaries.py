@@ -64,7 +64,7 @@ class ShowSummary:
     """`parameter`, `value` and `tolerance` of each, in the unit of its name; a
     tolerance of null: it is not dispersed."""
     requirements: list[Row]
-    """`quantity`, `condition`, `sense`, `limit` and `id` of each limit."""
+    """`quantity`, `sense`, `limit` and `id` of each limit."""
     notes: list[str]
     """What should be known of it."""
 
@@ -204,7 +204,6 @@ def of_case(case: Case) -> ShowSummary:
         requirements=[
             {
                 "quantity": with_unit(one.metric),
-                "condition": one.condition,
                 "sense": one.sense,
                 "limit": unit_of(one.metric).from_si(one.limit),
                 "id": one.id,

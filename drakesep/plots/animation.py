@@ -1,8 +1,9 @@
 """An animation of separations as one HTML file, that a browser plays by itself.
 
-Drake's Meshcat draws the geometry as seen from A. A panel beside it says which run is
-shown, the time, and the smallest distance with its pair, which a bar shows too.
-Time is stretched while springs push and while bodies are near each other.
+Drake's Meshcat draws the geometry as seen from A, each body with its name. A panel
+beside it says which run is shown, the time, and the smallest distance with its pair,
+which a bar shows too. Time is stretched while springs push and while bodies are near
+each other; the camera draws back as they leave.
 """
 
 import json
@@ -24,7 +25,7 @@ from drakesep.systems.geometry.bounding_tree import (
 from drakesep.systems.geometry.recording import Recording
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.run import Run
-from drakesep.systems.model.separation import Separation
+from drakesep.systems.model.separation import Body
 from drakesep.systems.vectors import quaternion, rotation_matrix
 
 
@@ -37,6 +38,10 @@ _MOST_PUSHES = 3
 """That are given as many seconds; more share them."""
 _WELL_APART = 1.5
 """m."""
+_ROOM = 1.5
+"""Radius that the camera sees at first, in radii of the mated stack."""
+_FARTHEST = 6.0
+"""Times as far as at first, at most, that the camera draws back."""
 
 
 class _Shown(NamedTuple):
@@ -47,6 +52,18 @@ class _Shown(NamedTuple):
     distance: list[float]
     """mm."""
     pair: list[str]
+    far: list[float]
+    """How far the camera is, over the distance at first."""
+
+
+class _Body(NamedTuple):
+    """A body as its name follows it."""
+
+    name: str
+    centre: list[float]
+    """(3,) of its parts, in the body, m."""
+    radius: float
+    """Of a sphere about that, which holds them, m."""
 
 
 def animation(
@@ -71,20 +88,41 @@ def animation(
     separation = next(iter(runs.values())).separation
     analysis = ClearanceAnalysis(separation, pairs, touching=touching)
     recording = Recording(_FRAMES)
-    least, most = _extent_while_mated(separation)
-    recording.look_at(0.5 * (least + most), float(np.linalg.norm(most - least)))
-    shown = [
-        _animate(recording, f"/runs/{i}", label, run, analysis)
-        for i, (label, run) in enumerate(runs.items())
-    ]
-    return _with_panel(recording.page(), shown, title)
+    least, most = _extent(separation.bodies, mated=True)
+    centre, size = 0.5 * (least + most), float(np.linalg.norm(most - least))
+    recording.look_at(centre, size)
+    bodies = [_drawn(body) for body in separation.bodies if body.parts]
+    shown = []
+    for i, (label, run) in enumerate(runs.items()):
+        one, reach = _animate(recording, f"/runs/{i}", label, run, analysis, centre)
+        far = np.maximum.accumulate(reach) / (_ROOM * 0.5 * size)
+        one.far.extend(np.clip(far, 1.0, _FARTHEST).round(4).tolist())
+        shown.append(one)
+    return _with_panel(recording.page(), shown, bodies, title)
+
+
+def _drawn(body: Body) -> _Body:
+    least, most = _extent([body], mated=False)
+    centre = (0.5 * (least + most)).round(6).tolist()
+    return _Body(body.name, centre, 0.5 * float(np.linalg.norm(most - least)))
 
 
 def _animate(
-    recording: Recording, root: str, label: str, run: Run, analysis: ClearanceAnalysis
-) -> _Shown:
-    """Draw a run below a path of its own, and return what is said of it."""
+    recording: Recording,
+    root: str,
+    label: str,
+    run: Run,
+    analysis: ClearanceAnalysis,
+    about: Array,
+) -> tuple[_Shown, list[float]]:
+    """Draw a run below a path of its own.
+
+    Returns:
+        What is said of it; and how far from a point (3,), in A, all is that is drawn,
+        at each frame, m.
+    """
     separation = run.separation
+    drawn = [_drawn(body) for body in separation.bodies if body.parts]
     recording.draw(root, separation)
     others = [body.name for body in separation.bodies if body.name != separation.A]
     trajectory = run.completed_trajectory
@@ -92,7 +130,7 @@ def _animate(
         name: RelativePath(trajectory, separation.A, name)
         for name in (separation.A, *others)
     }
-    shown = _Shown(label, [], [], [])
+    shown, reach = _Shown(label, [], [], [], []), []
     times = _times(run)
     for frame, (t, found) in enumerate(
         zip(times, analysis.nearest(run, times), strict=True)
@@ -110,19 +148,32 @@ def _animate(
         shown.time.append(round(t, 6))
         shown.distance.append(round(1e3 * found.nearest.distance, 4))
         shown.pair.append(" to ".join(found.names))
-    return shown
+        ends_of = [
+            (poses[one.name].R_AB @ one.centre + poses[one.name].p_AoBo_A, one.radius)
+            for one in drawn
+        ]
+        reach.append(max(float(np.linalg.norm(p - about)) + r for p, r in ends_of))
+    return shown, reach
 
 
-def _extent_while_mated(separation: Separation) -> tuple[Array, Array]:
-    """Return the least and the largest coordinates (3,) of all parts, in A, m."""
+def _extent(bodies: Sequence[Body], *, mated: bool) -> tuple[Array, Array]:
+    """Return the least and the largest coordinates (3,) of all parts of bodies, m.
+
+    Args:
+        bodies: some of which have parts.
+        mated: whether in A, as they are mated; else each in its own axes.
+    """
     extents = []
-    for body in separation.bodies:
-        R = np.array(rotation_matrix(quaternion(body.rpy_AB, math))).reshape(3, 3)
+    for body in bodies:
+        R, p = np.eye(3), np.zeros(3)
+        if mated:
+            R = np.array(rotation_matrix(quaternion(body.rpy_AB, math))).reshape(3, 3)
+            p = np.array(body.p_ABo)
         for leaf in (x for part in body.parts for x in leaves_of(tree_of(part))):
             points = [
                 R @ support_point(leaf, R.T @ n) for n in (*np.eye(3), *-np.eye(3))
             ]
-            extents += [point + np.array(body.p_ABo) for point in points]
+            extents += [point + p for point in points]
     return np.min(extents, axis=0), np.max(extents, axis=0)
 
 
@@ -176,8 +227,10 @@ def _within(spans: Sequence[tuple[float, float]], knots: Array) -> NDArray[np.bo
 # The panel.
 
 
-def _with_panel(page: str, shown: Sequence[_Shown], title: str) -> str:
-    """Return Meshcat's page with a panel that follows its animation."""
+def _with_panel(
+    page: str, shown: Sequence[_Shown], bodies: Sequence[_Body], title: str
+) -> str:
+    """Return Meshcat's page with a panel and names that follow its animation."""
     data = [one._asdict() for one in shown]
     options = "".join(
         f'<option value="{i}">{escape(one.label)}</option>'
@@ -186,13 +239,18 @@ def _with_panel(page: str, shown: Sequence[_Shown], title: str) -> str:
     panel = (
         _PANEL.replace("@TITLE@", escape(title))
         .replace("@OPTIONS@", options)
-        .replace("@RUNS@", json.dumps(data).replace("</", "<\\/"))
+        .replace("@RUNS@", _in_script(data))
+        .replace("@BODIES@", _in_script([one._asdict() for one in bodies]))
         .replace("@FRAMES@", str(_FRAMES))
     )
     head, body, tail = page.rpartition("</body>")
     return head.replace(
         "<title>Drake MeshCat</title>", f"<title>{escape(title)}</title>"
     ) + (panel + body + tail)
+
+
+def _in_script(data: object) -> str:
+    return json.dumps(data).replace("</", "<\\/")
 
 
 _PANEL = """
@@ -204,11 +262,14 @@ _PANEL = """
   time <b id="drakesep-time"></b> s, <span id="drakesep-speed"></span><br>
   nearest <b id="drakesep-distance"></b> mm<br>
   <span id="drakesep-pair"></span><br>
-  <small>smallest of the frames <span id="drakesep-least"></span></small>
+  <small>smallest of the frames <span id="drakesep-least"></span></small><br>
+  <label><input type="checkbox" id="drakesep-named" checked> names of bodies</label>
 </div>
+<div id="drakesep-names" style="position: fixed; inset: 0; overflow: hidden;
+  pointer-events: none; font: 13px/1.2 sans-serif; color: #222"></div>
 <script>
 (function () {
-  const runs = @RUNS@, frames = @FRAMES@;
+  const runs = @RUNS@, frames = @FRAMES@, bodies = @BODIES@;
   const find = (name) => document.getElementById("drakesep-" + name);
   const choose = find("run");
   function show() {
@@ -228,7 +289,36 @@ _PANEL = """
     find("speed").textContent = "shown at 1/" + (1 / (step * frames)).toPrecision(2);
     find("distance").textContent = run.distance[k].toFixed(1);
     find("pair").textContent = run.pair[k];
+    drawBack(run.far[k]);
+    nameBodies();
     requestAnimationFrame(follow);
+  }
+  let far = 1.0;
+  function drawBack(now) {  // about what is looked at, wherever it was turned to
+    if (now === far) return;
+    const target = viewer.controls.target;
+    viewer.camera.position.sub(target).multiplyScalar(now / far).add(target);
+    far = now;
+    viewer.set_dirty();
+  }
+  const names = bodies.map((body) => {
+    const name = document.createElement("span");
+    name.textContent = body.name;
+    name.style.cssText = "position: absolute; transform: translate(-50%, -50%);" +
+      "padding: 0 3px; border-radius: 3px; background: rgba(255, 255, 255, 0.7)";
+    find("names").appendChild(name);
+    return name;
+  });
+  function nameBodies() {
+    find("names").style.display = find("named").checked ? "" : "none";
+    bodies.forEach((body, i) => {
+      const drawn = viewer.scene_tree.find(["runs", choose.value, body.name]).object;
+      const at = new drawn.position.constructor(...body.centre);
+      drawn.localToWorld(at).project(viewer.camera);
+      names[i].style.visibility = at.z < 1.0 ? "visible" : "hidden";
+      names[i].style.left = 50 * (1 + at.x) + "%";
+      names[i].style.top = 50 * (1 - at.y) + "%";
+    });
   }
   choose.addEventListener("change", show);
   show();

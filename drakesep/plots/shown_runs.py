@@ -6,6 +6,7 @@ from typing import NamedTuple, Self
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.metric import Metric
+from drakesep.analysis.metrics.of_run import body_of
 from drakesep.analysis.metrics.registry import find_metric, registered_metrics
 from drakesep.analysis.metrics.requirements import Finding, assess
 from drakesep.systems.model.run import Run
@@ -82,11 +83,25 @@ def metrics_shown_by(one: LabelledRun) -> list[Metric]:
     return [metric for metric in found if metric is not None]
 
 
+def bodies_shown_by(one: LabelledRun) -> list[str]:
+    """Return the bodies that leave whose motion a run is to show.
+
+    Of a worst case the body whose it is; of what is of none alone, as a clearance of
+    all parts or a nominal run is, every body.
+    """
+    separation = one.run.separation
+    metrics = [m for m in metrics_shown_by(one) if m.of_every_run]
+    if isinstance(one.role, Worst) and metrics:
+        return [body_of(metric, separation) for metric in metrics]
+    return [pair.B for pair in separation.pairs]
+
+
 def _metric_of(objective: str) -> Metric | None:
     """Return the metric of an objective; None of a user's own function."""
     for metric in registered_metrics():
         if metric.objective == objective:
             return metric
-    _, _, name = objective.partition("_")  # highest or lowest
-    found = find_metric(name) or find_metric(objective)
+    _, _, after = objective.partition("_")  # highest or lowest
+    before, _, _ = objective.rpartition("_")  # up or down
+    found = find_metric(after) or find_metric(objective) or find_metric(before)
     return None if found is None else found[0]

@@ -20,6 +20,8 @@ STUDIES = (*_OF_KEPT_RUNS, SWEEP)
 STUDY, CASE = "study.json", "case.json"
 RUNS = "runs"
 """Folder of what is kept of each run."""
+TABLE = ".csv.gz"
+"""Ending of their motion: of many bodies it takes megabytes, a third of them so."""
 GEOMETRY = "geometry"
 """Folder of the meshes, as they were when they were measured."""
 
@@ -167,15 +169,17 @@ _OF_RUNS = (
     FileKind(
         name="motion_{label}_{body}.csv",
         studies=(VERIFY,),
-        what="The same of another body that leaves.",
+        what="The same of another body that leaves; of a worst case only for the body "
+        "whose it is.",
         row="sample time",
         columns=_MOTION,
     ),
     FileKind(
-        name=f"{RUNS}/{{label}}.csv",
+        name=f"{RUNS}/{{label}}{TABLE}",
         studies=_OF_KEPT_RUNS,
         what="The motion of every body in W, and what joints and springs do, in SI: "
-        "what plots and animations are made of.",
+        "what plots and animations are made of. Compressed, which `pandas.read_csv` "
+        "reads as it is.",
         row="sample time",
         columns=(
             _TIME,
@@ -553,16 +557,20 @@ _WORST_CASES = (
         what="Tolerances that would violate requirements, the others as they are.",
         row="requirement and parameter",
         columns=(
-            Column("requirement", "", "Its quantity."),
-            Column("axis", "", "Empty if it has none."),
+            *_LIMIT,
             Column("parameter", "", "With its unit."),
-            Column("tolerance", "in `parameter`", "The larger of its sides."),
+            Column("minus", "in `parameter`", "Its side below the nominal."),
+            Column("plus", "in `parameter`", "Its side above the nominal."),
             Column(
-                "violated_at", "in `parameter`", "The larger side that violates it."
+                "violated_minus",
+                "in `parameter`",
+                "The side below, where the tolerance has grown until it violates.",
             ),
-            Column("factor", "", "On the tolerance."),
+            Column("violated_plus", "in `parameter`", "The side above, there."),
+            Column("factor", "", "On both sides."),
             Column("looked_up_to", "", "Largest factor that was looked at."),
             Column("status", "", "Why it could not be found; empty if it was."),
+            *_IDENTITY,
         ),
     ),
     FileKind(

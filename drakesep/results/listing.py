@@ -2,6 +2,7 @@
 
 import csv
 import functools
+import gzip
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -67,7 +68,8 @@ def files_in(
 def _columns_in(file: Path, kind: FileKind) -> tuple[Column, ...]:
     if not kind.columns:
         return ()
-    with file.open(newline="", encoding="utf-8") as table:
+    opened = gzip.open if file.suffix == ".gz" else open
+    with opened(file, "rt", newline="", encoding="utf-8") as table:
         names = next(csv.reader(table), [])
     return tuple(described(kind, name) or Column(name, "", "") for name in names)
 

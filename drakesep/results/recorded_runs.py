@@ -1,14 +1,15 @@
 """Runs as a results folder keeps them: all that is needed to draw and measure them.
 
 Of each there are two files in the folder ``runs``. ``LABEL.json`` says what the run is,
-which parameters it changes, how it ended and what its metrics are, in SI. ``LABEL.csv``
-is its motion over time: of every body in W, and what joints and springs do. What is
-read from them draws and measures as the run did.
+which parameters it changes, how it ended and what its metrics are, in SI.
+``LABEL.csv.gz`` is its motion over time: of every body in W, and what joints and
+springs do. What is read from them draws and measures as the run did.
 """
 
 import contextlib
 import dataclasses
 import json
+import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ import pandas as pd
 
 from drakesep.files import write_text
 from drakesep.results.case_json import NO_RECORD, from_json, to_json
-from drakesep.results.catalogue import RUNS
+from drakesep.results.catalogue import RUNS, TABLE
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.forces_of_run import spring_forces
@@ -52,6 +53,8 @@ FORCE = "force_N"
 """Of a spring."""
 _IN_SEPARATION = ("separation",)
 _SAMPLED = ("motion", "others", "trajectory")
+_BROKEN = (*NO_RECORD, EOFError, zlib.error)
+"""What comes of reading what is not, or not all, of a run."""
 
 
 def save_runs(runs: Iterable[LabelledRun], nominal: Separation, folder: Path) -> None:
@@ -67,7 +70,7 @@ def save_runs(runs: Iterable[LabelledRun], nominal: Separation, folder: Path) ->
     for one in runs:
         write_text(home / f"{one.label}.json", _text(one, nominal))
         if one.run.trajectory is not None:
-            write_csv(_table(one.run), home / f"{one.label}.csv")
+            write_csv(_table(one.run), home / f"{one.label}{TABLE}")
 
 
 def _text(one: LabelledRun, nominal: Separation) -> str:
@@ -151,7 +154,7 @@ def read_role(folder: Path, label: str) -> tuple[Role, bool]:
 def _files(folder: Path, label: str) -> tuple[Path, Path]:
     """Return the files of a run: what it is, and its motion."""
     file = folder / RUNS / f"{label}.json"
-    return file, file.with_suffix(".csv")
+    return file, file.with_suffix(TABLE)
 
 
 def _record(file: Path) -> dict[str, Any]:
@@ -164,7 +167,7 @@ def _of_a_study(file: Path) -> Iterator[None]:
     """Say in errors which file they are of."""
     try:
         yield
-    except NO_RECORD as error:
+    except _BROKEN as error:
         reason = f"{type(error).__name__}: {error}"
         raise InputError(f"{file}: must be that of a run, got {reason}") from error
 

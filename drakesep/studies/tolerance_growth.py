@@ -73,7 +73,7 @@ def find_growths(
         [*searched, *expensive], found, strict=True
     ):
         key = requirement, limit.parameter
-        if key not in least or growth.is_sooner_than(least[key]):
+        if key not in least or growth.order < least[key].order:
             least[key] = growth
     return FoundGrowths(
         tuple((r, growth) for (r, i), growth in least.items() if i is None),

@@ -26,6 +26,7 @@ from drakesep.case_file.objectives import (
     listed,
 )
 from drakesep.plots.pictures import Pictures
+from drakesep.plots.shown_runs import bodies_shown_by
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import VERIFY
 from drakesep.results.folder import Output, ResultsFolder, results_folder
@@ -38,9 +39,8 @@ from drakesep.studies.worst_case.searches import WantedSearches
 from drakesep.studies.worst_case.session import session
 from drakesep.systems.checks import InputError
 from drakesep.tables.columns import write_csv
-from drakesep.tables.evidence_tables import tolerances_table
 from drakesep.tables.labelled_run import nominal_of
-from drakesep.tables.requirement_tables import requirements_table
+from drakesep.tables.requirement_tables import requirements_table, tolerances_table
 from drakesep.tables.run_tables import is_column_of_runs
 
 
@@ -73,14 +73,21 @@ class Verification(WorstCases):
             self.growths,
             self.single_growths,
             self.case.box,
-            [pair.B for pair in self.case.separation.pairs],
+            self._bodies,
             self.functions,
         )
 
     @property
     def tolerances(self) -> pd.DataFrame:
         """For each requirement and parameter, the tolerance that would violate it."""
-        return tolerances_table(self.single_growths, self.case.box)
+        return tolerances_table(
+            self.single_growths, self.case.box, self._bodies, self.functions
+        )
+
+    @property
+    def _bodies(self) -> list[str]:
+        """Names of those that leave, the first first."""
+        return [pair.B for pair in self.case.separation.pairs]
 
     def write_tables(self, results: ResultsFolder) -> None:
         """Write the tables, as far as there are any, into a folder that is locked."""
@@ -117,9 +124,10 @@ class Verification(WorstCases):
         motions = {}
         for one in self.runs:
             if one.run.motion is not None:
-                motions[one.label] = one.run.motion
-                for body, motion in one.run.others.items():
-                    motions[f"{one.label}_{body}"] = motion
+                for body in bodies_shown_by(one):
+                    first = body == one.run.separation.B
+                    name = one.label if first else f"{one.label}_{body}"
+                    motions[name] = one.run.motion_of(body)
         return replace(super().pictures, motions=motions)
 
 

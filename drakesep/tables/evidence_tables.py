@@ -1,4 +1,4 @@
-"""Tables of what speaks for a worst case, and of how far its tolerances may grow."""
+"""Tables of what speaks for a worst case."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -7,9 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from drakesep.analysis.margins.tolerance_margins import Growth
 from drakesep.analysis.metrics.objectives import Objective
-from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.analysis.search.judge import CONFIDENCE, WorstCase
 from drakesep.analysis.search.problem import Searched
 from drakesep.analysis.search.registry import SEARCHES
@@ -191,34 +189,4 @@ def sensitivities_table(
                     "multiplier": abs(shown(objective, first_order.multipliers[i])),
                 }
             )
-    return pd.DataFrame(rows)
-
-
-def tolerances_table(
-    growths: Sequence[tuple[Requirement, Growth]], box: ToleranceBox
-) -> pd.DataFrame:
-    """Return for each requirement and parameter the tolerance that would violate it.
-
-    The others keep theirs. Infinite where no tolerance that was looked at does.
-    """
-    rows = []
-    for requirement, growth in growths:
-        i = growth.limit.parameter
-        assert i is not None
-        name = box.names[i]
-        stem, axis = requirement.quantity
-        rows.append(
-            {
-                "requirement": stem.replace("_", " "),
-                "axis": axis,
-                "parameter": with_unit(name),
-                "tolerance": unit_of(name).from_si(box.tolerance[i]),
-                "violated_at": unit_of(name).from_si(box.tolerance[i] * growth.factor),
-                "factor": growth.factor,
-                "looked_up_to": growth.most,
-                "status": f"failed: {growth.message}"
-                if math.isnan(growth.factor)
-                else "",
-            }
-        )
     return pd.DataFrame(rows)

@@ -1,4 +1,4 @@
-"""Tables of requirements, with margins and verdicts."""
+"""Tables of requirements, with margins, verdicts, and tolerances that violate them."""
 
 import math
 from collections.abc import Sequence
@@ -37,11 +37,10 @@ def requirements_table(
         functions: that are required, some of the findings are of them.
     """
     of_all = dict(growths)
-    own = {function.name: Unit("", function.unit) for function in functions}
     rows = []
     for finding in findings:
         requirement = finding.requirement
-        unit = own.get(requirement.metric) or unit_of(requirement.metric)
+        unit = _unit(requirement, functions)
         growth = of_all.get(requirement)
         rows.append(
             {
@@ -52,13 +51,31 @@ def requirements_table(
                 "margin": unit.from_si(finding.margin),
                 "growth_factor": math.nan if growth is None else growth.factor,
                 "growth_by": _how(growth),
-                "looked_up_to": math.nan if growth is None else growth.most,
+                "looked_up_to": math.nan if growth is None else growth.looked_up_to,
                 **_first_tolerance(finding, single_growths, box),
                 "verdict": finding.verdict.value,
                 **_identity(requirement, bodies),
             }
         )
     return pd.DataFrame(rows)
+
+
+def limits_table(
+    requirements: Sequence[Requirement], bodies: Sequence[str]
+) -> pd.DataFrame:
+    """Return a row for each requirement and axis, with its limit.
+
+    Args:
+        requirements: of a case.
+        bodies: as `requirements_table` takes them.
+    """
+    return pd.DataFrame(
+        {
+            **_limit(requirement, unit_of(requirement.metric)),
+            **_identity(requirement, bodies),
+        }
+        for requirement in requirements
+    )
 
 
 def requirements_of_run_table(
@@ -86,9 +103,56 @@ def requirements_of_run_table(
     return pd.DataFrame(rows)
 
 
+def tolerances_table(
+    growths: "Sequence[tuple[Requirement, Growth]]",
+    box: ToleranceBox,
+    bodies: Sequence[str] = ("",),
+    functions: Sequence[FunctionRequirement] = (),
+) -> pd.DataFrame:
+    """Return for each requirement and parameter the tolerance that would violate it.
+
+    The others keep theirs. Infinite where no tolerance that was looked at does.
+
+    Args:
+        growths: of single tolerances.
+        box: the tolerances.
+        bodies: as `requirements_table` takes them.
+        functions: that are required, some of the requirements are on them.
+    """
+    rows = []
+    for requirement, growth in growths:
+        i = growth.limit.parameter
+        assert i is not None
+        sides, from_si = box.dispersions[i].sides, unit_of(box.names[i]).from_si
+        each = {"minus": from_si(sides.minus), "plus": from_si(sides.plus)}
+        rows.append(
+            {
+                **_limit(requirement, _unit(requirement, functions)),
+                "parameter": with_unit(box.names[i]),
+                **each,
+                # A side that is none stays so, however large the factor.
+                **{
+                    f"violated_{side}": size and size * growth.factor
+                    for side, size in each.items()
+                },
+                "factor": growth.factor,
+                "looked_up_to": growth.looked_up_to,
+                "status": _how(growth) if math.isnan(growth.factor) else "",
+                **_identity(requirement, bodies),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _unit(requirement: Requirement, functions: Sequence[FunctionRequirement]) -> Unit:
+    """Return the unit of a requirement's limit: of its function, or of its metric."""
+    own = {function.name: Unit("", function.unit) for function in functions}
+    return own.get(requirement.metric) or unit_of(requirement.metric)
+
+
 def _how(growth: "Growth | None") -> str:
-    """Return how it was looked how far all tolerances may grow."""
-    if growth is None:
+    """Return how it was looked how far tolerances may grow."""
+    if growth is None or (math.isnan(growth.factor) and not growth.message):
         return Verdict.NOT_LOOKED_AT.value
     if math.isnan(growth.factor):
         return f"failed: {growth.message}"
@@ -97,7 +161,7 @@ def _how(growth: "Growth | None") -> str:
 
 def _limit(requirement: Requirement, unit: Unit) -> dict[str, str | float]:
     return {
-        "requirement": f"{_named(requirement)} {requirement.condition}".strip(),
+        "requirement": _named(requirement),
         "axis": requirement.quantity[1],
         "unit": unit.symbol,
         "sense": requirement.sense,
@@ -142,12 +206,13 @@ def _first_tolerance(
     Of one that is violated, the tolerance that restores it by shrinking least.
     """
     mine = [growth for r, growth in growths if r == finding.requirement]
-    if not mine or box is None:
+    first = min(mine, key=lambda growth: growth.order, default=None)
+    if first is None or box is None or math.isnan(first.factor):
         not_looked_at = Verdict.NOT_LOOKED_AT.value
         return {"first_tolerance": not_looked_at, "its_growth_factor": math.nan}
-    first = min(mine, key=lambda growth: growth.factor)
     if finding.verdict is Verdict.NOT_MET:
-        first = max(mine, key=lambda growth: growth.factor)
+        told = [growth for growth in mine if not math.isnan(growth.factor)]
+        first = max(told, key=lambda growth: growth.factor)
         if not first.factor > 0.0:  # shrinking one is not enough
             return {"first_tolerance": "", "its_growth_factor": math.nan}
     name = ""

@@ -305,7 +305,7 @@ class BatchEquations:
                 jnp,
             )
         if self.separation.springs:
-            springs = self.springs.wrenches(timed.spring_force, bodies, params, mode)
+            springs = self.spring_wrenches(timed, bodies, params, mode)
             total = add_wrenches(total, springs)
         if self.phases[phase] and self._joints:
             joints = self._joints.wrenches(bodies, params, mode)
@@ -319,18 +319,11 @@ class BatchEquations:
             total = add_wrenches(total, rigid)
         return total
 
-    def spring_wrench_on(
-        self,
-        body: int,
-        timed: Timed,
-        bodies: BodyState,
-        params: BatchParameters,
-        mode: Mode,
+    def spring_wrenches(
+        self, timed: Timed, bodies: BodyState, params: BatchParameters, mode: Mode
     ) -> Wrench:
-        """Return the wrench of all springs on one body."""
-        springs = self.springs.wrenches(timed.spring_force, bodies, params, mode)
-        wrench: Wrench = pick(springs, body)
-        return wrench
+        """Return the wrenches of all springs on each body."""
+        return self.springs.wrenches(timed.spring_force, bodies, params, mode)
 
     def _load_wrenches(
         self, timed: Timed, bodies: BodyState, params: BatchParameters

@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
-from jax import lax
 from numpy.typing import NDArray
 
 from drakesep.systems.arrays import Array
@@ -14,19 +13,10 @@ from drakesep.systems.batch.integrator import Step
 from drakesep.systems.batch.lanes import BatchParameters, Lanes, pick
 from drakesep.systems.batch.polynomials import polynomial
 from drakesep.systems.equations import relative_motion as motion_laws
-from drakesep.systems.equations.relative_motion import RelativeMotion
+from drakesep.systems.equations.motion_of_run import relative_motion_of
 from drakesep.systems.model.run import Motion, Trajectory
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import Vector
-
-
-COLUMNS = (
-    *RelativeMotion._fields,
-    "acceleration",
-    "linear_momentum_change",
-    "angular_momentum_change",
-)
-"""Of `drakesep.systems.model.run.Motion`, three signals each."""
 
 
 class Samples(NamedTuple):
@@ -87,67 +77,58 @@ class MotionFold:
         equations, bodies = self._equations, step.bodies
         times = step.start + lobatto.THETA[:, None] * step.length
         timed = equations.at_times(times, params, step.mode)
-        slopes = lax.map(
-            lambda node: equations.derivative(
-                len(equations.phases) - 1, node[0], node[1], params, step.mode
-            ),
-            (timed, jnp.moveaxis(step.x, 1, 0)),
-        )
+        # Of the motion as it is between nodes: the equations again would cost as much
+        # to compile as all else.
+        half = jnp.where(step.length > 0.0, 0.5 * step.length, jnp.inf)
+        slopes = jnp.einsum("ij,kjmn->kimn", lobatto.SLOPES, step.x) / half
+        springs = equations.spring_wrenches(timed, bodies, params, step.mode)
         accelerations: list[Vector] = []
         rates: list[Vector] = []
         for pair in self._pairs:
             _, b = equations.bodies_of(pair)
             B = pick(bodies, b)
             p_BoBcm_B, _ = equations.mated_place(pair, params)
-            alpha, a_Bo = (
-                tuple(slopes[:, k + i, b] for i in range(3)) for k in (7, 10)
-            )
+            alpha, a_Bo = _vector(slopes[7:10, :, b]), _vector(slopes[10:, :, b])
             accelerations.append(motion_laws.cg_acceleration(B, p_BoBcm_B, alpha, a_Bo))
-            wrench = equations.spring_wrench_on(b, timed, bodies, params, step.mode)
-            rates += motion_laws.momentum_rate(B, p_BoBcm_B, wrench)
+            rates += motion_laws.momentum_rate(B, p_BoBcm_B, pick(springs, b))
         return _stack(accelerations), _stack(rates)
 
-    def finish(self, samples: Samples, params: BatchParameters) -> Lanes:
-        """Return (T, 24 p + 13 m, n) `COLUMNS` of each pair, and the states."""
-        states: Lanes = jnp.moveaxis(samples.signals, 1, 0)[: self._states]
-        # (13, T, m, n)
-        states = jnp.moveaxis(states.reshape(-1, STATES, *states.shape[1:]), 0, 2)
-        bodies = motion_laws.body_state(states, 0, 7)
-        accelerations, momenta = jnp.split(
-            samples.signals[:, self._states :], [3 * len(self._pairs)], axis=1
-        )
-        signals = []
-        for k, pair in enumerate(self._pairs):
-            motion = self._equations.relative_motion(pair, bodies, params)
-            signals += [
-                _stack([*motion]),
-                accelerations[:, 3 * k : 3 * k + 3],
-                momenta[:, 6 * k : 6 * k + 6],
-            ]
-        return jnp.concatenate([*signals, samples.signals[:, : self._states]], axis=1)
+
+def _vector(x: Lanes) -> Vector:
+    return x[0], x[1], x[2]
 
 
-def _stack(vectors: list[tuple[Lanes, ...]] | tuple[tuple[Lanes, ...], ...]) -> Lanes:
+def _stack(vectors: list[tuple[Lanes, ...]]) -> Lanes:
     return jnp.stack([x for vector in vectors for x in vector], axis=1)
 
 
-def motions_of(
+def sampled(
     separation: Separation, times: Array, signals: NDArray[np.float64]
-) -> dict[str, Motion]:
-    """Return the motions of the bodies that leave, from a row's signals (T, ...)."""
-    motions = {}
-    for k, pair in enumerate(separation.pairs):
-        mine = signals[:, 3 * len(COLUMNS) * k :]
-        columns = {c: mine[:, 3 * i : 3 * i + 3] for i, c in enumerate(COLUMNS)}
-        motions[pair.B] = Motion(time=times, **columns)
-    return motions
+) -> tuple[Trajectory, dict[str, Motion]]:
+    """Return the motion of all bodies of a row, and of those that leave by name.
 
-
-def trajectory_of(separation: Separation, times: Array, signals: Array) -> Trajectory:
-    """Return the motion of all bodies of a row from its signals (T, 24 p + 13 m)."""
-    states = signals[:, 3 * len(COLUMNS) * len(separation.pairs) :]
-    return Trajectory(
+    Args:
+        separation: as it was flown.
+        times: (T,) of the samples, s.
+        signals: (T, 13 m + 9 p) of the row, see `Samples`.
+    """
+    m, p = len(separation.bodies), len(separation.pairs)
+    states, acceleration, momenta = np.split(
+        signals, [STATES * m, STATES * m + 3 * p], axis=1
+    )
+    trajectory = Trajectory(
         names=tuple(body.name for body in separation.bodies),
         time=times,
-        states=states.reshape(len(times), -1, STATES),
+        states=states.reshape(len(times), m, STATES),
     )
+    motions = {}
+    for k, pair in enumerate(separation.pairs):
+        linear, angular = np.split(momenta[:, 6 * k : 6 * k + 6], 2, axis=1)
+        motions[pair.B] = Motion(
+            time=times,
+            **relative_motion_of(separation, pair, trajectory),
+            acceleration=acceleration[:, 3 * k : 3 * k + 3],
+            linear_momentum_change=linear,
+            angular_momentum_change=angular,
+        )
+    return trajectory, motions

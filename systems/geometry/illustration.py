@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 _SECTIONS = 96
 """Sides of a round wall as it is drawn."""
-# Okabe and Ito's colours, as in plots; but for the red, which nearest points have.
+# Okabe and Ito's colours, as in plots, but for the red, which nearest points have;
+# then others that are told apart from them.
 _FIRST = (0.45, 0.45, 0.5)
 _OTHERS = (
     (0.0, 0.45, 0.7),
@@ -25,6 +26,11 @@ _OTHERS = (
     (0.0, 0.62, 0.45),
     (0.8, 0.47, 0.65),
     (0.34, 0.71, 0.91),
+    (0.98, 0.93, 0.30),
+    (0.45, 0.27, 0.12),
+    (0.42, 0.20, 0.62),
+    (0.62, 0.82, 0.20),
+    (0.05, 0.12, 0.30),
 )
 _THROUGH = 0.45
 """Opacity of what lets one see through."""

@@ -266,16 +266,17 @@ class Batch:
         """
         rows = self._check_values(values)
         failures = check_rows(self.separation, self.names, rows)
+        flyable = rows.copy()
+        flyable[list(failures)] = self.nominal
         runs: list[Run] = []
-        size = min(_RUNS, self._metrics.lanes)
-        for first in range(0, len(rows), size):
-            chunk = rows[first : first + size]
-            mine = {
-                i - first: why
-                for i, why in failures.items()
-                if first <= i < first + len(chunk)
+        for part, flown in self._fly_parts(self._metrics, flyable):
+            reasons = self._why_not(flown)
+            reasons |= {
+                i - part.start: failures[i]
+                for i in range(part.start, part.stop)
+                if i in failures
             }
-            runs += self._sample(chunk, mine)
+            runs += self._sampled(rows[part], flown.final, reasons)
         return runs
 
     # Chunks of rows.
@@ -419,36 +420,46 @@ class Batch:
 
     def _fly_motion(self, values: Lanes, times: Lanes) -> Lanes:
         fold, params = MotionFold(self._equations, times), self._params(values)
-        return fold.finish(self._integrator.fly(params, fold).folded, params)
+        signals: Lanes = self._integrator.fly(params, fold).folded.signals
+        return signals
 
     # Sampled motion.
 
-    def _sample(self, rows: Array, failures: Mapping[int, str]) -> list[Run]:
-        """Return the runs of at most `_RUNS` rows."""
-        flyable = rows.copy()
-        flyable[list(failures)] = self.nominal
-        flown = self._metrics(self._filled(flyable, self._metrics.lanes), len(rows))
-        reasons = {**self._why_not(flown), **failures}
-        plans = [
-            SampledRun.of(self.separation, flown.final, i, self._values(row))
+    def _sampled(
+        self, rows: Array, final: FinalState, reasons: Mapping[int, str]
+    ) -> list[Run]:
+        """Return the runs of rows (n, n_p), of which some failed.
+
+        Args:
+            rows: that were flown.
+            final: how they ended.
+            reasons: why those failed that did, by row.
+        """
+        runs: dict[int, Run] = {}
+        flown = [i for i in range(len(rows)) if i not in reasons]
+        for begin in range(0, len(flown), _RUNS):
+            chunk = flown[begin : begin + _RUNS]
+            plans = [
+                SampledRun.of(self.separation, final, i, lane, self._values(rows[i]))
+                for lane, i in enumerate(chunk)
+            ]
+            signals = self._sample_motion(self._filled(rows[chunk], _RUNS), plans)
+            made = (plan.run(signals) for plan in plans)
+            runs |= zip(chunk, made, strict=True)
+        return [
+            runs[i] if i in runs else self._failed(row, reasons[i])
             for i, row in enumerate(rows)
-            if i not in reasons
         ]
-        runs = {}
-        if plans:
-            signals = self._sample_motion(self._filled(flyable, _RUNS), plans)
-            runs = {plan.row: plan.run(signals) for plan in plans}
-        for i in range(len(rows)):
-            if i not in runs:
-                as_flown = i not in failures
-                runs[i] = Run(
-                    separation=with_values(self.separation, self._values(rows[i]))
-                    if as_flown
-                    else self.separation,
-                    status=RunStatus.FAILED,
-                    message=reasons[i],
-                )
-        return [runs[i] for i in range(len(rows))]
+
+    def _failed(self, row: Array, reason: str) -> Run:
+        """Return a run that failed; of the nominal, if the row is not physical."""
+        physical = not check_rows(self.separation, self.names, row[None])
+        values = self._values(row) if physical else {}
+        return Run(
+            separation=with_values(self.separation, values),
+            status=RunStatus.FAILED,
+            message=reason,
+        )
 
     def _values(self, row: Array) -> dict[str, float]:
         return dict(zip(self.names, row.tolist(), strict=True))
@@ -457,7 +468,7 @@ class Batch:
         longest = max(len(plan.times) for plan in plans)
         times = np.full((-(-longest // _TIMES) * _TIMES, _RUNS), np.inf)
         for plan in plans:
-            times[: len(plan.times), plan.row] = plan.times
+            times[: len(plan.times), plan.lane] = plan.times
         signals: Array = np.asarray(call(self._motion, lanes, times))
         return signals
 

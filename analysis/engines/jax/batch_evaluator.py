@@ -102,6 +102,7 @@ class BatchEvaluator:
         by_metrics = np.array([k in self._by_metrics for k in which], dtype=bool)
         values = np.full(len(rows), np.nan)
         failures: dict[int, str] = {}
+        unended: set[int] = set()
         parts: list[tuple[NDArray[np.intp], Evaluated]] = []
         if by_metrics.any():
             index = np.flatnonzero(by_metrics)
@@ -119,7 +120,8 @@ class BatchEvaluator:
         for index, part in parts:
             values[index] = part.values
             failures |= {int(index[i]): why for i, why in part.failures.items()}
-        return Evaluated(values, failures)
+            unended |= {int(index[i]) for i in part.unended}
+        return Evaluated(values, failures, frozenset(unended))
 
     def near(self, rows: Array, k: int) -> Evaluated:
         """Return an objective at the first row, and about it at the others."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from drakesep.systems.arrays import Array
 from drakesep.systems.batch.integrator import FinalState
-from drakesep.systems.batch.motion import motions_of, trajectory_of
+from drakesep.systems.batch.motion import sampled
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.run import Run, RunStatus
 from drakesep.systems.model.separation import Separation
@@ -16,7 +16,8 @@ from drakesep.systems.sampling import find_breaks, sample_times
 class SampledRun:
     """A run that is to be sampled."""
 
-    row: int
+    lane: int
+    """In which its motion is sampled."""
     separation: Separation
     releases: Mapping[str, float]
     stroke_ends: Mapping[str, float]
@@ -30,6 +31,7 @@ class SampledRun:
         separation: Separation,
         final: FinalState,
         row: int,
+        lane: int,
         values: Mapping[str, float],
     ) -> "SampledRun":
         """Return what is to be sampled of a row.
@@ -38,6 +40,7 @@ class SampledRun:
             separation: of the batch.
             final: how the rows of the batch ended.
             row: its number.
+            lane: in which its motion is sampled.
             values: of its parameters, in SI.
         """
         flown = with_values(separation, values)
@@ -52,7 +55,7 @@ class SampledRun:
             for spring, t in zip(flown.springs, final.stroke_ends[:, row], strict=True)
         }
         return cls(
-            row=row,
+            lane=lane,
             separation=flown,
             releases=releases,
             stroke_ends=ends,
@@ -63,14 +66,14 @@ class SampledRun:
 
     def run(self, signals: Array) -> Run:
         """Return the run, from the signals (T, ..., n) at the times of all."""
-        mine = signals[: len(self.times), :, self.row]
-        motions = motions_of(self.separation, self.times, mine)
+        mine = signals[: len(self.times), :, self.lane]
+        trajectory, motions = sampled(self.separation, self.times, mine)
         return Run(
             separation=self.separation,
             status=RunStatus.COMPLETED,
             motion=motions.pop(self.separation.B),
             others=motions,
-            trajectory=trajectory_of(self.separation, self.times, mine),
+            trajectory=trajectory,
             breaks=find_breaks(self.separation, self.releases, self.stroke_ends),
             releases=self.releases,
             stroke_ends=self.stroke_ends,

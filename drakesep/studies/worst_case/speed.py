@@ -32,7 +32,8 @@ class Speed:
     run: float = 0.0
     """A run on the batch engine among very many, on one core."""
     whole_run: float = 0.0
-    """A run on the batch engine with its motion, where an objective needs that."""
+    """A run on the batch engine with its motion, where an objective needs that, and to
+    tell those of it that do."""
     measurement: float = 0.0
     """A measurement of a run, where an objective needs one."""
     cores: int = 1
@@ -69,11 +70,19 @@ def measured_speed(
     most = _CHUNKS * batch.workers * batch.chunk
     rows = case.tolerance_set.rows(case.tolerance_set.draw(most, rng))
     call = _seconds(lambda: batch.run(rows[: batch.chunk]))
+    told = [o for o in objectives if o.needs is Needs.RUN]
     whole_run = 0.0
-    if any(o.needs is Needs.RUN for o in objectives):
-        few = rows[:_FEW]
+    if told or longest:
+        few = rows[: len(case.box) + 2]  # as an ascent flies at once
         batch.runs(few)  # compiled
-        whole_run = _seconds(lambda: batch.runs(few)) / len(few)
+
+        def flown_and_told() -> None:
+            for run in batch.runs(few):
+                if run.motion is not None:
+                    for objective in told:
+                        objective.of_run(run, case.limits_of_pairs)
+
+        whole_run = _seconds(flown_and_told) / len(few)
     return Speed(
         drake=drake,
         call=call,
@@ -86,8 +95,6 @@ def measured_speed(
 
 _CHUNKS = 8
 """For each core, at most, that tell what a run takes among very many."""
-_FEW = 16
-"""Runs whose motion is sampled at once."""
 
 
 def _run(batch: Batch, rows: Array, call: float) -> float:

@@ -14,7 +14,7 @@ from drakesep.analysis.margins.tolerance_margins import (
     grow,
     grow_along_rays,
 )
-from drakesep.analysis.metrics.objectives import of_run
+from drakesep.analysis.metrics.objectives import About, Needs, Objective, of_run
 from drakesep.analysis.search.problem import Problem
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.sides import Sides
@@ -232,3 +232,86 @@ def test_along_the_ray_a_run_that_fails_is_no_violation(fails_from):
     limit = Limit(objective=0, value=1.7, u=(1.0, 0.0, 0.0))
     [found] = grow_along_rays(Problem(tolerances=SET, evaluator=evaluator), [limit])
     assert (found.factor, found.message) == (3.0, "lost")
+
+
+def failing(function, fails):
+    """The problem of a function whose runs fail where x, in tolerances, says so."""
+    inner = problem(function).evaluator
+
+    def fly(rows):
+        moved = (rows[:, 0] - BOX.nominal[0]) / BOX.tolerance[0]
+        lost = Run(separation=PAIR, status=RunStatus.FAILED, message="lost")
+        return [
+            lost if fails(x) else run
+            for x, run in zip(moved, inner._fly(rows), strict=True)
+        ]
+
+    evaluator = RunEvaluator(fly, BOX.names, inner.objectives)
+    return Problem(tolerances=SET, evaluator=evaluator)
+
+
+@pytest.mark.parametrize(
+    ("fails_from", "searched", "on_ray"),
+    [(1.2, 1.0, 1.0), (2.2, 2.0, 2.0), (9.0, MOST, MOST)],
+)
+def test_growth_is_looked_at_as_far_as_runs_tell(fails_from, searched, on_ray):
+    """No limit is reached, but runs fail from some growth on: nothing is known there.
+
+    Growths of the grids below 1.2 and 2.2 are 1 and 2; all are below 9.
+    """
+    asked = failing(lambda v: v[0] + 1e-3 * v[1], lambda x: x >= fails_from)
+    limit = Limit(objective=0, value=9.0, u=(1.0, 1.0, 0.0))
+    [together] = grow(asked, [limit], corners=16)
+    [ray] = grow_along_rays(asked, [limit])
+    assert math.isinf(together.factor) and math.isinf(ray.factor)
+    assert (together.looked_up_to, ray.looked_up_to) == (searched, on_ray)
+
+
+def test_growth_of_which_no_run_tells_is_none():
+    asked = failing(lambda v: v[0], lambda x: True)
+    limit = Limit(objective=0, value=9.0, u=(1.0, 0.0, 0.0))
+    for growth in (*grow(asked, [limit], corners=4), *grow_along_rays(asked, [limit])):
+        assert math.isnan(growth.factor) and math.isnan(growth.looked_up_to)
+        assert growth.message == "lost"
+
+
+class EndsTooSoon(Objective):
+    """v_x, of a window whose end is not reached from some v_x on."""
+
+    name, needs = "f", Needs.MEASUREMENT
+
+    def __init__(self, from_x):
+        self._from_x = from_x
+
+    def of_run(self, run, limits):
+        values = parameters(run.separation)
+        return float(BOX.scaled({name: values[name] for name in NAMES})[0])
+
+    def about(self, run, limits):
+        x = self.of_run(run, limits)
+        return About(x, lambda other: self.of_run(other, limits), x < self._from_x)
+
+
+@pytest.mark.parametrize(
+    ("from_x", "limit", "factor", "looked_up_to"),
+    [
+        (1.2, 9.0, math.inf, 1.0),  # nothing found, and not looked beyond 1
+        (0.0, 9.0, math.nan, math.nan),  # not even the nominal tells
+        (1.2, 2.5, 3.0, MOST),  # beyond the limit before its end: a violation
+        (4.0, 2.5, 2.5, MOST),
+    ],
+)
+def test_what_ends_too_soon_is_not_within_a_limit(from_x, limit, factor, looked_up_to):
+    evaluator = RunEvaluator(
+        lambda rows: fly_nothing(PAIR)([{NAMES[0]: x} for x in rows[:, 0].tolist()]),
+        NAMES,
+        [EndsTooSoon(from_x)],
+    )
+    [found] = grow_along_rays(
+        Problem(tolerances=SET, evaluator=evaluator),
+        [Limit(objective=0, value=limit, u=(1.0, 0.0, 0.0))],
+    )
+    # To a hundredth, where it may be halved: below 3 nothing tells.
+    assert found.factor == pytest.approx(factor, abs=1e-2, nan_ok=True)
+    assert found.looked_up_to == pytest.approx(looked_up_to, nan_ok=True)
+    assert not found.message

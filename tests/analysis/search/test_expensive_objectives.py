@@ -59,8 +59,7 @@ def test_they_are_searched_by_sqp_and_left_out_of_sweeps():
     assert [search.objectives for search in told] == [(0,), (0,), (0, 1), (0, 1)]
     assert [search.note for search in told[1:]] == [
         "all 8 vertices, for 1 of 2 objectives",
-        "SQP from the nominal, slopes by differences, for 1 of 2 objectives; "
-        "SQP from the nominal, slopes by differences, for 1 of 2 objectives",
+        "SQP from the nominal, slopes by differences",  # told once, of both
         "SQP from 7 more starts, slopes by differences, for 1 of 2 objectives; "
         "SQP from 2 more starts, slopes by differences, for 1 of 2 objectives",
     ]

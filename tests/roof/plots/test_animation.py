@@ -41,6 +41,48 @@ def test_page_says_what_it_shows(page, vega):
     assert not re.search(r"<(script|link)[^>]+(src|href)=", text)
 
 
+def test_the_camera_draws_back_as_bodies_leave(page):
+    """As far as the payload goes, from the end of the run and the geometry."""
+    text = page.read_text(encoding="utf-8")
+    shown = json.loads(re.search(r"const runs = (\[.*?\]), frames", text)[1])
+    bodies = json.loads(re.search(r", bodies = (\[.*?\]);", text)[1])
+    assert [body["name"] for body in bodies] == ["launch_vehicle", "payload"]
+    for one in shown:
+        assert one["far"][0] == 1.0
+        assert np.all(np.diff(one["far"]) >= 0.0)
+    # By hand: the payload, in a sphere of 1.57 m, leaves by 3.4 m; the stack fits in
+    # one of 1.62 m, of which half as much again is seen at first.
+    assert shown[0]["far"][-1] == pytest.approx((3.4 + 1.57) / (1.5 * 1.62), rel=0.03)
+
+
+@pytest.mark.parametrize("moment", [1000, 20000])
+def test_names_stand_at_their_bodies_within_the_view(page, moment):
+    """From the first second to the end; the payload is before the vehicle."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    if chromium is None:
+        pytest.skip("there is no chromium to draw the page")
+    drawn = subprocess.run(
+        [
+            *(chromium, "--headless=new", "--no-sandbox", "--use-angle=swiftshader"),
+            *("--enable-unsafe-swiftshader", "--window-size=1000,700"),
+            *(f"--virtual-time-budget={moment}", "--dump-dom", page.as_uri()),
+        ],
+        check=True,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    ).stdout
+    places = {}
+    for style, name in re.findall(r'<span style="([^"]*)">(\w+)</span>', drawn):
+        assert "visibility: visible" in style
+        left, top = (re.search(rf"{s}: ([\d.-]+)%", style)[1] for s in ("left", "top"))
+        places[name] = float(left), float(top)
+    assert set(places) == {"launch_vehicle", "payload"}
+    for x, y in places.values():
+        assert 10.0 < x < 90.0 and 10.0 < y < 90.0
+    assert places["payload"][0] > places["launch_vehicle"][0]
+
+
 def test_browser_draws_it(page, tmp_path):
     chromium = shutil.which("chromium") or shutil.which("chromium-browser")
     if chromium is None:

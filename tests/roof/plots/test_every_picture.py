@@ -4,6 +4,7 @@ Of motions that are written down, so that what is drawn is known without the cod
 """
 
 import dataclasses
+import itertools
 import json
 import math
 import re
@@ -300,6 +301,17 @@ def test_colours_of_bodies():
     assert colour(first)[:3] not in {colour(body)[:3] for body in others}
     alone = dataclasses.replace(rideshare, others=())
     assert colour(first, alone)[3] == 1.0
+
+
+def test_ten_bodies_are_told_apart():
+    """By a fifth of the range of a primary at least, also from nearest points' red."""
+    bodies = load_case("rideshare").separation.bodies
+    separation = load_case("rideshare").separation
+    colours = [colour_of(body.parts[0], body, separation)[:3] for body in bodies]
+    colours.append((0.84, 0.1, 0.1))
+    assert len(colours) == 12
+    for a, b in itertools.combinations(colours, 2):
+        assert max(abs(x - y) for x, y in zip(a, b, strict=True)) >= 0.2, (a, b)
 
 
 @pytest.mark.parametrize(

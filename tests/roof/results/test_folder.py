@@ -54,9 +54,9 @@ def overflowing():
 
 def test_a_failed_run_leaves_nothing_of_the_run_before(tmp_path):
     drakesep.simulate("vega", output=tmp_path)
-    assert {"motion.csv", "rotation.png", "runs/nominal.csv"} <= names(tmp_path)
+    assert {"motion.csv", "rotation.png", "runs/nominal.csv.gz"} <= names(tmp_path)
     mine = {"notes.txt", "motion_mine.csv", "contacts.csv", "geometry/mine.stl"}
-    mine |= {"runs/mine.json", "runs/mine.csv"}
+    mine |= {"runs/mine.json", "runs/mine.csv.gz"}
     (tmp_path / "geometry").mkdir()
     for name in mine:
         (tmp_path / name).write_text("mine")
@@ -275,7 +275,7 @@ def test_case_made_in_python_is_written_too(tmp_path):
 def test_the_command_that_does_it_again_does(ask, tmp_path):
     """The same tables, to the byte."""
     ask(tmp_path / "out")
-    tables = ("summary.csv", "motion.csv", "runs/nominal.csv", "runs/run.csv")
+    tables = ("summary.csv", "motion.csv", "runs/nominal.csv.gz", "runs/run.csv.gz")
     files = [tmp_path / "out" / t for t in tables if (tmp_path / "out" / t).exists()]
     before = {file: file.read_bytes() for file in files}
     assert len(before) == 3

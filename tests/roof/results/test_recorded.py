@@ -1,6 +1,7 @@
 """From a folder alone: runs, plots, tables and animations are what they were."""
 
 import dataclasses
+import gzip
 import json
 import shutil
 
@@ -142,7 +143,7 @@ def test_an_animation_reads_the_runs_that_it_shows(verified, tmp_path):
     left = {*drakesep.read_results(folder).labels} - {*shown}
     assert left
     for label in left:
-        (copy / "runs" / f"{label}.csv").write_text("not a table")
+        (copy / "runs" / f"{label}.csv.gz").write_text("not a table")
     read = drakesep.read_results(copy)
     assert animate_results(read, output=tmp_path / "b.html") == shown
     assert (tmp_path / "a.html").read_bytes() == (tmp_path / "b.html").read_bytes()
@@ -177,7 +178,9 @@ def test_command_animates_a_folder(verified, tmp_path, capsys, monkeypatch):
         ("case.json", '{"record": "Body", "mass": 1.0}'),
         ("case.json", "[]"),
         ("runs/nominal.json", "{}"),
-        ("runs/nominal.csv", "time_s\n0\n"),
+        ("runs/nominal.csv.gz", "time_s\n0\n"),
+        ("runs/nominal.csv.gz", gzip.compress(b"time_s\n0\n")),
+        ("runs/nominal.csv.gz", gzip.compress(b"time_s\n0\n" * 9)[:-12]),
     ],
 )
 def test_broken_folders_are_refused_by_name(verified, file, text, tmp_path):
@@ -186,7 +189,8 @@ def test_broken_folders_are_refused_by_name(verified, file, text, tmp_path):
     _, folder = verified
     broken = tmp_path / "broken"
     shutil.copytree(folder, broken)
-    (broken / file).write_text(text)
+    raw = text if isinstance(text, bytes) else text.encode()
+    (broken / file).write_bytes(raw)
     with pytest.raises(InputError, match=file.rpartition("/")[2]):
         drakesep.read_results(broken).run("nominal")
 

@@ -446,8 +446,10 @@ def test_tolerances(tables):
     )
     for _, row in frame.iterrows():
         tolerance = TOLERANCE[row["parameter"]]
-        assert row["tolerance"] == pytest.approx(tolerance, rel=1e-14)
-        assert row["violated_at"] == pytest.approx(tolerance * row["factor"], rel=1e-12)
+        for side in ("minus", "plus"):
+            assert row[side] == pytest.approx(tolerance, rel=1e-14)
+            violated = pytest.approx(tolerance * row["factor"], rel=1e-12)
+            assert row[f"violated_{side}"] == violated
         assert row["looked_up_to"] == 5.0
         assert row["status"] == ""
     assert np.isfinite(frame["factor"]).sum() > 6

@@ -196,12 +196,14 @@ def test_sensitivities(vega_verification):
 def test_tolerances(vega_verification):
     frame = vega_verification.tolerances
     assert list(frame.columns) == [
-        *("requirement", "axis", "parameter", "tolerance", "violated_at", "factor"),
-        *("looked_up_to", "status"),
+        *("requirement", "axis", "unit", "sense", "limit", "parameter"),
+        *("minus", "plus", "violated_minus", "violated_plus", "factor"),
+        *("looked_up_to", "status", "pair", "id", "source"),
     ]
     assert len(frame) == 7 * len(PARAMETERS)
     assert (frame["status"] == "").all()
     finite = frame[np.isfinite(frame["factor"])]
-    assert finite["violated_at"].to_numpy() == pytest.approx(
-        (finite["tolerance"] * finite["factor"]).to_numpy()
-    )
+    for side in ("minus", "plus"):
+        assert finite[f"violated_{side}"].to_numpy() == pytest.approx(
+            (finite[side] * finite["factor"]).to_numpy()
+        )
