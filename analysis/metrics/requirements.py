@@ -220,6 +220,7 @@ def assess(
     requirements: Sequence[Requirement],
     runs: Mapping[str, Mapping[str, float]],
     nominal: str,
+    at_most: Mapping[str, Mapping[str, float]] | None = None,
 ) -> list[Finding]:
     """Return how each requirement fares over the runs.
 
@@ -231,12 +232,18 @@ def assess(
         runs: metrics of each run, by its label; of one that is measured apart, of some
             runs only.
         nominal: label of the nominal run.
+        at_most: of runs that end too soon to tell a metric, by label, what it is at
+            most: that is beyond a limit from below, whatever would have followed.
     """
-    return [_finding(requirement, runs, nominal) for requirement in requirements]
+    bounds = at_most or {}
+    return [_finding(each, runs, nominal, bounds) for each in requirements]
 
 
 def _finding(
-    requirement: Requirement, runs: Mapping[str, Mapping[str, float]], nominal: str
+    requirement: Requirement,
+    runs: Mapping[str, Mapping[str, float]],
+    nominal: str,
+    at_most: Mapping[str, Mapping[str, float]],
 ) -> Finding:
     metric = requirement.judged_by
     values = {
@@ -244,6 +251,12 @@ def _finding(
         for label, metrics in runs.items()
         if metric in metrics or not requirement.measured_apart
     }
+    for label, value in values.items():
+        bound = at_most.get(label, {}).get(metric, math.nan)
+        beyond = requirement.margin(bound)
+        untold = math.isnan(value) and not requirement.from_above
+        if untold and not (math.isnan(beyond) or requirement.keeps(beyond)):
+            values[label] = bound
 
     def badness(label: str) -> tuple[bool, bool, float]:
         margin = requirement.margin(values[label])

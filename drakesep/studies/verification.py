@@ -63,7 +63,8 @@ class Verification(WorstCases):
         }
         of_functions = (limit for f in self.functions for limit in f.limits)
         required = [*self.case.requirements, *of_functions]
-        return assess(required, runs, nominal_of(self.runs).label)
+        at_most = {one.label: one.at_most for one in self.runs}
+        return assess(required, runs, nominal_of(self.runs).label, at_most)
 
     @property
     def requirements(self) -> pd.DataFrame:

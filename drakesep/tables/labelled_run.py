@@ -62,6 +62,11 @@ class LabelledRun:
         return objective_of(self.role)
 
     @property
+    def at_most(self) -> dict[str, float]:
+        """What clearances are at most, m: so near its parts come until it ends."""
+        return {metric: found.minimum for metric, found in self.nearest.items()}
+
+    @property
     def published(self) -> PublishedCase | None:
         """The publication that it comes from; None if it is our own."""
         return self.role.case if isinstance(self.role, Published) else None

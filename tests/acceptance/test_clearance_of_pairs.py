@@ -247,6 +247,11 @@ def test_no_contact_is_not_met_where_parts_touch():
     [row] = study.requirements.to_dict("records")
     assert (row["worst"], row["margin"], row["verdict"]) == (0.0, 0.0, "not met")
     assert study.completed and not study.passed
+    # Nor is it where the run ends before the window does: they have touched.
+    window = {**NO_CONTACT, "pair": "sc", "to": "nb", "until_separation_mm": 5000}
+    case = drifting([window], bodies=bodies).replaced(dispersions={})
+    [row] = drakesep.verify(case, workers=1).requirements.to_dict("records")
+    assert (row["worst"], row["verdict"]) == (0.0, "not met")
 
 
 def test_a_slow_run_whose_window_does_not_end_takes_the_verdict():

@@ -94,6 +94,19 @@ def test_what_is_measured_apart_is_judged_by_the_runs_that_tell_it():
     assert finding.verdict is Verdict.NOT_LOOKED_AT
 
 
+@pytest.mark.parametrize(
+    ("bound", "verdict"), [(0.05, Verdict.NOT_MET), (0.2, Verdict.NOT_LOOKED_AT)]
+)
+def test_what_ends_too_soon_is_a_violation_if_it_was_one_until_then(bound, verdict):
+    """A clearance is the least of a window: what follows makes it no larger."""
+    clear = Requirement(metric="clearance", sense=">=", limit=0.1)
+    runs = {"nominal": {"clearance": 0.3}, "a": {"clearance": math.nan}}
+    [finding] = assess([clear], runs, "nominal", {"a": {"clearance": bound}})
+    assert (finding.verdict, finding.run) == (verdict, "a")
+    if verdict is Verdict.NOT_MET:
+        assert finding.worst == bound
+
+
 def test_a_violation_stands_beside_runs_that_do_not_tell():
     runs = {"nominal": {}, "a": {AT_MOST.metric: 2.5}, "b": {AT_MOST.metric: math.nan}}
     [finding] = assess([AT_MOST], runs, "nominal")
