@@ -4,11 +4,14 @@ The files have a column for everything; on a console of eighty columns a row is 
 read whole, and says by itself which requirement it is of.
 """
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias
 
 import pandas as pd
 
 
+Row: TypeAlias = Mapping[Any, Any]
 _VALUES = ("nominal", "worst", "value", "margin", "verdict")
 """Columns that follow the limit, as far as there are any."""
 
@@ -39,13 +42,27 @@ def growth_lines(frame: pd.DataFrame, bodies: Sequence[str]) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "requirement": _names(frame, bodies),
-            "all by a factor": frame["growth_factor"],
-            "found by": frame["growth_by"],
-            "of up to": frame["looked_up_to"],
-            "one alone by": frame["its_growth_factor"],
-            "which": frame["first_tolerance"],
+            "all by": list(map(_all_by, frame.to_dict("records"))),
+            "one alone by": list(map(_one_by, frame.to_dict("records"))),
         }
     )
+
+
+def _all_by(row: Row) -> str:
+    """Return the factor on all tolerances, or up to which none was found."""
+    if math.isnan(row["growth_factor"]):
+        return str(row["growth_by"])
+    if math.isinf(row["growth_factor"]):
+        return f"none up to {row['looked_up_to']:.4g}"
+    return f"{row['growth_factor']:.4g}"
+
+
+def _one_by(row: Row) -> str:
+    """Return the factor on the tolerance that violates it first, and its name."""
+    name, factor = row["first_tolerance"], row["its_growth_factor"]
+    if math.isinf(factor):
+        return "none"
+    return str(name) if math.isnan(factor) else f"{factor:.4g} {name}"
 
 
 def _names(frame: pd.DataFrame, bodies: Sequence[str]) -> list[str]:

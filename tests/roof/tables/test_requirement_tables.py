@@ -81,6 +81,9 @@ def test_what_growth_was_not_looked_at_says_so():
     assert failed["growth_by"] == "failed: lost"
     assert math.isnan(none["looked_up_to"]) and math.isnan(failed["looked_up_to"])
     assert (some["growth_factor"], some["looked_up_to"]) == (math.inf, 1.5)
+    assert growth_lines(table(growths), BODIES)["all by"].tolist() == [
+        *("not looked at", "failed: lost", "none up to 1.5")
+    ]
 
 
 @pytest.mark.parametrize("order", [(0, 1), (1, 0)])
@@ -92,6 +95,8 @@ def test_a_tolerance_that_was_not_looked_at_is_not_passed_over(order):
     single = [(TOUCH, (unknown, growth(1, 2.0))[i]) for i in order]
     row = table(single=single).to_dict("records")[2]
     assert (row["first_tolerance"], row["its_growth_factor"]) == ("left.mass_kg", 2.0)
+    lines = growth_lines(table(single=single), BODIES)
+    assert lines["one alone by"].tolist()[2] == "2 left.mass_kg"
 
 
 @pytest.mark.parametrize("width", [80, 100, 200])
