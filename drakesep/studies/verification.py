@@ -143,6 +143,7 @@ def verify(
     on_progress: OnProgress | None = None,
     background: BackgroundProcess | None = None,
     minutes: float | None = None,
+    resume: bool = False,
     **effort: Unpack[Effort],
 ) -> Verification:
     """Find the worst cases of a case and hold them against its requirements.
@@ -165,14 +166,15 @@ def verify(
         background: a process that is under way, to measure and draw in; one of its own
             if None.
         minutes: as `worst_case` takes them.
+        resume: as `worst_case` takes it.
         effort: `starts`, `samples`, `vertices`, `flips`, `generations`, `corners` and
             `seed` of `SearchSettings`; the speed of runs, as it is measured, decides
             what is left out: see `Verification.effort`.
 
     Raises:
         ValueError: the case is wrong or nothing is required, a search is wrong, a
-            function gives no finite number, it takes longer than it may, or the folder
-            cannot be written.
+            function gives no finite number, it takes longer than it may, the folder
+            cannot be written, or has another study to resume.
         RuntimeError: the nominal run fails.
     """
     asked = Asked.of(
@@ -197,6 +199,7 @@ def verify(
             growth=growth,
             minutes=minutes,
             workers=workers,
+            resume=resume,
             folder=folder,
         )
         study = Verification(

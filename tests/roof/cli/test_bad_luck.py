@@ -117,3 +117,45 @@ def test_a_full_disk_names_the_file(command, tmp_path):
     assert line.startswith(f"drakesep: {tmp_path / 'out'}")
     assert line.endswith(": File too large")
     assert not list((tmp_path / "out").rglob(".writing-*"))
+
+
+def whole(folder):
+    """All that a study has left, but when and in which process."""
+    files = {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
+    record = json.loads(files.pop("study.json"))
+    for name in ("begun", "seconds", "process", "again"):
+        del record[name]
+    return record, files
+
+
+@pytest.mark.slow
+def test_a_study_that_is_killed_goes_on(tmp_path):
+    """After each search; with a clearance, which is searched beside the others."""
+    clearance = {"quantity": "clearance_mm", "at_least": 20.0}
+    required = [*small_case()["requirements"][:1], clearance]
+    case = write_case(tmp_path, small_case(requirements=required))
+    words = ["--samples", 60, "--starts", 3, "--seed", 2]
+
+    def asked(folder, *more):
+        return begun("verify", case, "-o", folder, *words, *more)
+
+    with asked(tmp_path / "whole") as process:
+        process.communicate(timeout=300)
+    folder, killed = tmp_path / "killed", 0
+    for part in ("plan", "samples", "vertices", "sqp", "multistart", "growth"):
+        with asked(folder, "--resume") as process:
+            while (
+                process.poll() is None and not (folder / f".parts/{part}.json").exists()
+            ):
+                time.sleep(0.01)
+            process.kill()
+            process.communicate()
+        killed += process.returncode == -signal.SIGKILL
+    assert killed >= 3  # the last parts are finished quickly
+    with asked(folder, "--resume") as process:
+        _, err = process.communicate(timeout=300)
+    assert whole(folder) == whole(tmp_path / "whole"), err
