@@ -21,6 +21,7 @@ from drakesep.systems.equations.mated_stack import mated_places
 from drakesep.systems.equations.motion_of_run import mated_trajectory
 from drakesep.systems.geometry.convex_pieces import mesh_of
 from drakesep.systems.geometry.distance import Nearest, Proximity
+from drakesep.systems.geometry.meshes import DoubtfulScale
 from drakesep.systems.geometry.moved_parts import displacements
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.part_pairs import Names, owners_of, part_pairs
@@ -327,10 +328,6 @@ def _end(run: Run, until: float | None) -> float:
     if not 0.0 < end <= last:
         raise InputError(f"until: must be above 0 and at most {last:g} s, got {end}")
     return end
-
-
-class DoubtfulScale(UserWarning):
-    """A mesh is of another size than its body."""
 
 
 def _warn_of_scale(body: Body, part: Part) -> None:

@@ -13,6 +13,7 @@ from drakesep.systems.equations.springs import PUSHERS, PusherKind
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Separation
+from drakesep.systems.simulation.shared_simulation import shared_simulation
 from drakesep.systems.simulation.simulation import Simulation
 
 
@@ -47,7 +48,8 @@ class DrakePool:
         workers = os.cpu_count() or 1 if workers is None else workers
         if workers < 1:
             raise InputError(f"workers must be >= 1, got {workers}")
-        self._simulation = Simulation(separation, integration)
+        self._flown_here = separation, integration
+        shared_simulation(separation, integration)  # built, and refused if it is wrong
         self._pool = None
         if workers > 1:
             self._pool = ProcessPoolExecutor(
@@ -88,7 +90,7 @@ class DrakePool:
 
     def _flown(self, variations: Sequence[Mapping[str, float]]) -> Iterator[Run]:
         if self._pool is None or len(variations) == 1:
-            return map(self._simulation.run, variations)
+            return map(shared_simulation(*self._flown_here).run, variations)
         # Not with map(): interrupted, it cancels what the workers are about to return.
         futures = [self._pool.submit(_fly, dict(values)) for values in variations]
         return (future.result() for future in futures)

@@ -13,11 +13,11 @@ from drakesep.files import written
 from drakesep.results.case_json import NO_RECORD, from_json, to_json
 from drakesep.results.catalogue import CASE, GEOMETRY
 from drakesep.results.provenance import sha256_of
-from drakesep.systems.checks import InputError
+from drakesep.systems.checks import DrakesepWarning, InputError
 from drakesep.systems.model.parts import Mesh, Part
 
 
-class MeshChanged(UserWarning):
+class MeshChanged(DrakesepWarning):
     """A mesh is no longer what it was when it was measured."""
 
 

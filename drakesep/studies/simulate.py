@@ -16,9 +16,9 @@ from drakesep.results.catalogue import SIMULATE
 from drakesep.results.folder import Output, ResultsFolder, begun
 from drakesep.results.recorded_runs import save_runs
 from drakesep.studies.remarks import Remark, remarks, save_remarks
-from drakesep.studies.shared_simulation import shared_simulation
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.run import Run
+from drakesep.systems.simulation.shared_simulation import shared_simulation
 from drakesep.tables.columns import write_csv
 from drakesep.tables.contact_tables import contact_forces_table, contacts_table
 from drakesep.tables.labelled_run import LabelledRun, measured
@@ -148,7 +148,7 @@ def simulate(
     changed = values_in_si(case.separation, values)
     with_values(case.separation, changed)  # what is refused leaves the folder alone
     with begun(output, asked) as folder:
-        run = shared_simulation(case).run(changed)
+        run = shared_simulation(case.separation, case.integration).run(changed)
         role = Changed() if values else Nominal()
         labelled = measured(role, run, case)
         result = Simulated(asked=asked.over(), labelled=labelled, values=values)

@@ -16,7 +16,7 @@ from drakesep.systems.checks import (
     unknown,
 )
 from drakesep.systems.design.model_reader import read_apart
-from drakesep.systems.geometry.meshes import read_mesh, readable
+from drakesep.systems.geometry.meshes import read_mesh, readable, warn_of_solid
 from drakesep.systems.model.inertia import Inertia
 from drakesep.systems.model.magnitudes import check_size, check_within
 
@@ -134,6 +134,7 @@ def mass_properties_of_mesh(
     mesh = read_mesh(file)
     volume = scale**3 * float(mesh.volume)
     m = _mass(str(file), mass, density, volume)
+    warn_of_solid(Path(file).name, scale * float(mesh.scale), m, volume)
     # The file's inertia is that of density one, in its own units.
     inertia = m / volume * scale**5 * np.array(mesh.moment_inertia)
     return _placed(m, scale * np.array(mesh.center_mass), inertia, p_BoSo_B, rpy_BS)

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
@@ -56,6 +56,10 @@ class Simulation:
         # Momentum is summed after a run: what is integrated costs at every step.
         self._system = SeparationSystem(separation, motion_analysis=False)
         self._read = self._system.parameters_read(separation)
+
+    def reads(self, names: Iterable[str]) -> bool:
+        """Return whether parameters of these names are all read, and may be changed."""
+        return self._read.issuperset(names)
 
     def run(self, values: Mapping[str, float] | None = None) -> Run:
         """Fly the separation with some of its parameters changed.

@@ -21,13 +21,13 @@ from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import Problem, Searched, SearchProgress
 from drakesep.results.folder import ResultsFolder
 from drakesep.studies.background_process import BackgroundProcess
-from drakesep.studies.shared_simulation import shared_simulation
 from drakesep.studies.worst_case.effort import StudyEffort, planned_effort
 from drakesep.studies.worst_case.pace import Pace
 from drakesep.studies.worst_case.plan import PLAN, OnProgress, Progress, StudyPlan
 from drakesep.studies.worst_case.speed import measured_speed
 from drakesep.systems.arrays import Array
 from drakesep.systems.model.run import Run
+from drakesep.systems.simulation.shared_simulation import shared_simulation
 
 
 class _HasTables(Protocol):
@@ -276,7 +276,7 @@ def checked_batch(plan: StudyPlan) -> Batch | None:
 
 def _fly_nominal(case: AnalysisCase) -> tuple[Run, float]:
     """Return the nominal run, and the seconds that it took."""
-    simulation = shared_simulation(case)
+    simulation = shared_simulation(case.separation, case.integration)
     began = time.perf_counter()
     nominal = simulation.run({})
     return nominal, time.perf_counter() - began
