@@ -64,8 +64,8 @@ def _check(events: Iterable[Event]) -> None:
         if anchor is not None and not isinstance(event, AliasEvent):
             if anchor in named:
                 raise InputError(
-                    f"&{anchor} must name one thing, got it in line {named[anchor]} and "
-                    f"in line {line}"
+                    f"&{anchor} must name one thing, got it in lines "
+                    f"{named[anchor]} and {line}"
                 )
             named[anchor] = line
         if isinstance(event, CollectionStartEvent):

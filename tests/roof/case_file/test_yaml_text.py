@@ -35,7 +35,7 @@ BAD = {
     "mappings": ("{a: " * 3000, "must be nested at most 50 levels deep"),
     "a name of two": (
         "a: &x 1\nb: &x 2",
-        "&x must name one thing, got it in line 1 and ",
+        "&x must name one thing, got it in lines 1 and",
     ),
     "an unknown name": ("a: *b", "must be YAML, got: found undefined alias"),
     "a month 13": ("a: 2020-13-45", "must be YAML, got: month must be in 1..12"),
