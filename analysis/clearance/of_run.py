@@ -15,6 +15,7 @@ from drakesep.analysis.clearance.of_pair import (
     smallest_below,
 )
 from drakesep.analysis.clearance.part_distance import PartDistance
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.equations.mated_stack import mated_places
@@ -44,6 +45,7 @@ class NearestPair(NamedTuple):
     nearest: Nearest
 
 
+@typed
 class ClearanceAnalysis:
     """Measures parts of a separation in its runs, whatever values these vary.
 

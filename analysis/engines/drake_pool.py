@@ -8,6 +8,7 @@ from typing import Self
 from loky import ProcessPoolExecutor
 
 from drakesep.analysis.engines.interrupts import end_with, interrupts_ignored
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.springs import PUSHERS, PusherKind
 from drakesep.systems.model.integration import Integration
@@ -21,6 +22,7 @@ WORKERS_START = 4.0
 """What workers must save to be worth their start, s."""
 
 
+@typed
 class DrakePool:
     """Flies variations of one separation, spread over processes.
 
@@ -61,6 +63,7 @@ class DrakePool:
                 for _ in range(workers):
                     self._pool.submit(_nothing)
 
+    @typed
     def fly(
         self,
         variations: Sequence[Mapping[str, float]],

@@ -29,6 +29,7 @@ from drakesep.analysis.search.problem import (
 )
 from drakesep.analysis.search.registry import check_search, run_search
 from drakesep.analysis.search.sqp import SearchStatus, Start, slopes_at
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 
 
@@ -78,6 +79,7 @@ class WorstCase:
     evidence: Evidence = field(repr=False)
 
 
+@typed
 def find_worst_cases(
     problem: Problem,
     searches: Sequence[str],

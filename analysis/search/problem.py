@@ -14,12 +14,14 @@ from drakesep.analysis.engines.evaluator import Evaluator
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.sqp import Ascent, Iteration
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
+from drakesep.systems.argument_types import typed
 
 
 FROM_NOMINAL = "sqp"
 """Name of the search that begins at the nominal alone, as the paper's does."""
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
     """What is to be maximised, over which set."""

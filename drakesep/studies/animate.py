@@ -11,6 +11,7 @@ from drakesep.files import write_text
 from drakesep.results.folder import writable_folder
 from drakesep.results.reading import Results
 from drakesep.studies.clearance import check_geometry
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Separation
@@ -23,6 +24,7 @@ _NAMED = 3
 """Bodies whose names stand in a title, at most."""
 
 
+@typed
 def animate(
     case: Case | AnalysisCase | str | Path,
     runs: Mapping[str, Mapping[str, float]] | None = None,
@@ -58,6 +60,7 @@ def animate(
     return _write(case, flown, Path(output))
 
 
+@typed
 def animate_results(
     results: Results, labels: Sequence[str] | None = None, *, output: str | Path
 ) -> list[str]:

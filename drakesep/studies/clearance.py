@@ -19,6 +19,7 @@ from drakesep.results.catalogue import CLEARANCE
 from drakesep.results.folder import Output, ResultsFolder, begun
 from drakesep.results.recorded_runs import save_runs
 from drakesep.studies.remarks import Remark, remarks, save_remarks
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.geometry.relative_path import RelativePath
@@ -193,6 +194,7 @@ class Clearances:
         }
 
 
+@typed
 def clearance(
     case: Case | AnalysisCase | str | Path,
     values: Mapping[str, float] | None = None,

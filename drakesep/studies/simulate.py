@@ -16,6 +16,7 @@ from drakesep.results.catalogue import SIMULATE
 from drakesep.results.folder import Output, ResultsFolder, begun
 from drakesep.results.recorded_runs import save_runs
 from drakesep.studies.remarks import Remark, remarks, save_remarks
+from drakesep.systems.argument_types import typed
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.run import Run
 from drakesep.systems.simulation.shared_simulation import shared_simulation
@@ -126,6 +127,7 @@ class Simulated:
         save_motion([self.labelled], self.case, folder)
 
 
+@typed
 def simulate(
     case: Case | AnalysisCase | str | Path,
     values: Mapping[str, float] | None = None,

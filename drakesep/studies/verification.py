@@ -37,6 +37,7 @@ from drakesep.studies.worst_case.procedure import carried_out, ended
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.studies.worst_case.searches import WantedSearches
 from drakesep.studies.worst_case.session import session
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 from drakesep.tables.columns import write_csv
 from drakesep.tables.labelled_run import nominal_of
@@ -131,6 +132,7 @@ class Verification(WorstCases):
         return replace(super().pictures, motions=motions)
 
 
+@typed
 def verify(
     case: Case | AnalysisCase | str | Path,
     *,

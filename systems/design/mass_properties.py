@@ -9,6 +9,7 @@ import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.tree import SpatialInertia
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import (
     InputError,
     Vector3,
@@ -46,6 +47,7 @@ class MassProperties(NamedTuple):
     """Inertia about the CG in body axes, kg m^2."""
 
 
+@typed
 def mass_properties_of_shape(
     shape: SolidKind,
     dimensions: Sequence[float],
@@ -105,6 +107,7 @@ def _unit_solid(shape: SolidKind, dimensions: Sequence[float]) -> SpatialInertia
             return SpatialInertia.SolidCapsuleWithDensity(1.0, *dimensions, _X)
 
 
+@typed
 def mass_properties_of_mesh(
     file: str | Path,
     *,
@@ -140,6 +143,7 @@ def mass_properties_of_mesh(
     return _placed(m, scale * np.array(mesh.center_mass), inertia, p_BoSo_B, rpy_BS)
 
 
+@typed
 def mass_properties_of_model(
     file: str | Path, *, frame: str | None = None
 ) -> MassProperties:

@@ -32,6 +32,7 @@ from drakesep.studies.worst_case.plan import OnProgress, StudyPlan
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.studies.worst_case.searches import WantedSearches
 from drakesep.studies.worst_case.session import Session, session
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run
@@ -43,6 +44,7 @@ from drakesep.tables.roles import Nominal, Published, Role
 _Study = TypeVar("_Study", bound=WorstCases)
 
 
+@typed
 def worst_case(
     case: Case | AnalysisCase | str | Path,
     objectives: Wanted | None = None,
