@@ -93,7 +93,7 @@ def _is(value: Any, wanted: Any) -> bool:
         kinds = inner[:1] * len(value) if inner[-1:] == (...,) else inner
         return all(map(_is, value, kinds))  # how many there are is checked elsewhere
     if origin in (abc.Sequence, abc.Iterable, abc.Collection):
-        if isinstance(value, str | bytes | abc.Mapping):
+        if isinstance(value, str | bytes):
             return False
         if origin is abc.Sequence and isinstance(value, np.ndarray):
             return bool(np.ndim(value)) and all(_is(one, inner[0]) for one in value)
@@ -132,7 +132,12 @@ def _fault(name: str, value: Any, wanted: Any) -> str:
             kind = inner[0] if not kinds else kinds[min(i, len(kinds) - 1)]
             if not _is(entry, kind):
                 return _fault(f"{name} (entry {i + 1})", entry, kind)
-    return f"{name} must be {in_words(wanted)}, got {_shown(value)}"
+    fault = f"{name} must be {in_words(wanted)}, got {_shown(value)}"
+    if isinstance(wanted, type):
+        part = wanted.__name__.lower()
+        if _is_one(getattr(value, part, None), wanted):
+            fault += f"; it has one: .{part}"
+    return fault
 
 
 _SEQUENCES = (tuple, abc.Sequence, abc.Collection, abc.Iterable)

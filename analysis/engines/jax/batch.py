@@ -162,11 +162,6 @@ class Batch:
             ValueError: a parameter is unknown, named twice or none that the equations
                 read, a metric is unknown, or a number is not positive.
         """
-        if not isinstance(separation, Separation):
-            raise InputError(
-                "separation must be a Separation (a case has one: case.separation), "
-                f"got a {type(separation).__name__}"
-            )
         nominal = parameters(separation)
         check_names(names, nominal)
         check_limits(deviation_limits, separation.pairs)
