@@ -32,6 +32,7 @@ from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.analysis.tolerances.sides import Tolerance
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import (
     InputError,
     Vector3,
@@ -60,6 +61,7 @@ if TYPE_CHECKING:  # imports Drake
     from drakesep.analysis.clearance.objective import LowestClearance
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClearancePairs:
     """Which parts are measured to each other."""
@@ -70,6 +72,7 @@ class ClearancePairs:
     """Those that touch or overlap while mated: measured once they have parted."""
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PrintedResult:
     """What a publication prints of a worst case, after the paper's Table 4.
@@ -95,6 +98,7 @@ class PrintedResult:
         check_finite("longitudinal_speed", self.longitudinal_speed)
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PublishedCase:
     """A worst case that a publication gives.
@@ -127,6 +131,7 @@ class PublishedCase:
                 raise InputError(f"published: {self.label}: {message}")
 
 
+@typed
 @dataclass(frozen=True, kw_only=True)
 class AnalysisCase:
     """A separation with its tolerances and requirements.

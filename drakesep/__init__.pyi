@@ -22,4 +22,6 @@ from .studies.verification import verify as verify
 from .studies.worst_case.plan import Progress as Progress
 from .studies.worst_case.procedure import worst_case as worst_case
 from .studies.worst_case.result import WorstCases as WorstCases
+from .systems.checks import DrakesepWarning as DrakesepWarning
+from .systems.checks import InputError as InputError
 from .version import __version__ as __version__

@@ -21,6 +21,10 @@ class InputError(ValueError):
     """Input that makes no sense; the message names the field."""
 
 
+class DrakesepWarning(UserWarning):
+    """Of what is doubtful; each of ours is one, so that it can be told from others'."""
+
+
 def check_finite(name: str, *values: float) -> None:
     """Raise InputError if a value is no number, NaN or infinite."""
     for value in values:

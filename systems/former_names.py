@@ -4,6 +4,12 @@ import warnings
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from drakesep.systems.checks import DrakesepWarning
+
+
+class FormerName(DrakesepWarning, DeprecationWarning):
+    """A name that has changed is asked for."""
+
 
 def or_former(
     package: str, get: Callable[[str], Any], renamed: Mapping[str, str]
@@ -21,7 +27,7 @@ def or_former(
         if new is None:
             return get(name)
         message = f"{package}.{name} is called {new} now; the former name will go"
-        warnings.warn(message, DeprecationWarning, stacklevel=2)
+        warnings.warn(message, FormerName, stacklevel=2)
         return get(new)
 
     return get_or_former

@@ -3,7 +3,7 @@
 import sys
 import warnings
 
-from drakesep.analysis.clearance.of_run import DoubtfulScale
+from drakesep.systems.geometry.meshes import DoubtfulScale
 
 
 def imported():

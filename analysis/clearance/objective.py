@@ -23,6 +23,7 @@ from drakesep.analysis.metrics.objectives import (
     Needs,
     SignedMetric,
 )
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.geometry.moved_parts import displacements
@@ -39,6 +40,7 @@ _MOMENTS = 25
 """At which all pairs are looked at, for which of them may come nearest."""
 
 
+@typed
 class LowestClearance(LargestOfParts):
     """Less the smallest distance between parts: 0, the highest, at contact.
 

@@ -15,12 +15,14 @@ from drakesep.analysis.clearance.of_pair import (
     smallest_below,
 )
 from drakesep.analysis.clearance.part_distance import PartDistance
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.equations.mated_stack import mated_places
 from drakesep.systems.equations.motion_of_run import mated_trajectory
 from drakesep.systems.geometry.convex_pieces import mesh_of
 from drakesep.systems.geometry.distance import Nearest, Proximity
+from drakesep.systems.geometry.meshes import DoubtfulScale
 from drakesep.systems.geometry.moved_parts import displacements
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.part_pairs import Names, owners_of, part_pairs
@@ -43,6 +45,7 @@ class NearestPair(NamedTuple):
     nearest: Nearest
 
 
+@typed
 class ClearanceAnalysis:
     """Measures parts of a separation in its runs, whatever values these vary.
 
@@ -327,10 +330,6 @@ def _end(run: Run, until: float | None) -> float:
     if not 0.0 < end <= last:
         raise InputError(f"until: must be above 0 and at most {last:g} s, got {end}")
     return end
-
-
-class DoubtfulScale(UserWarning):
-    """A mesh is of another size than its body."""
 
 
 def _warn_of_scale(body: Body, part: Part) -> None:

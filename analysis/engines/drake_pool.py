@@ -8,11 +8,13 @@ from typing import Self
 from loky import ProcessPoolExecutor
 
 from drakesep.analysis.engines.interrupts import end_with, interrupts_ignored
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.springs import PUSHERS, PusherKind
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Separation
+from drakesep.systems.simulation.shared_simulation import shared_simulation
 from drakesep.systems.simulation.simulation import Simulation
 
 
@@ -20,6 +22,7 @@ WORKERS_START = 4.0
 """What workers must save to be worth their start, s."""
 
 
+@typed
 class DrakePool:
     """Flies variations of one separation, spread over processes.
 
@@ -47,7 +50,8 @@ class DrakePool:
         workers = os.cpu_count() or 1 if workers is None else workers
         if workers < 1:
             raise InputError(f"workers must be >= 1, got {workers}")
-        self._simulation = Simulation(separation, integration)
+        self._flown_here = separation, integration
+        shared_simulation(separation, integration)  # built, and refused if it is wrong
         self._pool = None
         if workers > 1:
             self._pool = ProcessPoolExecutor(
@@ -59,6 +63,7 @@ class DrakePool:
                 for _ in range(workers):
                     self._pool.submit(_nothing)
 
+    @typed
     def fly(
         self,
         variations: Sequence[Mapping[str, float]],
@@ -88,7 +93,7 @@ class DrakePool:
 
     def _flown(self, variations: Sequence[Mapping[str, float]]) -> Iterator[Run]:
         if self._pool is None or len(variations) == 1:
-            return map(self._simulation.run, variations)
+            return map(shared_simulation(*self._flown_here).run, variations)
         # Not with map(): interrupted, it cancels what the workers are about to return.
         futures = [self._pool.submit(_fly, dict(values)) for values in variations]
         return (future.result() for future in futures)

@@ -24,6 +24,7 @@ from scipy.optimize.elementwise import find_root
 from drakesep.analysis.engines.evaluator import Evaluated
 from drakesep.analysis.search.problem import Problem
 from drakesep.analysis.search.sqp import AscentSettings, Start, ascend
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.model.parameters import declarations, with_values
 
@@ -50,6 +51,7 @@ _HALVED = 1e-2
 """To which a growth is found there."""
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limit:
     """A value of an objective that it must not exceed, with where to begin."""
@@ -101,6 +103,7 @@ class Growth:
         return math.inf, 0.0 if math.isnan(self.factor) else self.most
 
 
+@typed
 def grow(
     problem: Problem,
     limits: Sequence[Limit],

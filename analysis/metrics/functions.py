@@ -17,10 +17,12 @@ from drakesep.analysis.metrics.objectives import (
 )
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.model.run import Run
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FunctionRequirement:
     """Limits on a function of a run: from above, from below, or both.

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, NamedTuple, TypeAlias
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import (
     InputError,
     check_not_negative,
@@ -269,6 +270,7 @@ _OF_VALUES = frozenset(
 """Functionals that keep the order of values: what grows with a signal may follow."""
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Metric:
     """A number that judges a run, or one for each component of its signal.

@@ -25,6 +25,7 @@ from drakesep.analysis.metrics.of_run import (
 from drakesep.analysis.metrics.registry import METRICS, find_metric, registered_metrics
 from drakesep.analysis.metrics.requirements import Limits as Limits
 from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.model.parameter_table import with_axis
@@ -154,6 +155,7 @@ class Objective(ABC):
         return _sum([self, as_objective(other)], [1.0, -1.0])
 
 
+@typed
 class MetricObjective(Objective):
     """An objective that the metrics of a run alone tell."""
 
@@ -339,6 +341,7 @@ def _written(terms: Iterable[Objective], factors: Iterable[float]) -> str:
     return text
 
 
+@typed
 def highest(metric: str, *, window: Window | None = None) -> Objective:
     """Return the objective that makes a metric large.
 
@@ -352,6 +355,7 @@ def highest(metric: str, *, window: Window | None = None) -> Objective:
     return _of_metric(metric, 1.0, "highest", window)
 
 
+@typed
 def lowest(metric: str, *, window: Window | None = None) -> Objective:
     """Return the objective that makes a metric small: less its value.
 
@@ -365,6 +369,7 @@ def lowest(metric: str, *, window: Window | None = None) -> Objective:
     return _of_metric(metric, -1.0, "lowest", window)
 
 
+@typed
 def of_run(function: Callable[[Run], float], name: str = "") -> Objective:
     """Return the objective that is any function of a run.
 
@@ -380,6 +385,7 @@ def of_run(function: Callable[[Run], float], name: str = "") -> Objective:
     return _OfRun(function, name or getattr(function, "__name__", "objective"))
 
 
+@typed
 def largest(*objectives: AnyObjective, name: str = "") -> Objective:
     """Return the largest of objectives, in SI.
 

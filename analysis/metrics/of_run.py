@@ -25,6 +25,7 @@ from drakesep.analysis.metrics.metric import (
 )
 from drakesep.analysis.metrics.registry import METRICS, find_metric, registered_metrics
 from drakesep.analysis.metrics.requirements import Limits, limits_of
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.equations.forces_of_run import spring_force_over
@@ -34,6 +35,7 @@ from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Attachment, Separation
 
 
+@typed
 def metrics_of_run(
     run: Run, deviation_limits: Limits, also: Iterable[str] = ()
 ) -> dict[str, float]:

@@ -22,6 +22,7 @@ from drakesep.analysis.metrics.metric import (
     Moment,
 )
 from drakesep.analysis.metrics.quantities import metric_of_quantity
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.separation import RESERVED_NAMES
 
@@ -132,6 +133,7 @@ METRICS: Sequence[str] = _Names()
 """Names of the metrics of every run, in order."""
 
 
+@typed
 def register_metric(metric: Metric) -> None:
     """Add a metric: engines made from now on tell it, and all that reads them knows it.
 
@@ -157,6 +159,7 @@ def register_metric(metric: Metric) -> None:
     _registry[metric.stem] = metric
 
 
+@typed
 def forget_metric(stem: str) -> None:
     """Remove a metric that was registered; what was made before still tells it.
 

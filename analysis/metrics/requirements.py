@@ -14,6 +14,7 @@ from drakesep.analysis.metrics.metric import (
     is_strict,
 )
 from drakesep.analysis.metrics.registry import DEVIATION, find_metric
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.model.parameter_table import with_axis
 
@@ -23,6 +24,7 @@ Limits: TypeAlias = Sequence[float] | Mapping[str, Sequence[float]]
 such limits of several pairs, by their B's name, and of the first by an empty one."""
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Requirement:
     """A limit on one metric of a run.
@@ -216,6 +218,7 @@ class Finding:
         return self.verdict is Verdict.MET
 
 
+@typed
 def assess(
     requirements: Sequence[Requirement],
     runs: Mapping[str, Mapping[str, float]],
@@ -281,6 +284,7 @@ def verdict_on_all(findings: Sequence[Finding]) -> Verdict:
     return Verdict.MET
 
 
+@typed
 def deviation_limits(
     requirements: Sequence[Requirement], pair: str = ""
 ) -> tuple[float, ...]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TypedDict, Unpack
 
 from drakesep.analysis.search.sqp import AscentSettings
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 
 
@@ -21,6 +22,7 @@ class Effort(TypedDict, total=False):
     seed: int
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchSettings:
     """How hard to search.

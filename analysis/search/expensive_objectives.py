@@ -16,13 +16,13 @@ from typing import Self
 from drakesep.analysis.metrics.objectives import Objective
 from drakesep.analysis.search.effort import SearchSettings, fewer_starts
 from drakesep.analysis.search.problem import (
-    Candidate,
     OnProgress,
     Problem,
     Searched,
     SearchProgress,
+    candidates_of,
 )
-from drakesep.analysis.search.registry import SEARCHES, SQP_SEARCHES
+from drakesep.analysis.search.registry import SQP_SEARCHES, run_search
 from drakesep.systems.checks import InputError
 
 
@@ -73,6 +73,7 @@ class ExpensiveSearches:
         searches: Sequence[str],
         settings: SearchSettings,
         on_progress: OnProgress,
+        finished: Sequence[Searched] = (),
     ):
         """Begin.
 
@@ -81,18 +82,19 @@ class ExpensiveSearches:
             searches: names out of `SEARCHES`, in their order.
             settings: how hard to search for others.
             on_progress: called with what they tell, when one of them is waited for.
+            finished: what came of the first of them, if that is known.
 
         Raises:
             ValueError: no search is by SQP.
         """
         check_expensive(problem.evaluator.objectives, searches)
-        names = [name for name in searches if name in SQP_SEARCHES]
+        names = [n for n in searches[len(finished) :] if n in SQP_SEARCHES]
         self._problem = problem
         self._settings = dataclasses.replace(
             settings, starts=fewer_starts(settings.starts)
         )
         self._on_progress = on_progress
-        self._known: list[Candidate] = []
+        self._known = candidates_of(problem, finished)
         self._told: dict[str, queue.SimpleQueue[SearchProgress]] = {
             name: queue.SimpleQueue() for name in names
         }
@@ -136,7 +138,7 @@ class ExpensiveSearches:
             self._on_progress(self._told[search].get())
 
     def _search(self, name: str) -> Searched:
-        found = SEARCHES[name](self._problem, self._settings, self._known, self._tell)
+        found = run_search(name, self._problem, self._settings, self._known, self._tell)
         self._known.extend(found.candidates)
         return found
 

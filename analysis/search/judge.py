@@ -25,9 +25,11 @@ from drakesep.analysis.search.problem import (
     Problem,
     Searched,
     SearchProgress,
+    candidates_of,
 )
-from drakesep.analysis.search.registry import SEARCHES, check_search
+from drakesep.analysis.search.registry import check_search, run_search
 from drakesep.analysis.search.sqp import SearchStatus, Start, slopes_at
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 
 
@@ -77,11 +79,13 @@ class WorstCase:
     evidence: Evidence = field(repr=False)
 
 
+@typed
 def find_worst_cases(
     problem: Problem,
     searches: Sequence[str],
     settings: SearchSettings | None = None,
     *,
+    finished: Sequence[Searched] = (),
     on_progress: Callable[[SearchProgress], None] = lambda _: None,
     on_search: Callable[[Searched], None] = lambda _: None,
 ) -> list[WorstCase]:
@@ -92,8 +96,10 @@ def find_worst_cases(
         searches: names out of `SEARCHES`, in the order in which they go; later ones
             start where earlier ones ended.
         settings: how hard to search.
+        finished: what came of the first of them, of the same problem and settings, if
+            that is known: the others go on from there.
         on_progress: called as each search goes on.
-        on_search: called with what came of each search.
+        on_search: called with what comes of each search.
 
     Returns:
         A worst case for each objective.
@@ -110,19 +116,29 @@ def find_worst_cases(
     settings = settings or SearchSettings()
     names = list(dict.fromkeys(searches))
     cheap, expensive = by_cost(problem)
-    done = []
+    done = list(finished)
+    _check_finished(done, names)
     with contextlib.ExitStack() as stack:
         beside = None
         if expensive is not None:
-            beside = ExpensiveSearches(expensive, names, settings, on_progress)
+            beside = ExpensiveSearches(expensive, names, settings, on_progress, done)
             stack.enter_context(beside)
-        known: list[Candidate] = []
-        for name in names:
-            found = SEARCHES[name](cheap, settings, known, on_progress)  # Eq. 10
+        known = candidates_of(cheap, done)
+        for name in names[len(done) :]:
+            found = run_search(name, cheap, settings, known, on_progress)
             known.extend(found.candidates)
             done.append(found if beside is None else beside.join(found))
             on_search(done[-1])
     return judge(problem, done)
+
+
+def _check_finished(finished: Sequence[Searched], names: Sequence[str]) -> None:
+    got = [found.search for found in finished]
+    if got != list(names[: len(got)]):
+        raise InputError(
+            f"finished: must be the first of the searches {', '.join(names)}, got "
+            f"{', '.join(got)}"
+        )
 
 
 def judge(problem: Problem, done: Sequence[Searched]) -> list[WorstCase]:

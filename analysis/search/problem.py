@@ -6,7 +6,7 @@ candidates: points with the value of one objective.
 
 import dataclasses
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -14,12 +14,14 @@ from drakesep.analysis.engines.evaluator import Evaluator
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.sqp import Ascent, Iteration
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
+from drakesep.systems.argument_types import typed
 
 
 FROM_NOMINAL = "sqp"
 """Name of the search that begins at the nominal alone, as the paper's does."""
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
     """What is to be maximised, over which set."""
@@ -71,6 +73,8 @@ class Searched:
     """That it looked for."""
     of: int
     """Objectives of the study."""
+    run_by_run: tuple[tuple[int, int], ...] = ()
+    """Objectives that metrics do not tell, and how many whole runs each has taken."""
 
     @property
     def note(self) -> str:
@@ -94,12 +98,20 @@ class Searched:
             failures=_summed(self.failures, other.failures),
             what=_summed(self.what, other.what),
             objectives=self.objectives + other.objectives,
+            run_by_run=self.run_by_run + other.run_by_run,
         )
 
 
 def _summed(some: Mapping[str, int], others: Mapping[str, int]) -> dict[str, int]:
     """Return counts of both, those of the first before others."""
     return dict(Counter(some) + Counter(others))
+
+
+def candidates_of(problem: Problem, done: Iterable[Searched]) -> list[Candidate]:
+    """Return what searches have found for the objectives of a problem, in order."""
+    return [
+        c for found in done for c in found.candidates if c.objective in problem.asked
+    ]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,8 +17,9 @@ from scipy.optimize import Bounds, minimize
 from drakesep.analysis.engines.evaluator import Evaluator
 from drakesep.analysis.search.ask_tell import side_by_side
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
-from drakesep.systems.checks import InputError
+from drakesep.systems.checks import InputError, check_positive
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,6 +69,7 @@ class Ascent:
         return max(len(self.history) - 1, 0)
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Start:
     """From where to maximise what over which set."""
@@ -79,9 +81,14 @@ class Start:
     """(n,) scaled."""
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AscentSettings:
-    """How SLSQP goes up."""
+    """How SLSQP goes up.
+
+    Raises:
+        ValueError: a number is out of range.
+    """
 
     tolerance: float = 1e-9
     """Change of the objective at which it ends, as a part of its value at the start, or
@@ -94,7 +101,14 @@ class AscentSettings:
     differences: bool = False
     """Whether they must do even where there are derivatives."""
 
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check_positive("tolerance", self.tolerance)
+        check_positive("max_iterations", self.max_iterations)
+        check_positive("step", self.step)
 
+
+@typed
 def ascend(
     starts: Sequence[Start],
     evaluator: Evaluator,

@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drakesep.analysis.tolerances.sides import Sides, Tolerance, check_matters
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, check_finite, unknown
 from drakesep.systems.model.parameters import parameters, with_values
 from drakesep.systems.model.separation import Separation
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Dispersion:
     """One dispersed parameter: its nominal value and its tolerance, in SI.
@@ -62,6 +64,7 @@ class UnphysicalTolerance(InputError):
         self.name, self.reason = name, reason
 
 
+@typed
 class ToleranceBox:
     """The set of all values within their tolerances.
 

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ellipsoid:
     """Parameters that reach their tolerances one at a time, not all together.

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import (
     InputError,
     check_not_negative,
@@ -11,6 +12,7 @@ from drakesep.systems.checks import (
 )
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sides:
     """A tolerance whose nominal is not its middle, or at one of its ends.

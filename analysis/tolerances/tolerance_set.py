@@ -19,6 +19,7 @@ from drakesep.analysis.tolerances.ellipsoid import (
     check_apart,
 )
 from drakesep.analysis.tolerances.physical_inertia import PhysicalInertia
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.parameters import names_of
@@ -50,6 +51,7 @@ class Constraint(Protocol):
         ...
 
 
+@typed
 class ToleranceSet:
     """Every point that the tolerances admit.
 

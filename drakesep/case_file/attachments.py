@@ -155,7 +155,7 @@ def _read_spring(data: Any, info: ValidationInfo) -> SpringSection:
         if key not in known:
             raise ValueError(unknown("key", key, known))
     law = given.get("law", "time")
-    if law not in sections:
+    if not isinstance(law, str) or law not in sections:
         laws: Any = Literal[tuple(sections)]
         create_model("Law", law=(laws, ...)).model_validate({"law": law})
     kind, section = PUSHERS[law], sections[law]

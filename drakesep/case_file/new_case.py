@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from drakesep.case_file.reader import builtin_cases
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError, unknown
 
 
@@ -12,6 +13,7 @@ _TEMPLATE = Path(__file__).with_name("new_case.yaml")
 YAML would read 123, null or a date as no text."""
 
 
+@typed
 def new_case(name: str, *, like: str | None = None, file: Path | None = None) -> Path:
     """Write a case file to start from; what is there is never overwritten.
 

@@ -13,9 +13,11 @@ from drakesep.analysis.metrics.objectives import (
 )
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.case_file.case import Case
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 
 
+@typed
 def case_objectives(case: Case | AnalysisCase) -> dict[str, Objective]:
     """Return the objectives of a case by name.
 

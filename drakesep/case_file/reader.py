@@ -11,6 +11,7 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.case_file.case import Case, Origin
 from drakesep.case_file.errors import CaseError, explained, shown
 from drakesep.case_file.yaml_text import read_yaml
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 from drakesep.tables.roles import check_labels
 
@@ -18,11 +19,13 @@ from drakesep.tables.roles import check_labels
 _CASES = Path(__file__).parents[1] / "cases"
 
 
+@typed
 def builtin_cases() -> dict[str, Path]:
     """Return the built-in cases: name and file."""
     return {path.stem: path for path in sorted(_CASES.glob("*.yaml"))}
 
 
+@typed
 def load_case(source: str | Path) -> Case:
     """Read a case.
 

@@ -52,12 +52,22 @@ def _check(events: Iterable[Event]) -> None:
     """
     known: dict[str, int] = {}
     """Entries of what has a name that is complete."""
+    named: dict[str, int] = {}
+    """In which line names are given."""
     open_: list[tuple[str | None, int]] = []
     """Names of what is begun, and how many entries came before it."""
     entries = repeated = 0
     for event in events:
         line = event.start_mark.line + 1
         entries += 1
+        anchor = getattr(event, "anchor", None)
+        if anchor is not None and not isinstance(event, AliasEvent):
+            if anchor in named:
+                raise InputError(
+                    f"&{anchor} must name one thing, got it in lines "
+                    f"{named[anchor]} and {line}"
+                )
+            named[anchor] = line
         if isinstance(event, CollectionStartEvent):
             open_.append((event.anchor, entries))
             if len(open_) > _DEEPEST:

@@ -169,8 +169,10 @@ def _ending(error: BaseException) -> tuple[int, str] | None:
             return MACHINE, "the memory is full"
         case RecursionError():
             return None
+        case RuntimeError() if _is_killed(error):
+            return MACHINE, "a process of ours was killed, for want of memory perhaps"
         case RuntimeError():
-            return (MACHINE if _of_machine(error) else FAILED), str(error)
+            return (MACHINE if _is_full(error) else FAILED), str(error)
         case KeyboardInterrupt():
             return INTERRUPTED, WORDS[INTERRUPTED]
         case SystemExit(code=int() as code) if code in WORDS:
@@ -184,12 +186,16 @@ def _blamed(error: BaseException | None) -> int:
     return MACHINE if machine else BAD_INPUT
 
 
-def _of_machine(error: RuntimeError) -> bool:
-    """Return whether a process of ours has died, or JAX has found no room."""
+def _is_killed(error: RuntimeError) -> bool:
+    """Return whether a process of ours has died."""
     from concurrent.futures import BrokenExecutor
 
-    full = type(error).__module__.startswith("jax") and "RESOURCE_EXH" in str(error)
-    return isinstance(error, BrokenExecutor) or full
+    return isinstance(error, BrokenExecutor)
+
+
+def _is_full(error: RuntimeError) -> bool:
+    """Return whether JAX has found no room."""
+    return type(error).__module__.startswith("jax") and "RESOURCE_EXH" in str(error)
 
 
 def say_error(message: str) -> None:

@@ -28,7 +28,9 @@ def results_folder(output: Path | None, case: str, command: str) -> "ResultsFold
     from drakesep.results.folder import ResultsFolder
 
     directory = output or Path("results") / case / command
-    return ResultsFolder(directory, command, command=sys.argv[1:])
+    # Done again from its beginning, it is the same.
+    words = [word for word in sys.argv[1:] if word != "--resume"]
+    return ResultsFolder(directory, command, command=words)
 
 
 @contextlib.contextmanager

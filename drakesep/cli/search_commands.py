@@ -52,6 +52,14 @@ MinutesOption = Annotated[
         "that are named. What takes longer is left out, or refused.",
     ),
 ]
+ResumeOption = Annotated[
+    bool,
+    typer.Option(
+        "--resume",
+        help="Go on from what the same study has finished in its folder, if it was "
+        "interrupted or killed.",
+    ),
+]
 _OBJECTIVE = (
     "L1, L2, Linf, PM, one of a requirement, or highest_ or lowest_ and a metric"
 )
@@ -77,6 +85,7 @@ def worst_case(
     flips: FlipsOption = None,
     seed: SeedOption = None,
     minutes: MinutesOption = None,
+    resume: ResumeOption = False,
     output: OutputOption = None,
     workers: WorkersOption = None,
     quiet: QuietOption = False,
@@ -104,6 +113,7 @@ def worst_case(
                 workers=workers,
                 on_progress=on_progress,
                 minutes=minutes,
+                resume=resume,
                 **_given(
                     starts=starts,
                     samples=samples,
@@ -134,6 +144,7 @@ def verify(
     flips: FlipsOption = None,
     seed: SeedOption = None,
     minutes: MinutesOption = None,
+    resume: ResumeOption = False,
     growth: Annotated[
         bool | None,
         typer.Option(
@@ -180,6 +191,7 @@ def verify(
                     on_progress=on_progress,
                     background=background,
                     minutes=minutes,
+                    resume=resume,
                     **_given(
                         starts=starts,
                         samples=samples,

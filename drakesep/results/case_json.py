@@ -21,7 +21,16 @@ from drakesep.analysis.analysis_case import (
 )
 from drakesep.analysis.clearance.contact import Contact
 from drakesep.analysis.clearance.of_pair import Clearance
+from drakesep.analysis.margins.tolerance_margins import Growth, Limit
 from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.analysis.search.effort import SearchSettings
+from drakesep.analysis.search.problem import Candidate, Searched
+from drakesep.analysis.search.sqp import (
+    Ascent,
+    AscentSettings,
+    Iteration,
+    SearchStatus,
+)
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.analysis.tolerances.sides import Sides
 from drakesep.systems.checks import InputError, unknown
@@ -58,8 +67,10 @@ _RECORDS: tuple[type[Any], ...] = (
     *(Recontact, Attachment, Body, InitialMotion, Orbit, Pair, Separation),
     *(Changed, Nominal, Outcome, Published, SearchEnd, Worst),
     *(Clearance, Contact, ContactForces),
+    *(Searched, Candidate, Ascent, Iteration, AscentSettings, SearchSettings),
+    *(Growth, Limit),
 )
-_ENUMS: tuple[type[enum.Enum], ...] = (Ending, RunStatus)
+_ENUMS: tuple[type[enum.Enum], ...] = (Ending, RunStatus, SearchStatus)
 NO_RECORD = (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError)
 """What comes of reading a file that somebody has changed: JSON may hold anything."""
 

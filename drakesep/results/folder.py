@@ -8,22 +8,25 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self, TypeAlias
+from typing import Any, Self, TypeAlias, TypeVar
 
 from drakesep.files import PREFIX
 from drakesep.results.asked import Asked
-from drakesep.results.catalogue import GEOMETRY, RUNS, STUDY
+from drakesep.results.catalogue import CASE, GEOMETRY, RUNS, STUDY
 from drakesep.results.listing import files_in, names_of
-from drakesep.results.recorded_case import staged_case
+from drakesep.results.parts import has_parts, keep_part, kept_part, remove_parts
+from drakesep.results.recorded_case import recorded_text, staged_case
 from drakesep.results.study_record import (
     Ended,
     StudyRecord,
+    check_resumes,
     files_as_json,
     record_of,
 )
 from drakesep.systems.checks import InputError
 
 
+_Kind = TypeVar("_Kind")
 _LOCK = ".drakesep.lock"
 
 
@@ -81,6 +84,7 @@ class ResultsFolder:
         self._command = command
         self._lock: int | None = None
         self._is_new = False
+        self._resumes = False
         self._record: StudyRecord | None = None
         self._asked: Asked | None = None
         self._labels: dict[str, None] = {}
@@ -118,11 +122,57 @@ class ResultsFolder:
         """Whether the study has begun, and what the last one left is gone."""
         return self._asked is not None
 
+    def resume(self, asked: Asked) -> None:
+        """Go on from what a study that ended early has finished, if there is any.
+
+        Args:
+            asked: the same study.
+
+        Raises:
+            ValueError: it did not end early, or it was another: the error says in what.
+        """
+        last = StudyRecord.read(self.path)
+        if last is None:
+            return
+        if has_parts(self.path):
+            if (self.path / CASE).read_text("utf-8") != recorded_text(asked.case):
+                raise InputError(
+                    f"resume: must be of the case that {self.directory} has, got one "
+                    "that differs"
+                )
+            now = record_of(asked, self.path, self._command)
+            check_resumes(last, now, self.directory)
+            self._resumes = True
+        elif last.ended in (Ended.COMPLETED, Ended.FAILED):
+            raise InputError(
+                f"resume: must be a study that ended early, got that of "
+                f"{self.directory}, {last.ended.value}"
+            )
+
+    def part(self, name: str, kind: type[_Kind]) -> tuple[_Kind, ...] | None:
+        """Return the records of a part, if an earlier study has finished it.
+
+        Args:
+            name: of the part.
+            kind: of its records.
+        """
+        return kept_part(self.path, name, kind) if self._resumes else None
+
+    def keep_part(self, name: str, records: Sequence[Any]) -> None:
+        """Keep what the study has finished, until it ends."""
+        assert self._record is not None
+        keep_part(self.path, name, records)
+
     def begin(self, asked: Asked) -> None:
-        """Write down what is asked, and take out what the last study left."""
+        """Write down what is asked, and take out what the last study left.
+
+        Its parts stay, if this one goes on from them.
+        """
         last = StudyRecord.read(self.path)
         record = record_of(asked, self.path, self._command)
         self._sweep()
+        if not self._resumes:
+            remove_parts(self.path)
         with staged_case(asked.case, self.path, asked.named_files):
             left = last.files if last else ()
             replace(record, files=left).write(self.path)
@@ -172,6 +222,7 @@ class ResultsFolder:
         """
         ended = Ended.FAILED if failed else Ended.COMPLETED
         self._end(ended, message=failed, verdict=verdict)
+        remove_parts(self.path)
 
     def _end(
         self, ended: Ended, *, message: str = "", verdict: str | None = None

@@ -11,6 +11,7 @@ from drakesep.results.catalogue import STUDY
 from drakesep.results.recorded_case import read_case
 from drakesep.results.recorded_runs import read_role, read_run
 from drakesep.results.study_record import StudyRecord
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError, unknown
 from drakesep.tables.columns import read_table
 from drakesep.tables.labelled_run import LabelledRun
@@ -82,6 +83,7 @@ class Results:
         return read_table(self.folder / name)
 
 
+@typed
 def read_results(directory: str | Path) -> Results:
     """Return what a study has left in a folder.
 

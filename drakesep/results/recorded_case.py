@@ -13,11 +13,11 @@ from drakesep.files import written
 from drakesep.results.case_json import NO_RECORD, from_json, to_json
 from drakesep.results.catalogue import CASE, GEOMETRY
 from drakesep.results.provenance import sha256_of
-from drakesep.systems.checks import InputError
+from drakesep.systems.checks import DrakesepWarning, InputError
 from drakesep.systems.model.parts import Mesh, Part
 
 
-class MeshChanged(UserWarning):
+class MeshChanged(DrakesepWarning):
     """A mesh is no longer what it was when it was measured."""
 
 
@@ -41,9 +41,9 @@ def staged_case(
     with contextlib.ExitStack() as stack:
 
         def beside(part: Part, shape: Mesh) -> Mesh:
-            name = Path(GEOMETRY, f"{part.name}{shape.file.suffix.lower()}")
+            recorded = _recorded(part, shape)
             (folder / GEOMETRY).mkdir(exist_ok=True)
-            copy = stack.enter_context(written(folder / name))
+            copy = stack.enter_context(written(folder / recorded.file))
             shutil.copyfile(shape.file, copy)
             file = str(shape.file.resolve())
             if sha256_of(copy) != hashes.get(file):
@@ -53,12 +53,22 @@ def staged_case(
                     MeshChanged,
                     stacklevel=2,
                 )
-            return dataclasses.replace(shape, file=name)
+            return recorded
 
-        text = json.dumps(to_json(_with_meshes(case, beside)), indent=1)
+        _with_meshes(case, beside)
         file = stack.enter_context(written(folder / CASE, synced=True))
-        file.write_text(text + "\n", encoding="utf-8")
+        file.write_text(recorded_text(case), encoding="utf-8")
         yield
+
+
+def recorded_text(case: AnalysisCase) -> str:
+    """Return what a results folder says of a case."""
+    return json.dumps(to_json(_with_meshes(case, _recorded)), indent=1) + "\n"
+
+
+def _recorded(part: Part, shape: Mesh) -> Mesh:
+    name = Path(GEOMETRY, f"{part.name}{shape.file.suffix.lower()}")
+    return dataclasses.replace(shape, file=name)
 
 
 def read_case(folder: Path) -> AnalysisCase:

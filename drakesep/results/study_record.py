@@ -144,6 +144,35 @@ def record_of(asked: Asked, folder: Path, command: Sequence[str] | None) -> Stud
     )
 
 
+def check_resumes(last: StudyRecord, now: StudyRecord, folder: Path) -> None:
+    """Raise InputError unless a study is what another was, and would find the same.
+
+    Args:
+        last: that ended early.
+        now: that is to go on with it.
+        folder: that has the other.
+    """
+    if now.again is None:
+        raise InputError(
+            "resume: what is asked must be names and numbers, which can be compared, "
+            "got functions or objects"
+        )
+    for name in ("arguments", "seed", "versions", "commit", "named_files"):
+        was, got = (_by_name(name, getattr(each, name)) for each in (last, now))
+        for key in {**was, **got}:
+            if was.get(key) != got.get(key):
+                raise InputError(
+                    f"resume: must be the study that {folder} has, with {key} = "
+                    f"{was.get(key)}, got {got.get(key)}"
+                )
+
+
+def _by_name(name: str, value: Any) -> dict[str, Any]:
+    if isinstance(value, Mapping):
+        return {f"{name}.{key}": entry for key, entry in value.items()}
+    return {name: value}
+
+
 def files_as_json(files: Sequence[FileInFolder]) -> list[dict[str, Any]]:
     """Return what `StudyRecord.files` says of files."""
     return [

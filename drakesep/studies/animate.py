@@ -11,10 +11,11 @@ from drakesep.files import write_text
 from drakesep.results.folder import writable_folder
 from drakesep.results.reading import Results
 from drakesep.studies.clearance import check_geometry
-from drakesep.studies.shared_simulation import shared_simulation
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Separation
+from drakesep.systems.simulation.shared_simulation import shared_simulation
 from drakesep.tables.roles import Changed, Nominal, Worst, label_of
 from drakesep.tables.run_tables import shown_first
 
@@ -23,6 +24,7 @@ _NAMED = 3
 """Bodies whose names stand in a title, at most."""
 
 
+@typed
 def animate(
     case: Case | AnalysisCase | str | Path,
     runs: Mapping[str, Mapping[str, float]] | None = None,
@@ -53,11 +55,12 @@ def animate(
     else:
         for label, changed in runs.items():
             values[label] = values_in_si(case.separation, changed)
-    simulation = shared_simulation(case)
+    simulation = shared_simulation(case.separation, case.integration)
     flown = {label: simulation.run(changed) for label, changed in values.items()}
     return _write(case, flown, Path(output))
 
 
+@typed
 def animate_results(
     results: Results, labels: Sequence[str] | None = None, *, output: str | Path
 ) -> list[str]:

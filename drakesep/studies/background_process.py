@@ -117,8 +117,8 @@ def _prepare(
         if find_metric(metric.stem) is None:
             register_metric(metric)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    from drakesep.analysis.clearance.of_run import DoubtfulScale
     from drakesep.plots import clearance_plots, motion, tornado  # noqa: F401
+    from drakesep.systems.geometry.meshes import DoubtfulScale
     from drakesep.tables import run_tables  # noqa: F401
 
     # The caller prepares the same geometry, and warns of it.

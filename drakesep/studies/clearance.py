@@ -19,7 +19,7 @@ from drakesep.results.catalogue import CLEARANCE
 from drakesep.results.folder import Output, ResultsFolder, begun
 from drakesep.results.recorded_runs import save_runs
 from drakesep.studies.remarks import Remark, remarks, save_remarks
-from drakesep.studies.shared_simulation import shared_simulation
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.geometry.relative_path import RelativePath
@@ -27,6 +27,7 @@ from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.part_pairs import owners_of
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Pair, Separation, leaving_among
+from drakesep.systems.simulation.shared_simulation import shared_simulation
 from drakesep.tables.columns import in_units, write_csv
 from drakesep.tables.labelled_run import LabelledRun, measured
 from drakesep.tables.roles import Changed, Nominal
@@ -193,6 +194,7 @@ class Clearances:
         }
 
 
+@typed
 def clearance(
     case: Case | AnalysisCase | str | Path,
     values: Mapping[str, float] | None = None,
@@ -221,7 +223,7 @@ def clearance(
     analysis = ClearanceAnalysis(flown, of.pairs, touching=of.touching)
     analysis.check_apart()
     with begun(output, asked) as folder:  # what is refused leaves it alone
-        run = shared_simulation(case).run(changed)
+        run = shared_simulation(case.separation, case.integration).run(changed)
         if run.motion is None:
             raise RuntimeError(f"the run failed: {run.message}")
         role = Changed() if values else Nominal()

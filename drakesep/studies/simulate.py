@@ -16,9 +16,10 @@ from drakesep.results.catalogue import SIMULATE
 from drakesep.results.folder import Output, ResultsFolder, begun
 from drakesep.results.recorded_runs import save_runs
 from drakesep.studies.remarks import Remark, remarks, save_remarks
-from drakesep.studies.shared_simulation import shared_simulation
+from drakesep.systems.argument_types import typed
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.run import Run
+from drakesep.systems.simulation.shared_simulation import shared_simulation
 from drakesep.tables.columns import write_csv
 from drakesep.tables.contact_tables import contact_forces_table, contacts_table
 from drakesep.tables.labelled_run import LabelledRun, measured
@@ -126,6 +127,7 @@ class Simulated:
         save_motion([self.labelled], self.case, folder)
 
 
+@typed
 def simulate(
     case: Case | AnalysisCase | str | Path,
     values: Mapping[str, float] | None = None,
@@ -148,7 +150,7 @@ def simulate(
     changed = values_in_si(case.separation, values)
     with_values(case.separation, changed)  # what is refused leaves the folder alone
     with begun(output, asked) as folder:
-        run = shared_simulation(case).run(changed)
+        run = shared_simulation(case.separation, case.integration).run(changed)
         role = Changed() if values else Nominal()
         labelled = measured(role, run, case)
         result = Simulated(asked=asked.over(), labelled=labelled, values=values)

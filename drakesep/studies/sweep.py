@@ -30,6 +30,7 @@ from drakesep.studies.variant_engines import (
 )
 from drakesep.studies.worst_case.effort import in_time
 from drakesep.studies.worst_case.pace import Pace, Remaining
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Separation
@@ -143,6 +144,7 @@ class Sweep:
             results.keep()
 
 
+@typed
 def sweep(
     case: Case | AnalysisCase | str | Path,
     values: Mapping[str, Sequence[float]],

@@ -60,14 +60,22 @@ def find_growths(
     def tell(done: int, total: int) -> None:
         under_way.tell(SearchProgress(search="growth", done=done, total=total))
 
-    found = grow(
-        problem,
-        [limit for _, limit in searched],
-        corners=under_way.settings.corners,
-        seed=under_way.settings.seed,
-        on_progress=tell,
-    )
-    found += grow_along_rays(problem, [limit for _, limit in expensive])
+    def together() -> list[Growth]:
+        return grow(
+            problem,
+            [limit for _, limit in searched],
+            corners=under_way.settings.corners,
+            seed=under_way.settings.seed,
+            on_progress=tell,
+        )
+
+    def along_rays() -> list[Growth]:
+        return grow_along_rays(problem, [limit for _, limit in expensive])
+
+    found = [
+        *under_way.once("growth", Growth, together),
+        *under_way.once("growth_along_rays", Growth, along_rays),
+    ]
     least: dict[tuple[Requirement, int | None], Growth] = {}
     for (requirement, limit), growth in zip(
         [*searched, *expensive], found, strict=True

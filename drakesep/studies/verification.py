@@ -37,6 +37,7 @@ from drakesep.studies.worst_case.procedure import carried_out, ended
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.studies.worst_case.searches import WantedSearches
 from drakesep.studies.worst_case.session import session
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 from drakesep.tables.columns import write_csv
 from drakesep.tables.labelled_run import nominal_of
@@ -132,6 +133,7 @@ class Verification(WorstCases):
         return replace(super().pictures, motions=motions)
 
 
+@typed
 def verify(
     case: Case | AnalysisCase | str | Path,
     *,
@@ -144,6 +146,7 @@ def verify(
     on_progress: OnProgress | None = None,
     background: BackgroundProcess | None = None,
     minutes: float | None = None,
+    resume: bool = False,
     **effort: Unpack[Effort],
 ) -> Verification:
     """Find the worst cases of a case and hold them against its requirements.
@@ -166,14 +169,15 @@ def verify(
         background: a process that is under way, to measure and draw in; one of its own
             if None.
         minutes: as `worst_case` takes them.
+        resume: as `worst_case` takes it.
         effort: `starts`, `samples`, `vertices`, `flips`, `generations`, `corners` and
             `seed` of `SearchSettings`; the speed of runs, as it is measured, decides
             what is left out: see `Verification.effort`.
 
     Raises:
         ValueError: the case is wrong or nothing is required, a search is wrong, a
-            function gives no finite number, it takes longer than it may, or the folder
-            cannot be written.
+            function gives no finite number, it takes longer than it may, the folder
+            cannot be written, or has another study to resume.
         RuntimeError: the nominal run fails.
     """
     asked = Asked.of(
@@ -198,6 +202,7 @@ def verify(
             growth=growth,
             minutes=minutes,
             workers=workers,
+            resume=resume,
             folder=folder,
         )
         study = Verification(

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import (
     InputError,
     Vector3,
@@ -27,6 +28,7 @@ from drakesep.systems.vectors import quaternion, rotation_matrix
 _Matrix = NDArray[np.float64]
 
 
+@typed
 def propose_joint(
     A: Body,
     B: Body,

@@ -9,6 +9,7 @@ import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.tree import SpatialInertia
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import (
     InputError,
     Vector3,
@@ -16,7 +17,7 @@ from drakesep.systems.checks import (
     unknown,
 )
 from drakesep.systems.design.model_reader import read_apart
-from drakesep.systems.geometry.meshes import read_mesh, readable
+from drakesep.systems.geometry.meshes import read_mesh, readable, warn_of_solid
 from drakesep.systems.model.inertia import Inertia
 from drakesep.systems.model.magnitudes import check_size, check_within
 
@@ -46,6 +47,7 @@ class MassProperties(NamedTuple):
     """Inertia about the CG in body axes, kg m^2."""
 
 
+@typed
 def mass_properties_of_shape(
     shape: SolidKind,
     dimensions: Sequence[float],
@@ -105,6 +107,7 @@ def _unit_solid(shape: SolidKind, dimensions: Sequence[float]) -> SpatialInertia
             return SpatialInertia.SolidCapsuleWithDensity(1.0, *dimensions, _X)
 
 
+@typed
 def mass_properties_of_mesh(
     file: str | Path,
     *,
@@ -134,11 +137,13 @@ def mass_properties_of_mesh(
     mesh = read_mesh(file)
     volume = scale**3 * float(mesh.volume)
     m = _mass(str(file), mass, density, volume)
+    warn_of_solid(Path(file).name, scale * float(mesh.scale), m, volume)
     # The file's inertia is that of density one, in its own units.
     inertia = m / volume * scale**5 * np.array(mesh.moment_inertia)
     return _placed(m, scale * np.array(mesh.center_mass), inertia, p_BoSo_B, rpy_BS)
 
 
+@typed
 def mass_properties_of_model(
     file: str | Path, *, frame: str | None = None
 ) -> MassProperties:

@@ -23,6 +23,7 @@ from pydrake.systems.framework import (
     OutputPort,
 )
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.design.mass_properties import mass_properties_of
 from drakesep.systems.diagram.separation_forces import SeparationForces
@@ -34,6 +35,7 @@ _Q, _V = 7, 6
 """Of a floating body: its quaternion and position, and its spatial velocity."""
 
 
+@typed
 def add_separation(
     builder: DiagramBuilder,
     plant: MultibodyPlant,
@@ -121,6 +123,7 @@ def add_separation(
     return separation_forces
 
 
+@typed
 def body_of_plant(plant: MultibodyPlant, body: RigidBody) -> Body:
     """Return the description of a plant's body, with its default mass properties.
 

@@ -5,6 +5,7 @@ from typing import Any
 import pydrake.geometry as drake
 from pydrake.multibody.plant import ContactModel, CoulombFriction, MultibodyPlant
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 from drakesep.systems.geometry.convex_pieces import pieces_of
 from drakesep.systems.geometry.illustration import colour_of, illustration_of
@@ -13,6 +14,7 @@ from drakesep.systems.model.parts import Mesh
 from drakesep.systems.model.separation import Separation
 
 
+@typed
 def register_illustration(plant: MultibodyPlant, separation: Separation) -> None:
     """Give the bodies of a plant the looks of their parts.
 
@@ -31,6 +33,7 @@ def register_illustration(plant: MultibodyPlant, separation: Separation) -> None
             plant.RegisterVisualGeometry(link, X_BG, shape, part.name, colour)
 
 
+@typed
 def register_contact(
     plant: MultibodyPlant, scene: drake.SceneGraph, separation: Separation
 ) -> dict[Any, str]:

@@ -5,6 +5,7 @@ import math
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import Adder
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 from drakesep.systems.diagram.force_sum import ForceSum
 from drakesep.systems.diagram.gravity import Gravity
@@ -19,6 +20,7 @@ from drakesep.systems.equations.springs import law_of
 from drakesep.systems.model.separation import Separation
 
 
+@typed
 class SeparationForces(Diagram):
     """Release, springs, joints, loads, gravity and motion analysis of a separation.
 

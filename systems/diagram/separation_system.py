@@ -10,6 +10,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import RotationalInertia, SpatialInertia
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 from drakesep.systems.diagram.scene import register_contact, register_illustration
 from drakesep.systems.diagram.separation_forces import SeparationForces
@@ -27,6 +28,7 @@ _OF_MOTION = ("rpy_WA", "w_WA_A")
 """Fields of the mated stack's motion that `set_mated_motion` reads."""
 
 
+@typed
 class SeparationSystem(Diagram):
     """Bodies in free fall, held by joints and pushed apart by springs.
 
@@ -243,6 +245,7 @@ def plant_of_bodies(separation: Separation) -> MultibodyPlant:
     return plant
 
 
+@typed
 def set_mass_properties(
     plant: MultibodyPlant, context: Context, separation: Separation
 ) -> None:
@@ -259,6 +262,7 @@ def set_mass_properties(
         )
 
 
+@typed
 def set_mated_motion(
     plant: MultibodyPlant, context: Context, separation: Separation
 ) -> None:

@@ -5,6 +5,7 @@ A run keeps its motion; forces follow from it by the laws that drove it.
 
 import numpy as np
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.equations.pushers import (
     positive_part,
@@ -17,6 +18,7 @@ from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Attachment, Separation
 
 
+@typed
 def spring_forces(run: Run) -> dict[str, Array]:
     """Return the force of each spring at the times of a run's trajectory.
 

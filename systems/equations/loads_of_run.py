@@ -6,6 +6,7 @@ That of a rigid one follows from all else that acts on its bodies at the same mo
 
 import numpy as np
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.equations import joints as joint_laws
 from drakesep.systems.equations.articulated_inertia import Massive
@@ -35,6 +36,7 @@ from drakesep.systems.model.separation import Attachment
 from drakesep.systems.vectors import Vector, add, cross
 
 
+@typed
 def joint_loads(run: Run) -> dict[str, Array]:
     """Return the loads of each joint at the times of a run's trajectory.
 

@@ -1,6 +1,7 @@
 """Closed meshes from files."""
 
 import functools
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -8,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from drakesep.systems.checks import InputError, check_positive
+from drakesep.systems.checks import DrakesepWarning, InputError, check_positive
+from drakesep.systems.geometry.mesh_faults import fault_of
 
 
 if TYPE_CHECKING:
@@ -35,22 +37,61 @@ def _read(path: Path, _: int) -> "trimesh.Trimesh":
     import trimesh  # half a second, for the few cases that have meshes
 
     try:
-        mesh = trimesh.load_mesh(path)
+        with np.errstate(all="ignore"):  # of what is refused
+            mesh = trimesh.load_mesh(path)
     except Exception as error:  # trimesh raises whatever its readers do
-        raise InputError(f"{path.name}: must be a mesh, got: {error}") from error
+        got = fault_of(path) or str(error)
+        raise InputError(f"{path.name}: must be a mesh, got {got}") from error
     if not len(getattr(mesh, "faces", ())):
-        raise InputError(f"{path.name}: must be a mesh, got no triangles")
+        got = fault_of(path) or "no triangles"
+        raise InputError(f"{path.name}: must be a mesh, got {got}")
     # Files give corners of their own to faces of other groups, textures and normals.
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
     if not mesh.is_watertight or not mesh.is_winding_consistent:
+        if fault := fault_of(path):
+            raise InputError(f"{path.name}: must be a mesh, got {fault}")
         counts = np.unique(mesh.edges_sorted, axis=0, return_counts=True)[1]
         broken = int((counts == 1).sum())
         got = f"{broken} open edges" if broken else "triangles that face both ways"
         raise InputError(f"{path.name}: mesh must be closed, got {got}")
-    if mesh.volume < 0.0:
+    with np.errstate(all="ignore"):  # of a volume of zero
+        volume = float(mesh.volume)
+    check_positive(f"{path.name}: volume", abs(volume))
+    if volume < 0.0:
         mesh.invert()
-    check_positive(f"{path.name}: volume", float(mesh.volume))
     return mesh
+
+
+class DoubtfulScale(DrakesepWarning):
+    """A mesh is of another size than what it stands for."""
+
+
+_EXTENT = 1e-3, 300.0
+"""Of a solid, m: the largest launchers are of 120 m."""
+_DENSITY = 0.5, 3e4
+"""Of a solid on the average, kg/m^3: of a hull around little, and of what is heaviest.
+Millimetres taken for metres are a factor of 1e9."""
+
+
+def warn_of_solid(name: str, extent: float, mass: float, volume: float) -> None:
+    """Warn of a solid whose size does not go with its mass, or that nothing has.
+
+    Args:
+        name: of its file.
+        extent: the diagonal of the box around it, m.
+        mass: kg.
+        volume: m^3.
+    """
+    density = mass / volume
+    if not _EXTENT[0] <= extent <= _EXTENT[1] or not (
+        _DENSITY[0] <= density <= _DENSITY[1]
+    ):
+        warnings.warn(
+            f"{name}: solid is {extent:.3g} m across, of {density:.3g} kg/m^3 on the "
+            "average; check scale, metres in a unit of the file, 0.001 of one in mm",
+            DoubtfulScale,
+            stacklevel=3,
+        )
 
 
 def encloses(mesh: "trimesh.Trimesh", point: NDArray[np.float64]) -> bool:
@@ -84,4 +125,6 @@ def readable(file: str | Path, kind: str, suffixes: Sequence[str]) -> Path:
         )
     if not path.is_file():
         raise InputError(f"{kind} file must exist, got {str(file)!r}")
-    return path.resolve()
+    target = path.resolve()
+    # A link may lead to a file without a suffix, as stores of large files have them.
+    return target if target.suffix.lower() in suffixes else path.absolute()

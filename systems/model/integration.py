@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError, check_positive, unknown
 from drakesep.systems.model.magnitudes import check_size
 
@@ -19,6 +20,7 @@ FINEST, COARSEST = 1e-12, 1e-3
 """Of the accuracies: beyond them round-off, or the error, would rule the result."""
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Integration:
     """How a run is integrated.

@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeAlias, get_args
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import (
     DECIMALS,
     InputError,
@@ -68,6 +69,7 @@ def holds_all_rotations(joint_type: JointType) -> bool:
     return all(CONSTRAINTS[joint_type].rotation)
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Joint:
     """A joint by constraint forces: its type, its frame and its gains, Eq. 3-4.

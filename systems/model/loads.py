@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal, TypeAlias, get_args
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import (
     InputError,
     Vector3,
@@ -31,6 +32,7 @@ _ZERO = (0.0, 0.0, 0.0)
 _COLUMNS: dict[str, Kind] = {"forces": "force", "torques": "torque"}
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Load:
     """A force and a torque on a body, given by a table over time.
@@ -111,6 +113,7 @@ class Load:
         )
 
 
+@typed
 def thruster(
     *,
     name: str,

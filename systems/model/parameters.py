@@ -12,6 +12,7 @@ import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError, check_finite, unknown
 from drakesep.systems.model.parameter_table import Parameter, split_axis
 from drakesep.systems.model.parts import Part
@@ -111,6 +112,7 @@ MATED = ("mated_offset", "mated_misalignment")
 """Fields of bodies that say how they are displaced while mated."""
 
 
+@typed
 def parameters(separation: Separation) -> dict[str, float]:
     """Return every parameter of the separation with its value, in SI.
 
@@ -135,6 +137,7 @@ def check_read(names: Iterable[str], read: Collection[str], reader: str) -> None
             )
 
 
+@typed
 def with_values(separation: Separation, values: Mapping[str, float]) -> Separation:
     """Return the separation with some of its parameters changed.
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, TypeAlias
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import (
     InputError,
     Vector3,
@@ -24,6 +25,7 @@ from drakesep.systems.model.parameter_table import (
 )
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Box:
     """A box around its frame's origin.
@@ -42,6 +44,7 @@ class Box:
             check_size("length", "box: edge", edge)
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sphere:
     """A sphere around its frame's origin.
@@ -58,6 +61,7 @@ class Sphere:
         check_size("length", "sphere: radius", self.radius)
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Capsule:
     """A cylinder along x with round ends, around its frame's origin.
@@ -77,6 +81,7 @@ class Capsule:
         check_size("length", "capsule: length", self.length)
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cone:
     """A cylinder, cone or truncated cone along x, solid or hollow.
@@ -118,6 +123,7 @@ class Cone:
             )
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mesh:
     """The solid that a closed mesh bounds, convex or not.
@@ -139,6 +145,7 @@ class Mesh:
 Shape: TypeAlias = Box | Sphere | Capsule | Cone | Mesh
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Part:
     """A part of a body that may come near others.

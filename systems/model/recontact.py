@@ -2,10 +2,12 @@
 
 from dataclasses import dataclass
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import check_not_negative
 from drakesep.systems.model.magnitudes import check_size, check_within
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Recontact:
     """Contact between parts of different bodies.

@@ -11,6 +11,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import (
     X_AXIS,
     InputError,
@@ -49,6 +50,7 @@ EARTH_RADIUS = 6378137.0
 """Equatorial radius of the Earth, m (WGS 84)."""
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Body:
     """A rigid body and its place in the mated stack.
@@ -101,6 +103,7 @@ class Body:
         check_within("angle", f"{self.name}: mated attitude", *self.rpy_AB)
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Attachment:
     """A place where B is held to A, and pushed from it by a spring after release.
@@ -153,6 +156,7 @@ class Attachment:
             )
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Orbit:
     """The circular orbit along which W falls.
@@ -177,6 +181,7 @@ class Orbit:
         return math.sqrt(self.mu / self.radius**3)
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InitialMotion:
     """Motion of the mated stack at t = 0, when A's CG is at rest in W.
@@ -206,6 +211,7 @@ class InitialMotion:
         self.PARAMETERS.check("", self)
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pair:
     """A body that leaves another, and in which direction.
@@ -242,6 +248,7 @@ def leaving_among(pairs: Sequence[Pair], bodies: Collection[str]) -> Pair:
     return min(pairs, key=lambda p: ({p.A, p.B} != {*bodies}, p.B not in bodies))
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Separation:
     """Everything that decides how bodies leave each other.

@@ -5,6 +5,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypeAlias
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import (
     X_AXIS,
     InputError,
@@ -48,6 +49,7 @@ def push_duration(spring: Any, ops: Ops) -> Scalar:
     return 0.5 * math.pi / push_frequency(spring, ops)  # Eq. 5
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spring:
     """A separation spring driven by time, Eq. 5.
@@ -103,6 +105,7 @@ class Spring:
         return 0.5 * self.force_max * self.stroke
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DisplacementSpring:
     """A separation spring driven by displacement, with a damper beside it.

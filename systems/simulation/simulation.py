@@ -2,13 +2,14 @@
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import Context, EventStatus
 from scipy.optimize import brentq
 
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.diagram.separation_system import SeparationSystem
 from drakesep.systems.equations import relative_motion as motion_laws
@@ -43,6 +44,7 @@ _RECONTACT_STEP = 5e-3
 step over a contact."""
 
 
+@typed
 class Simulation:
     """Flies a separation, and any variation of its parameters.
 
@@ -57,6 +59,11 @@ class Simulation:
         self._system = SeparationSystem(separation, motion_analysis=False)
         self._read = self._system.parameters_read(separation)
 
+    def reads(self, names: Iterable[str]) -> bool:
+        """Return whether parameters of these names are all read, and may be changed."""
+        return self._read.issuperset(names)
+
+    @typed
     def run(self, values: Mapping[str, float] | None = None) -> Run:
         """Fly the separation with some of its parameters changed.
 

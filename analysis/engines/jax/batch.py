@@ -10,7 +10,7 @@ import math
 import os
 from collections.abc import (
     Callable,
-    Container,
+    Collection,
     Iterable,
     Iterator,
     Mapping,
@@ -43,6 +43,7 @@ from drakesep.analysis.engines.jax.sampled_runs import SampledRun
 from drakesep.analysis.metrics.of_run import metric_named
 from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.analysis.metrics.requirements import Limits
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.integrator import (
@@ -108,6 +109,7 @@ class _Flown(NamedTuple):
     """(n_p, n_m, n), if asked for."""
 
 
+@typed
 class Batch:
     """Flies a separation for whole arrays of parameter values.
 
@@ -133,7 +135,7 @@ class Batch:
         *,
         deviation_limits: Limits = (math.inf,) * 3,
         metrics: Iterable[str] = (),
-        without: Container[str] = (),
+        without: Collection[str] = (),
         tolerance: float = TOLERANCE,
         max_steps: int = MAX_STEPS,
         chunk: int | None = None,
@@ -160,11 +162,6 @@ class Batch:
             ValueError: a parameter is unknown, named twice or none that the equations
                 read, a metric is unknown, or a number is not positive.
         """
-        if not isinstance(separation, Separation):
-            raise InputError(
-                "separation must be a Separation (a case has one: case.separation), "
-                f"got a {type(separation).__name__}"
-            )
         nominal = parameters(separation)
         check_names(names, nominal)
         check_limits(deviation_limits, separation.pairs)
@@ -217,6 +214,7 @@ class Batch:
         self._metrics_and_slopes = Program(compiled, self._fly_slopes, few)
         self._motion = compiled(self._fly_motion)
 
+    @typed
     def run(
         self, values: Values, *, on_progress: Progress | None = None
     ) -> BatchResult:
@@ -232,6 +230,7 @@ class Batch:
         """
         return self._run(self._metrics, values, on_progress)
 
+    @typed
     def jacobian(
         self, values: Values, *, on_progress: Progress | None = None
     ) -> BatchResult:
@@ -251,6 +250,7 @@ class Batch:
         """
         return self._run(self._metrics_and_slopes, values, on_progress)
 
+    @typed
     def runs(self, values: Values) -> list[Run]:
         """Fly each row of values, and return the runs with their sampled motion.
 

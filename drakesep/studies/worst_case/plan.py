@@ -15,6 +15,7 @@ from drakesep.results.folder import ResultsFolder
 from drakesep.studies.worst_case.effort import StudyEffort, check_minutes
 from drakesep.studies.worst_case.pace import Remaining
 from drakesep.studies.worst_case.searches import WantedSearches
+from drakesep.systems.checks import InputError
 from drakesep.tables.roles import check_labels
 
 
@@ -42,12 +43,18 @@ class StudyPlan:
     """Processes that fly Drake; one per core if None; with 1, the caller's does all."""
     clearances: Mapping[str, LowestClearance] = field(default_factory=dict)
     """That tell how near nominal and published runs come, by their metrics."""
+    resume: bool = False
+    """Whether it goes on from what an earlier one has finished in the folder."""
     folder: ResultsFolder | None = None
     """That receives tables and plots as the study goes on."""
 
     def __post_init__(self) -> None:
         """Check the values."""
         SearchSettings(**self.effort)
+        if self.resume and self.folder is None:
+            raise InputError(
+                "output: must be the folder of the study to resume, got None"
+            )
         check_minutes(self.minutes)
         if self.searches.names and not self.searches.drake_alone:
             check_expensive(self.objectives, self.searches.names)

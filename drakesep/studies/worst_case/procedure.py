@@ -32,6 +32,7 @@ from drakesep.studies.worst_case.plan import OnProgress, StudyPlan
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.studies.worst_case.searches import WantedSearches
 from drakesep.studies.worst_case.session import Session, session
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run
@@ -43,6 +44,7 @@ from drakesep.tables.roles import Nominal, Published, Role
 _Study = TypeVar("_Study", bound=WorstCases)
 
 
+@typed
 def worst_case(
     case: Case | AnalysisCase | str | Path,
     objectives: Wanted | None = None,
@@ -52,6 +54,7 @@ def worst_case(
     workers: int | None = None,
     on_progress: OnProgress | None = None,
     minutes: float | None = None,
+    resume: bool = False,
     **effort: Unpack[Effort],
 ) -> WorstCases:
     """Find the worst cases of a case over its tolerances.
@@ -70,13 +73,16 @@ def worst_case(
         on_progress: called as the study goes on.
         minutes: that it may take, from when the plan is told; None: ten, or as long as
             the searches take, if `searches` names them.
+        resume: whether to go on from what a study that ended early has finished in
+            `output`, which must be the same: it ends as that would have. Without one,
+            the study begins.
         effort: `starts`, `samples`, `vertices`, `flips`, `generations` and `seed` of
             `SearchSettings`; the speed of runs, as it is measured, decides what is
             left out: see `WorstCases.effort`.
 
     Raises:
         ValueError: the case, an objective or a search is wrong, it takes longer than
-            it may, or the folder cannot be written.
+            it may, the folder cannot be written, or has another study to resume.
         RuntimeError: the nominal run fails.
     """
     asked = Asked.of(
@@ -102,6 +108,7 @@ def worst_case(
             minutes=minutes,
             workers=workers,
             clearances=clearances_of(chosen),
+            resume=resume,
             folder=folder,
         )
         study = WorstCases(asked=asked, objectives=chosen, clearances=plan.clearances)
@@ -188,16 +195,18 @@ def searched(study: _Study, under_way: Session) -> _Study:
     """Return a study with its worst cases; each search is written down as it ends."""
     problem, effort = under_way.problem, under_way.effort
     under_way.tell_plan()
-    done: list[Searched] = []
+    done = list(under_way.finished)
 
     def keep(found: Searched) -> None:
         done.append(found)
+        under_way.keep_search(found)
         under_way.write_down(replace(study, searched=tuple(done)))
 
     worst = find_worst_cases(
         problem,
         effort.searches,
         effort.settings,
+        finished=under_way.finished,
         on_progress=under_way.tell,
         on_search=keep,
     )
@@ -215,11 +224,13 @@ def _flown(under_way: Session) -> dict[str, Flown]:
     """Return how searches were told each objective, by its name."""
     evaluator = under_way.evaluator
     whole = DRAKE_RUNS if under_way.batch is None else BATCH_RUNS
-    counts = map(evaluator.run_by_run, range(len(evaluator.objectives)))
-    return {
-        objective.name: Flown(BATCH, 0) if count is None else Flown(whole, count)
-        for objective, count in zip(evaluator.objectives, counts, strict=True)
-    }
+    flown: dict[str, Flown] = {}
+    for k, objective in enumerate(evaluator.objectives):
+        count = evaluator.run_by_run(k)
+        earlier = sum(dict(one.run_by_run).get(k, 0) for one in under_way.finished)
+        told = Flown(BATCH, 0) if count is None else Flown(whole, count + earlier)
+        flown[objective.name] = told
+    return flown
 
 
 def _slopes_at_nominal(problem: Problem) -> Array:

@@ -5,9 +5,9 @@ import functools
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, wait
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.engines.drake_pool import WORKERS_START, DrakePool
@@ -18,16 +18,16 @@ from drakesep.analysis.engines.run_evaluator import RunEvaluator
 from drakesep.analysis.metrics.objectives import MetricObjective, Objective
 from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.analysis.search.effort import SearchSettings
-from drakesep.analysis.search.problem import Problem, SearchProgress
+from drakesep.analysis.search.problem import Problem, Searched, SearchProgress
 from drakesep.results.folder import ResultsFolder
 from drakesep.studies.background_process import BackgroundProcess
-from drakesep.studies.shared_simulation import shared_simulation
 from drakesep.studies.worst_case.effort import StudyEffort, planned_effort
 from drakesep.studies.worst_case.pace import Pace
 from drakesep.studies.worst_case.plan import PLAN, OnProgress, Progress, StudyPlan
 from drakesep.studies.worst_case.speed import measured_speed
 from drakesep.systems.arrays import Array
 from drakesep.systems.model.run import Run
+from drakesep.systems.simulation.shared_simulation import shared_simulation
 
 
 class _HasTables(Protocol):
@@ -35,6 +35,7 @@ class _HasTables(Protocol):
 
 
 _Study = TypeVar("_Study", bound=_HasTables)
+_Kind = TypeVar("_Kind")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,8 +67,14 @@ class Session:
 
     @functools.cached_property
     def effort(self) -> StudyEffort:
-        """What is searched and how hard, by how fast the case flies; measured once."""
+        """What is searched and how hard, by how fast the case flies; measured once.
+
+        A study that goes on with another does what that had planned.
+        """
         plan = self.plan
+        if (kept := self._part(PLAN, dict)) is not None:
+            [planned] = kept
+            return StudyEffort(**planned)
         if isinstance(self.evaluator, BatchEvaluator):
             self.evaluator.wait()
         speed = measured_speed(
@@ -90,7 +97,9 @@ class Session:
 
     @functools.cached_property
     def _pace(self) -> Pace:
-        return Pace(self.effort.seconds)
+        seconds = self.effort.seconds
+        done = [found.search for found in self.finished]
+        return Pace({name: s for name, s in seconds.items() if name not in done})
 
     def begin(self) -> None:
         """Plan what is searched, and only then begin the folder, if there is one.
@@ -103,6 +112,46 @@ class Session:
         if plan.folder is not None:
             plan.folder.begin(plan.asked)
             plan.folder.plan(options)
+            if plan.objectives:
+                plan.folder.keep_part(PLAN, [_fields(self.effort)])
+
+    @functools.cached_property
+    def finished(self) -> tuple[Searched, ...]:
+        """What came of the first searches, if an earlier study has finished them."""
+        found: list[Searched] = []
+        for name in self.effort.searches:
+            kept = self._part(name, Searched)
+            if kept is None:
+                break
+            found += kept
+        return tuple(found)
+
+    def keep_search(self, found: Searched) -> None:
+        """Keep what came of a search, for a study that goes on with this one."""
+        if self.plan.folder is not None:
+            self.plan.folder.keep_part(found.search, [found])
+
+    def once(
+        self, name: str, kind: type[_Kind], find: Callable[[], Sequence[_Kind]]
+    ) -> Sequence[_Kind]:
+        """Return records that an earlier study has found, or find and keep them.
+
+        Args:
+            name: of the part of the study that they are.
+            kind: of the records.
+            find: finds them.
+        """
+        kept = self._part(name, kind)
+        if kept is not None:
+            return kept
+        found = find()
+        if self.plan.folder is not None:
+            self.plan.folder.keep_part(name, found)
+        return found
+
+    def _part(self, name: str, kind: type[_Kind]) -> tuple[_Kind, ...] | None:
+        folder = self.plan.folder
+        return None if folder is None else folder.part(name, kind)
 
     def tell_plan(self) -> None:
         """Tell the user what the study will do, before it does."""
@@ -153,6 +202,10 @@ class Session:
             drawing.result()
 
 
+def _fields(effort: StudyEffort) -> dict[str, Any]:
+    return {f.name: getattr(effort, f.name) for f in fields(effort)}
+
+
 @contextlib.contextmanager
 def session(
     plan: StudyPlan, background: BackgroundProcess, on_progress: OnProgress | None
@@ -168,10 +221,13 @@ def session(
         on_progress: called as the study goes on.
 
     Raises:
-        ValueError: the batch engine cannot fly the separation, or parts overlap.
+        ValueError: the batch engine cannot fly the separation, parts overlap, or the
+            study that is to be resumed is another.
         RuntimeError: the nominal run fails.
     """
     case = plan.case
+    if plan.resume and plan.folder is not None:
+        plan.folder.resume(plan.asked)
     batch = checked_batch(plan)
     nominal, drake = _fly_nominal(case)
     if nominal.motion is None:
@@ -220,7 +276,7 @@ def checked_batch(plan: StudyPlan) -> Batch | None:
 
 def _fly_nominal(case: AnalysisCase) -> tuple[Run, float]:
     """Return the nominal run, and the seconds that it took."""
-    simulation = shared_simulation(case)
+    simulation = shared_simulation(case.separation, case.integration)
     began = time.perf_counter()
     nominal = simulation.run({})
     return nominal, time.perf_counter() - began

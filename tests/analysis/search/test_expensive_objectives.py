@@ -153,3 +153,28 @@ def test_what_goes_wrong_in_them_is_raised():
 def test_sweeps_alone_are_refused():
     with pytest.raises(InputError, match="must have sqp or multistart too, got samp"):
         find_worst_cases(problem(slope, slope), ("samples", "vertices"), SETTINGS)
+
+
+@pytest.mark.parametrize("concurrent", [False, True])
+@pytest.mark.parametrize("known", range(len(ALL) + 1))
+def test_searches_go_on_from_those_that_are_finished(known, concurrent):
+    """To the same worst cases, and the same from each search."""
+    all_told, told = [], []
+    problem_ = problem(wavy, wavy, concurrent=concurrent)
+    at_once = find_worst_cases(problem_, ALL, SETTINGS, on_search=all_told.append)
+    later = find_worst_cases(
+        problem(wavy, wavy, concurrent=concurrent),
+        ALL,
+        SETTINGS,
+        finished=all_told[:known],
+        on_search=told.append,
+    )
+    assert later == at_once
+    assert told == all_told[known:]
+
+
+def test_finished_searches_of_another_order():
+    told = []
+    find_worst_cases(problem(wavy, wavy), ALL, SETTINGS, on_search=told.append)
+    with pytest.raises(InputError, match=r"^finished: must be the first of"):
+        find_worst_cases(problem(wavy, wavy), ALL, SETTINGS, finished=told[1:])

@@ -201,7 +201,7 @@ def test_half_of_the_box_is_not_physical():
     ("settings", "message"),
     [
         ({"starts": 0}, "starts: must be a whole number >= 1, got 0"),
-        ({"samples": 2.5}, "samples: must be a whole number >= 1, got 2.5"),
+        ({"samples": 2.5}, "samples must be a whole number, got 2.5"),
         ({"seed": -1}, "seed: must be a whole number >= 0, got -1"),
     ],
 )

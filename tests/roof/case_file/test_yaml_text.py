@@ -33,6 +33,10 @@ BAD = {
     "closed": ("[" * 300 + "]" * 300, "must be nested at most 50 levels deep"),
     "blocks": ("- " * 3000 + "x", "must be nested at most 50 levels deep"),
     "mappings": ("{a: " * 3000, "must be nested at most 50 levels deep"),
+    "a name of two": (
+        "a: &x 1\nb: &x 2",
+        "&x must name one thing, got it in lines 1 and",
+    ),
     "an unknown name": ("a: *b", "must be YAML, got: found undefined alias"),
     "a month 13": ("a: 2020-13-45", "must be YAML, got: month must be in 1..12"),
     "digits": ("a: " + "9" * 5000, "must be YAML, got: Exceeds the limit"),

@@ -117,3 +117,107 @@ def test_a_full_disk_names_the_file(command, tmp_path):
     assert line.startswith(f"drakesep: {tmp_path / 'out'}")
     assert line.endswith(": File too large")
     assert not list((tmp_path / "out").rglob(".writing-*"))
+
+
+def whole(folder):
+    """All that a study has left, but when and in which process."""
+    files = {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
+    record = json.loads(files.pop("study.json"))
+    for name in ("begun", "seconds", "process", "again"):
+        del record[name]
+    return record, files
+
+
+@pytest.mark.slow
+def test_a_study_that_is_killed_goes_on(tmp_path):
+    """After each search; with a clearance, which is searched beside the others."""
+    clearance = {"quantity": "clearance_mm", "at_least": 20.0}
+    required = [*small_case()["requirements"][:1], clearance]
+    case = write_case(tmp_path, small_case(requirements=required))
+    words = ["--samples", 60, "--starts", 3, "--seed", 2]
+
+    def asked(folder, *more):
+        return begun("verify", case, "-o", folder, *words, *more)
+
+    with asked(tmp_path / "whole") as process:
+        process.communicate(timeout=300)
+    folder, killed = tmp_path / "killed", 0
+    for part in ("plan", "samples", "vertices", "sqp", "multistart", "growth"):
+        with asked(folder, "--resume") as process:
+            while (
+                process.poll() is None and not (folder / f".parts/{part}.json").exists()
+            ):
+                time.sleep(0.01)
+            process.kill()
+            process.communicate()
+        killed += process.returncode == -signal.SIGKILL
+    assert killed >= 3  # the last parts are finished quickly
+    with asked(folder, "--resume") as process:
+        _, err = process.communicate(timeout=300)
+    assert whole(folder) == whole(tmp_path / "whole"), err
+
+
+def beside(process):
+    """Numbers of the processes that a command has started, and theirs; their words."""
+    told = subprocess.run(
+        ["ps", "-eo", "pid=,ppid=,args="], capture_output=True, text=True, check=True
+    )
+    rows = [line.split(None, 2) for line in told.stdout.splitlines()]
+    found, parents = {}, {str(process.pid)}
+    while parents:
+        new = {pid: words for pid, parent, words in rows if parent in parents}
+        parents = new.keys() - found.keys()
+        found |= new
+    return found
+
+
+def under_way(tmp_path):
+    """A study that has begun, with a worker beside it."""
+    process = begun("verify", "vega", "-o", tmp_path, "--workers", "2")
+    while process.poll() is None and not (tmp_path / "study.json").exists():
+        time.sleep(0.05)
+    assert process.poll() is None
+    return process
+
+
+@pytest.mark.slow
+def test_nothing_is_left_of_what_is_killed(tmp_path):
+    with under_way(tmp_path) as process:
+        others = beside(process)
+        process.kill()
+    assert others
+    killed = time.monotonic()
+    while left := {pid for pid in others if os.path.exists(f"/proc/{pid}")}:
+        assert time.monotonic() - killed < 30.0, left
+        time.sleep(0.2)
+
+
+@pytest.mark.slow
+def test_a_worker_that_is_killed(tmp_path):
+    """Is told of in one line; what is finished is kept."""
+    with under_way(tmp_path) as process:
+        workers = [
+            int(pid) for pid, words in beside(process).items() if "popen" in words
+        ]
+        os.kill(workers[-1], signal.SIGKILL)
+        _, err = process.communicate(timeout=300)
+    assert process.returncode == 3
+    [line] = [x for x in err.splitlines() if x.startswith("drakesep: ")]
+    assert line == "drakesep: a process of ours was killed, for want of memory perhaps"
+    assert "Traceback" not in err
+    assert json.loads((tmp_path / "study.json").read_text())["ended"] == "failed"
+    assert (tmp_path / ".parts").is_dir()
+
+
+@pytest.mark.slow
+def test_two_commands_want_a_folder(tmp_path):
+    both = [begun("simulate", "vega", "-o", tmp_path) for _ in range(2)]
+    told = [process.communicate(timeout=120)[1] for process in both]
+    codes = [process.returncode for process in both]
+    assert sorted(codes) in ([0, 2], [0, 0])  # one after the other
+    for code, err in zip(codes, told, strict=True):
+        assert (code == 2) == ("no other study is writing" in err)

@@ -4,6 +4,10 @@ is something else than without it.
 Tables are compared to the last digit, file by file.
 """
 
+import dataclasses
+import itertools
+import json
+import shutil
 from collections import OrderedDict
 
 import pandas as pd
@@ -17,8 +21,10 @@ from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.search.effort import Effort
 from drakesep.cli.app import app
+from drakesep.results import provenance
 from drakesep.studies import tolerance_growth
 from drakesep.studies.background_process import BackgroundProcess
+from drakesep.studies.worst_case import session
 from drakesep.studies.worst_case.session import Session
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.simulation.simulation import Simulation
@@ -76,8 +82,11 @@ ELSEWHERE = {
     "simulate": {"--output", "-o"},
     "sweep": {"--output", "-o", "--workers"},
     "clearance": {"--output", "-o"},
-    "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes"},
-    "verify": {"--output", "-o", "--workers", "--flips", "--corners", "--minutes"},
+    "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes", "--resume"},
+    "verify": {
+        *("--output", "-o", "--workers", "--flips", "--corners", "--minutes"),
+        "--resume",
+    },
 }
 """Tested below."""
 SWEPT = {"upper.mass_kg": [1180.0, 1200.0, 1220.0]}
@@ -291,6 +300,132 @@ def test_minutes(command, case, tmp_path, capsys, monkeypatch, drakesep_):
     code, _, err = run(capsys, monkeypatch, *words, "--minutes", 1e-6)
     assert code == 2
     assert "drakesep: minutes: must be 5 or more on this machine, got 1e-06, " in err
+
+
+@pytest.fixture
+def interrupted_at(capsys, monkeypatch):
+    """A command, and what it told until it came to a step, where it is interrupted."""
+    tell = Session.tell
+
+    def called(step, *words):
+        told = []
+
+        def tell_or_end(session, progress):
+            told.append(progress.search)
+            if progress.search == step:
+                raise KeyboardInterrupt
+            tell(session, progress)
+
+        monkeypatch.setattr(Session, "tell", tell_or_end)
+        code, _, err = run(capsys, monkeypatch, *words)
+        assert code == (130 if step else 0), err
+        monkeypatch.setattr(Session, "tell", tell)
+        return list(dict.fromkeys(told))
+
+    return called
+
+
+def whole(folder):
+    """All that a study has left, but when and in which process."""
+    files = {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
+    record = json.loads(files.pop("study.json"))
+    for name in ("begun", "seconds", "process"):
+        del record[name]
+    return record, files
+
+
+@pytest.mark.parametrize("command", ["worst-case", "verify"])
+def test_resume(command, case, tmp_path, monkeypatch, interrupted_at):
+    """Interrupted once in each step, it ends as it would have; no search goes twice."""
+    words = [command, case, "-o", tmp_path, *hard_in_words(), "--workers", 1]
+    words += ["--objective", "L1"] if command == "worst-case" else []
+    steps = interrupted_at(None, *words)
+    begun_once = whole(tmp_path)
+    shutil.rmtree(tmp_path)
+
+    measured = session.measured_speed
+    assert steps == [
+        *("plan", "samples", "vertices", "sqp", "multistart", "confirmation"),
+        *(["growth"] if command == "verify" else []),
+    ]
+    for before, step in itertools.pairwise(steps):
+        told = interrupted_at(step, *words, "--resume")
+        assert told == list(dict.fromkeys(["plan", before, step]))
+        # Where runs take an hour, growth would be left out: what was planned goes on.
+        monkeypatch.setattr(
+            session,
+            "measured_speed",
+            lambda *asked: dataclasses.replace(measured(*asked), run=3600.0),
+        )
+    assert interrupted_at(None, *words, "--resume")[:2] == ["plan", "confirmation"]
+    assert whole(tmp_path) == begun_once
+
+
+def test_what_may_be_resumed(case, tmp_path, capsys, monkeypatch, interrupted_at):
+    """The same study alone: another is refused, and what is kept stays."""
+    words = ["worst-case", case, "--objective", "L1", "--workers", 1, "-o", tmp_path]
+    interrupted_at("vertices", *words, *hard_in_words(), "--resume")
+    kept = whole(tmp_path)
+
+    def refused(*others):
+        code, _, err = run(capsys, monkeypatch, *others, "--resume")
+        assert code == 2
+        assert whole(tmp_path) == kept
+        [line] = err.splitlines()
+        return line.removeprefix("drakesep: resume: ")
+
+    other_seed = [*hard_in_words(without=["--seed"]), "--seed", 2]
+    assert refused(*words, *other_seed).endswith("seed = 1, got 2")
+    fewer = [*hard_in_words(without=["--samples"]), "--samples", 47]
+    assert refused(*words, *fewer).endswith("samples = 48, got 47")
+    more = [*hard_in_words(), "--search", "samples"]
+    assert refused(*words, *more).endswith("searches = None, got ['samples']")
+    with monkeypatch.context() as patch:
+        versions = {**provenance.versions(), "jax": "0.0.1"}
+        patch.setattr(provenance, "versions", lambda: versions)
+        assert refused(*words, *hard_in_words()).endswith(", got 0.0.1")
+    dispersions = {"upper.mass_kg": 51.0, "upper.cg_y_mm": 8.0}
+    data = small_case(dispersions=dispersions, published=None)
+    words[1] = write_case(tmp_path.parent, data, "other.yaml")
+    assert refused(*words, *hard_in_words()).endswith("got one that differs")
+
+    words[1] = case
+    part = tmp_path / ".parts" / "samples.json"
+    whole_part = part.read_text()
+    for text in (whole_part[:100], "3", '[{"record": "Sphere"}]'):
+        part.write_text(text)
+        code, _, err = run(capsys, monkeypatch, *words, *hard_in_words(), "--resume")
+        assert code == 2
+        assert err.startswith(f"drakesep: {part}: must be a part of a study, got: ")
+    part.write_text(whole_part)
+    assert interrupted_at(None, *words, *hard_in_words(), "--resume")[1] == "vertices"
+    code, _, err = run(capsys, monkeypatch, *words, *hard_in_words(), "--resume")
+    assert code == 2
+    assert err.rstrip().endswith("completed")
+
+
+def test_what_cannot_be_resumed(case, tmp_path):
+    """Functions cannot be compared; and there must be a folder."""
+    with pytest.raises(ValueError, match=r"^output: .* to resume, got None"):
+        drakesep.worst_case(case, ["L1"], resume=True)
+
+    def height(run):
+        return float(run.completed_motion.relative_position[-1, 0])
+
+    def asked(**how):
+        drakesep.worst_case(case, height, output=tmp_path, workers=1, **HARD, **how)
+
+    def end(_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        asked(on_progress=end)
+    with pytest.raises(ValueError, match=r"^resume: .* got functions"):
+        asked(resume=True)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,122 @@
+"""Nearly right case files: read, shown and flown, or refused in words of ours.
+
+A few hundred of them, the same ones each time; many more, drawn anew, behind `slow`.
+"""
+
+import contextlib
+import io
+import math
+import time
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, event, given, settings
+from mutations import as_text, mangled, mutated
+from rich.console import Console
+
+from drakesep.case_file.reader import load_case
+from drakesep.cli.console import print_case, print_notes
+from drakesep.cli.summaries import of_case
+from drakesep.studies.before_flight import check_verifiable
+from drakesep.studies.simulate import simulate
+from drakesep.systems.checks import DrakesepWarning, InputError
+
+
+LONGEST = 10.0
+"""Of the processor's time that a file takes to be read and shown, or flown, s."""
+
+
+@contextlib.contextmanager
+def ours():
+    """Nothing comes out but a refusal in one line for each mistake, and soon."""
+    began = time.process_time()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DrakesepWarning)
+        try:
+            yield
+        except InputError as refused:
+            event("refused")
+            lines = str(refused).splitlines()
+            assert lines and all(lines)
+            assert "Error" not in str(refused)
+    assert time.process_time() - began < LONGEST
+
+
+def shown(file):
+    """What `drakesep show` does, without its process."""
+    case = load_case(file)
+    told = io.StringIO()
+    print_case(Console(file=told), case)
+    of_case(case)
+    print_notes(Console(file=told), check_verifiable(case))
+    event("shown")
+    return case
+
+
+def check_read(text, folder):
+    file = folder / "case.yaml"
+    file.write_text(text, encoding="utf-8", errors="surrogatepass")
+    with ours():
+        shown(file)
+
+
+def check_flown(text, folder):
+    """A run fails with its reason, or each number of it is one."""
+    file = folder / "case.yaml"
+    file.write_text(text, encoding="utf-8", errors="surrogatepass")
+    with ours():
+        flown = simulate(load_case(file))
+        event("flown" if flown.completed else "failed")
+        if not flown.completed:
+            assert flown.run.message
+            return
+        states = flown.run.completed_trajectory.states
+        assert np.isfinite(states).all()
+        assert not any(map(math.isinf, flown.labelled.metrics.values()))
+
+
+FOLDER = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+"""Each file is written where the one before was."""
+few = settings(max_examples=120, derandomize=True, suppress_health_check=FOLDER)
+fewer = settings(few, max_examples=25)
+many = settings(max_examples=5000, suppress_health_check=FOLDER)
+
+
+@few
+@given(data=mutated())
+def test_a_few_are_read_or_refused(data, tmp_path):
+    check_read(as_text(data), tmp_path)
+
+
+@few
+@given(text=mangled())
+def test_a_few_texts_are_read_or_refused(text, tmp_path):
+    check_read(text, tmp_path)
+
+
+@fewer
+@given(data=mutated())
+def test_a_few_are_flown_or_refused(data, tmp_path):
+    check_flown(as_text(data), tmp_path)
+
+
+@pytest.mark.slow
+@many
+@given(data=mutated())
+def test_many_are_read_or_refused(data, tmp_path):
+    check_read(as_text(data), tmp_path)
+
+
+@pytest.mark.slow
+@many
+@given(text=mangled())
+def test_many_texts_are_read_or_refused(text, tmp_path):
+    check_read(text, tmp_path)
+
+
+@pytest.mark.slow
+@settings(many, max_examples=1000)
+@given(data=mutated())
+def test_many_are_flown_or_refused(data, tmp_path):
+    check_flown(as_text(data), tmp_path)
