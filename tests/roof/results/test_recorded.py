@@ -179,8 +179,8 @@ def test_command_animates_a_folder(verified, tmp_path, capsys, monkeypatch):
         ("case.json", "[]"),
         ("runs/nominal.json", "{}"),
         ("runs/nominal.csv.gz", "time_s\n0\n"),
-        ("runs/nominal.csv.gz", gzip.compress(b"time_s\n0\n")),
-        ("runs/nominal.csv.gz", gzip.compress(b"time_s\n0\n" * 9)[:-12]),
+        ("runs/nominal.csv.gz", gzip.compress(b"time_s\n0\n", mtime=0)),
+        ("runs/nominal.csv.gz", gzip.compress(b"time_s\n0\n" * 9, mtime=0)[:-12]),
     ],
 )
 def test_broken_folders_are_refused_by_name(verified, file, text, tmp_path):
