@@ -478,7 +478,7 @@ def test_every_run_is_integrated_as_the_case_says(
     }
     wanted = Integration(scheme="bogacki_shampine3", accuracy=3e-7, max_step=0.2)
     monkeypatch.setattr(
-        "drakesep.studies.shared_simulation._of_thread.known", OrderedDict()
+        "drakesep.systems.simulation.shared_simulation._of_thread.known", OrderedDict()
     )
     told, begin = [], Simulation.__init__
 
