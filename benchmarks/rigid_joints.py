@@ -87,7 +87,7 @@ def report(name: str, case: AnalysisCase, separation: Separation, rows: int) -> 
 def main() -> None:
     print("batch: runs a second over VEGA's, steps a row, s until the first result,")
     print("error in rad/s; Drake: ms a run, and over VEGA's")
-    for name in ("dual_launch", "fairing"):
+    for name in ("dual_launch", "fairing", "rideshare"):
         case = load_case(name)
         for kind, separation, rows in (
             ("rigid", case.separation, ROWS),
