@@ -6,13 +6,20 @@ import re
 
 import port_tables
 import pytest
+from pydrake.common.value import AbstractValue
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce
 from pydrake.systems.framework import DiagramBuilder, PortDataType, System
+from pydrake.systems.primitives import ConstantValueSource
 from separations import generic_pair
 
 from drakesep.systems import Load, Orbit, Part, Recontact, add_separation
 from drakesep.systems.diagram.joints import CfeBushing
 from drakesep.systems.diagram.motion_analysis import MotionAnalysis
-from drakesep.systems.diagram.on_your_plant import _BodyMotion, _SpatialForces
+from drakesep.systems.diagram.on_your_plant import (
+    _BodyMotion,
+    _OtherWrenches,
+    _SpatialForces,
+)
 from drakesep.systems.diagram.release import Release
 from drakesep.systems.diagram.separation_forces import SeparationForces
 from drakesep.systems.diagram.separation_system import (
@@ -20,6 +27,7 @@ from drakesep.systems.diagram.separation_system import (
     plant_of_bodies,
 )
 from drakesep.systems.diagram.springs import Springs
+from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.parts import Sphere
 
 
@@ -60,7 +68,18 @@ def systems() -> dict[str, System]:
     builder = DiagramBuilder()
     plant = builder.AddSystem(plant_of_bodies(PLAIN))
     plant.Finalize()
-    add_separation(builder, plant, PLAIN)
+    rigid = [
+        dataclasses.replace(each, joint=Joint(rigid=True)) for each in PLAIN.attachments
+    ]
+    forces = builder.AddSystem(
+        ConstantValueSource(AbstractValue.Make([ExternallyAppliedSpatialForce()]))
+    )
+    add_separation(
+        builder,
+        plant,
+        dataclasses.replace(PLAIN, attachments=tuple(rigid)),
+        other_forces=forces.get_output_port(),
+    )
     of_plant = builder.Build()
     inner = [*whole.GetSystems(), *whole.forces.GetSystems(), *of_plant.GetSystems()]
     return {type(system).__name__: system for system in [*inner, whole, whole.forces]}
@@ -92,7 +111,7 @@ def size_of(shape: str) -> int | None:
 @pytest.mark.parametrize("heading", ["Input ports", "Output ports"])
 @pytest.mark.parametrize(
     "system",
-    [*port_tables.SYSTEMS, _BodyMotion, _SpatialForces],
+    [*port_tables.SYSTEMS, _BodyMotion, _OtherWrenches, _SpatialForces],
     ids=lambda s: s.__name__,
 )
 def test_ports_are_those_of_the_docstring(system, heading):

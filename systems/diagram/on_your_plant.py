@@ -3,7 +3,7 @@
 The plant may hold more than the bodies of the separation, in any order, with joints,
 gravity and forces of its own. Two adapters stand between it and the separation's
 forces: one reads the bodies' motion from the plant's ports, one turns wrenches into its
-spatial forces.
+spatial forces; a third, where joints are rigid, shows them what else acts.
 """
 
 from collections.abc import Sequence
@@ -28,6 +28,8 @@ from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.design.mass_properties import mass_properties_of
 from drakesep.systems.diagram.separation_forces import SeparationForces
 from drakesep.systems.diagram.state_layout import StateLayout
+from drakesep.systems.diagram.unseen_forces import check_all_is_seen
+from drakesep.systems.equations.rigid_joints import rigid_joints
 from drakesep.systems.model.separation import Body, Separation
 
 
@@ -59,7 +61,9 @@ def add_separation(
         bodies: those of the plant, in the order of `Separation.bodies`; by default
             those of their names.
         other_forces: output port with a list of ExternallyAppliedSpatialForce of one's
-            own; the plant's input port is taken by the separation.
+            own; the plant's input port is taken by the separation. Rigid joints must
+            know all forces: what is not here, or is not known before accelerations
+            are, cannot act on their bodies.
         name: of the system that is added.
 
     Returns:
@@ -70,17 +74,11 @@ def add_separation(
 
     Raises:
         ValueError: the plant is discrete or not finalized, has no such body or one of
-            another mass, its input port for spatial forces is taken, or the separation
-            has recontact or rigid joints.
+            another mass, its input port for spatial forces is taken, the separation
+            has recontact, or rigid joints on bodies on which something acts that is not
+            seen: contact, joints and force elements of the plant.
     """
     _check_plant(builder, plant)
-    for attachment in separation.attachments:
-        if attachment.joint.rigid:
-            raise InputError(
-                f"{attachment.name}: must not be rigid beside a plant of one's own, of "
-                "which not all that acts on the bodies is seen; give it stiffness and "
-                "damping, as propose_joint does"
-            )
     if separation.recontact is not None:
         raise InputError(
             "recontact: must be None here: contact is the plant's own; before it is "
@@ -89,16 +87,19 @@ def add_separation(
         )
     found = list(bodies or (_find(plant, body.name) for body in separation.bodies))
     _check_bodies(plant, found, separation)
+    joined = [found[i] for i in rigid_joints(separation).bodies]
+    check_all_is_seen(builder, plant, joined)
+    seen = bool(joined) and other_forces is not None
     count = len(found)
     layout = StateLayout(
         count * (_Q + _V),
         tuple((_Q * i, _Q * count + _V * i) for i in range(count)),
     )
     separation_forces: SeparationForces = builder.AddNamedSystem(
-        name, SeparationForces(separation, layout)
+        name, SeparationForces(separation, layout, external_wrenches=seen)
     )
     motion = builder.AddNamedSystem(f"{name}_motion", _BodyMotion(found))
-    forces = builder.AddNamedSystem(f"{name}_forces", _SpatialForces(found))
+    forces = builder.AddNamedSystem(f"{name}_forces", _SpatialForces(found, seen))
     for source, target in (
         (plant.get_body_poses_output_port(), motion.GetInputPort("poses")),
         (
@@ -120,6 +121,13 @@ def add_separation(
         builder.Connect(source, target)
     if other_forces is not None:
         builder.Connect(other_forces, forces.GetInputPort("other_forces"))
+    if seen:
+        others = builder.AddNamedSystem(f"{name}_other_forces", _OtherWrenches(found))
+        poses = plant.get_body_poses_output_port()
+        builder.Connect(poses, others.GetInputPort("poses"))
+        builder.Connect(other_forces, others.GetInputPort("other_forces"))
+        external = separation_forces.GetInputPort("external_wrenches")
+        builder.Connect(others.get_output_port(), external)
     return separation_forces
 
 
@@ -255,15 +263,17 @@ class _SpatialForces(LeafSystem):
         wrenches: (6 m,) N m and N in W: torque about the origin, then force, on each of
             the m bodies.
         other_forces: abstract: list of ExternallyAppliedSpatialForce, passed on;
-            optional.
+            optional. Where the wrenches have those on their bodies already, only those
+            on others are.
 
     Output ports:
         spatial_forces: abstract: list of ExternallyAppliedSpatialForce.
     """
 
-    def __init__(self, bodies: Sequence[RigidBody]):
+    def __init__(self, bodies: Sequence[RigidBody], with_others: bool):
         super().__init__()
         self._indices = [body.index() for body in bodies]
+        self._with_others = with_others
         self._wrenches = self.DeclareVectorInputPort("wrenches", 6 * len(bodies))
         no_forces = AbstractValue.Make([ExternallyAppliedSpatialForce()])
         self._others = self.DeclareAbstractInputPort("other_forces", no_forces)
@@ -282,5 +292,42 @@ class _SpatialForces(LeafSystem):
             )
             forces.append(force)
         if self._others.HasValue(context):
-            forces += self._others.Eval(context)
+            mine = self._indices if self._with_others else []
+            others = self._others.Eval(context)
+            forces += [other for other in others if other.body_index not in mine]
         output.set_value(forces)
+
+
+class _OtherWrenches(LeafSystem):
+    """Sums up forces of one's own on the bodies of a separation.
+
+    Input ports:
+        other_forces: abstract: list of ExternallyAppliedSpatialForce.
+        poses: abstract: the plant's, by body.
+
+    Output ports:
+        wrenches: (6 m,) N m and N in W: torque about the origin, then force, on each of
+            the m bodies.
+    """
+
+    def __init__(self, bodies: Sequence[RigidBody]):
+        super().__init__()
+        self._indices = [int(body.index()) for body in bodies]
+        self._forces = self.DeclareAbstractInputPort(
+            "other_forces", AbstractValue.Make([ExternallyAppliedSpatialForce()])
+        )
+        self._poses = self.DeclareAbstractInputPort(
+            "poses", AbstractValue.Make([RigidTransform()])
+        )
+        self.DeclareVectorOutputPort("wrenches", 6 * len(bodies), self._calc_wrenches)
+
+    def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
+        poses = self._poses.Eval(context)
+        sums = np.zeros((len(self._indices), 6))
+        for force in self._forces.Eval(context):
+            index = int(force.body_index)
+            if index in self._indices:
+                arm = poses[index].rotation().multiply(force.p_BoBq_B)
+                at_origin = force.F_Bq_W.Shift(-arm)
+                sums[self._indices.index(index)] += at_origin.get_coeffs()
+        output.SetFromVector(sums.ravel())

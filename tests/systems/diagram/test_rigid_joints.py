@@ -7,12 +7,9 @@ import numpy as np
 import pinocchio
 import pytest
 from flying import momentum, start
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import DiagramBuilder
 from separations import generic_pair
 
 from drakesep.systems.checks import InputError
-from drakesep.systems.diagram.on_your_plant import add_separation
 from drakesep.systems.equations.loads_of_run import joint_loads
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.joints import JOINT_TYPES, Joint
@@ -300,8 +297,3 @@ def test_what_rigid_joints_cannot_see_is_refused():
     contact = Recontact(stiffness=1e5)
     with pytest.raises(InputError, match="recontact: attachment_1 must not be rigid"):
         dataclasses.replace(separation, bodies=bodies, recontact=contact)
-    builder = DiagramBuilder()
-    plant = builder.AddSystem(MultibodyPlant(0.0))
-    plant.Finalize()
-    with pytest.raises(InputError, match="attachment_1: must not be rigid beside"):
-        add_separation(builder, plant, separation)
