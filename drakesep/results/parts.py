@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from drakesep.files import write_text
-from drakesep.results.case_json import from_json, to_json
+from drakesep.results.case_json import NO_RECORD, from_json, to_json
 from drakesep.systems.checks import InputError
 
 
@@ -48,7 +48,7 @@ def kept_part(folder: Path, name: str, kind: type[_Kind]) -> tuple[_Kind, ...] |
         records = from_json(json.loads(file.read_text(encoding="utf-8")))
     except FileNotFoundError:
         return None
-    except (ValueError, TypeError, KeyError) as error:
+    except NO_RECORD as error:
         raise _no_part(file, str(error)) from error
     if not isinstance(records, tuple) or not all(isinstance(r, kind) for r in records):
         raise _no_part(file, type(records).__name__)
