@@ -119,11 +119,17 @@ def grow(
         limits: values that objectives must not exceed.
         corners: of the box, drawn at random, from which to begin.
         seed: of the corners.
-        on_progress: told how many limits are settled, and of how many.
+        on_progress: told at every evaluation how many limits are settled, and of how
+            many.
     """
     if not limits:
         return []
-    on_progress(0, len(limits))
+    settled = 0
+
+    def tell() -> None:
+        on_progress(settled, len(limits))
+
+    tell()
     caps = _caps(problem)
     unknown = [
         Growth(
@@ -138,19 +144,20 @@ def grow(
         [-1.0, 1.0], size=(corners, len(problem.tolerances))
     )
     which, points = _beginnings(problem, limits, caps, signs)
-    found = _roots(problem, [unknown[i] for i in which], points, caps)
+    found = _roots(problem, [unknown[i] for i in which], points, caps, tell)
     growths, rays = found[: len(limits)], points[: len(limits)].copy()  # their own
     for i, growth, point in zip(which, found, points, strict=True):
         if growth.order < growths[i].order:
             growths[i], rays[i] = growth, point
     moving = [i for i, growth in enumerate(growths) if growth.factor != 0.0]
     for _ in range(_ROUNDS):
-        on_progress(len(limits) - len(moving), len(limits))
+        settled = len(limits) - len(moving)
+        tell()
         if not moving:
             break
         mine = [growths[i] for i in moving]
-        tried = _search(problem, mine, rays[moving], caps)
-        found = _roots(problem, [unknown[i] for i in moving], tried, caps)
+        tried = _search(problem, mine, rays[moving], caps, tell)
+        found = _roots(problem, [unknown[i] for i in moving], tried, caps, tell)
         still = []
         for i, growth, point in zip(moving, found, tried, strict=True):
             before = growths[i].factor
@@ -339,7 +346,11 @@ def _caps(problem: Problem) -> Array:
 
 
 def _roots(
-    problem: Problem, growths: Sequence[Growth], rays: Array, caps: Array
+    problem: Problem,
+    growths: Sequence[Growth],
+    rays: Array,
+    caps: Array,
+    tell: Callable[[], None],
 ) -> list[Growth]:
     """Return the growths at which limits are first reached along rays."""
     limits = [growth.limit for growth in growths]
@@ -350,6 +361,7 @@ def _roots(
         told = _excess(problem, [limits[i] for i in index], rays[index], factor, caps)
         for j, why in told.failures.items():
             failures.setdefault(int(index[j]), why)
+        tell()
         return told.values
 
     every = np.arange(len(growths), dtype=float)
@@ -392,7 +404,11 @@ def _roots(
 
 
 def _search(
-    problem: Problem, growths: Sequence[Growth], rays: Array, caps: Array
+    problem: Problem,
+    growths: Sequence[Growth],
+    rays: Array,
+    caps: Array,
+    tell: Callable[[], None],
 ) -> Array:
     """Return the worst points of the grown sets, scaled by their own tolerances."""
     starts = []
@@ -408,7 +424,7 @@ def _search(
                 u=grown.draw_back(ray),
             )
         )
-    ascents = ascend(starts, problem.evaluator, _SQP)
+    ascents = ascend(starts, problem.evaluator, _SQP, lambda *_: tell())
     worst = [
         ascent.u if math.isfinite(ascent.value) else tuple(ray)
         for ascent, ray in zip(ascents, rays, strict=True)

@@ -58,7 +58,9 @@ def find_growths(
     ]
 
     def tell(done: int, total: int) -> None:
-        under_way.tell(SearchProgress(search="growth", done=done, total=total))
+        # Limits settle at the ends of long rounds, many at once.
+        known = total if done == total else None
+        under_way.tell(SearchProgress(search="growth", done=done, total=known))
 
     def together() -> list[Growth]:
         return grow(

@@ -47,14 +47,15 @@ class Pace:
         Args:
             step: that is under way.
             done: of it.
-            total: of it; None if that is not known.
+            total: of it; None if that is not known. Until something is done, a step is
+                reckoned to come as far as it was planned to.
         """
         now = self._clock()
         if step != self._step:
             self._step, self._step_began = step, now
         planned = self._seconds.get(step, 0.0)
-        known = 0.0 if not total else done / total
-        if not total and planned:
+        known = done / total if total else 0.0
+        if not known and planned:
             known = min((now - self._step_began) / planned, _NEARLY)
         before = 0.0
         for name, seconds in self._seconds.items():
