@@ -29,7 +29,7 @@ from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.equations.forces_of_run import spring_force_over
-from drakesep.systems.equations.loads_of_run import joint_load_over
+from drakesep.systems.equations.loads_of_run import joint_loads
 from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Attachment, Separation
@@ -206,10 +206,12 @@ def check_windowed(metric: Metric, name: str) -> None:
 
 def _samples_of(run: Run) -> "Callable[[Metric], _Samples]":
     """Return what gives the signals of a metric's owner; each is made once."""
+    # Those of rigid joints follow from one another: all at once.
+    loads = functools.cache(lambda: joint_loads(run))
 
     @functools.cache
     def of(owner: Owner, name: str) -> _Samples:
-        return _Samples(run, *_found(run.separation, owner, name))
+        return _Samples(run, *_found(run.separation, owner, name), loads)
 
     return lambda metric: of(metric.owner, metric.pair)
 
@@ -237,8 +239,11 @@ def _found(separation: Separation, owner: Owner, name: str) -> tuple[str, str]:
 class _Samples:
     """The signals of a body that leaves, or of a joint or spring that holds it."""
 
-    def __init__(self, run: Run, body: str, part: str):
+    def __init__(
+        self, run: Run, body: str, part: str, loads: Callable[[], dict[str, Array]]
+    ):
         self._run, self._body, self._part = run, body, part
+        self._loads = loads
         self._motion = run.motion_of(body)
         pair = run.separation.pair_of(body)
         self._facts = PairFacts.of(run.separation, pair)
@@ -295,7 +300,7 @@ class _Samples:
         """Return the samples (n, k) of what a signal is made of."""
         match signal.owner:
             case Owner.ATTACHMENT:
-                return joint_load_over(self._run, self._held(springs=False))
+                return self._loads()[self._held(springs=False).name]
             case Owner.SPRING:
                 force = spring_force_over(self._run, self._held(springs=True))
                 return force[:, None]

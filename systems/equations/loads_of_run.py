@@ -44,7 +44,9 @@ def joint_loads(run: Run) -> dict[str, Array]:
         run: a completed run.
 
     Returns:
-        By the attachments' names, what `joint_load_over` returns.
+        By the attachments' names (n, 6): torque about B's pad, N m, and force, N, on B,
+        in the joint's frame, fixed in A, as the port `joint_loads` has them; zero from
+        the release on.
 
     Raises:
         RuntimeError: the run failed.
@@ -55,25 +57,6 @@ def joint_loads(run: Run) -> dict[str, Array]:
     if len(springs) < len(attachments):
         loads |= _loads_of_rigid(run)
     return {each.name: loads[each.name] for each in attachments}
-
-
-def joint_load_over(run: Run, attachment: Attachment) -> Array:
-    """Return the load of the joint of an attachment at the times of a run.
-
-    Args:
-        run: a completed run.
-        attachment: of its separation.
-
-    Returns:
-        (n, 6): torque about B's pad, N m, and force, N, on B, in the joint's frame,
-        fixed in A, as the port `joint_loads` has them; zero from the release on.
-
-    Raises:
-        RuntimeError: the run failed.
-    """
-    if attachment.joint.rigid:
-        return _loads_of_rigid(run)[attachment.name]
-    return _load_of_spring(run, attachment)
 
 
 def _load_of_spring(run: Run, attachment: Attachment) -> Array:
