@@ -220,10 +220,10 @@ class BatchRigidJoints:
             )
             place = self._place(kind, params)
             motion = joined(kind.type, place.R_AJ, A, B, place.p_BoPad_B, place.axis_B)
-            arm = self._joints.arm[edges][:, None]
+            scales = np.array([self._joints.scales[edge] for edge in edges])
+            gains, arm = scales.T[:, :, None]
             J, beside = joint_equations(kind.type, motion, p_WO, arm)
             ways = np.array([joint.way for joint in kind.joints])[:, None]
-            gains = self._joints.stiffness[edges][:, None]
             k = jnp.where(_hold(kind.joints, held), gains, 0.0)
             rows = lanes.settled(lane_rows(J))
             blocks = lanes.multiply(lanes.transpose(k * rows), rows)

@@ -74,6 +74,7 @@ class RigidJoints(LeafSystem):
     Parameters:
         0: for each attachment a `PlaceRow`.
         1: for each joined body its `Massive`.
+        2: for each two bodies that are joined the `Scale` of their equations.
     """
 
     def __init__(self, separation: Separation, layout: StateLayout):
@@ -92,6 +93,7 @@ class RigidJoints(LeafSystem):
         self._others = self.DeclareVectorInputPort("other_wrenches", size)
         self._places = Rows(self, _place_rows(separation))
         self._masses = Rows(self, self._mass_rows(separation))
+        self._scales = Rows(self, self._joints.scales)
 
         self._holding = self.DeclareCacheEntry(
             "holding",
@@ -118,6 +120,7 @@ class RigidJoints(LeafSystem):
         """Write the joints and bodies of a separation into this system's Context."""
         self._places.write(context, _place_rows(separation))
         self._masses.write(context, self._mass_rows(separation))
+        self._scales.write(context, rigid_joints(separation).scales)
 
     def parameters_read(self, separation: Separation) -> set[str]:
         """Return the names of the parameters that the rows are made of."""
@@ -133,8 +136,9 @@ class RigidJoints(LeafSystem):
 
     def _calc_holding(self, context: Context, output: AbstractValue) -> None:
         held = joints_that_hold(self._joints, *self._pads(context))
+        joints = self._joints._replace(scales=self._scales.read(context))
         masses = self._masses.read(context)
-        output.set_value(HoldingJoints(self._joints, masses, held) if held else None)
+        output.set_value(HoldingJoints(joints, masses, held) if held else None)
 
     def _pads(
         self, context: Context

@@ -172,9 +172,7 @@ class HoldingJoints:
         stiffness, rest = np.zeros((count, 6, 6)), np.zeros((count, 6))
         for joint in self._tree.loops:
             A, B, place = bodies[joint.a], bodies[joint.b], self._places[joint.first]
-            k, arm = (
-                float(x[joint.edge]) for x in (self._joints.stiffness, self._joints.arm)
-            )
+            k, arm = self._joints.scales[joint.edge]
             motion = joined(joint.type, place.R_AJ, A, B, place.p_BoPad_B, place.axis_B)
             equations = joint_equations(joint.type, motion, p_WO, arm)
             J: Array = np.array(equations.J)

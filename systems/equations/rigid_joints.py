@@ -11,9 +11,6 @@ import math
 from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from drakesep.systems.arrays import Array
 from drakesep.systems.equations.mated_stack import mated_places, place_in_stack
 from drakesep.systems.equations.relative_motion import BodyState, velocity_at
 from drakesep.systems.model.joints import CONSTRAINTS, JointType
@@ -73,6 +70,15 @@ class RigidJoint(NamedTuple):
         return self.frames[self.first]
 
 
+class Scale(NamedTuple):
+    """What a joint of a loop holds, by which its equations are scaled."""
+
+    stiffness: float
+    """To accelerations, kg."""
+    arm: float
+    """m: its stiffness to rotation is that times this, squared."""
+
+
 class RigidJoints(NamedTuple):
     """The rigid joints of a separation."""
 
@@ -81,10 +87,8 @@ class RigidJoints(NamedTuple):
     """Indices of the bodies that they join."""
     edges: list[tuple[int, int]]
     """Of each two bodies that are joined their places in `bodies`: A and B."""
-    stiffness: Array
-    """Of each edge to accelerations, kg."""
-    arm: Array
-    """Of each edge, m: its stiffness to rotation is that times this, squared."""
+    scales: Sequence[Scale]
+    """Of each edge."""
 
 
 def rigid_joints(separation: Separation) -> RigidJoints:
@@ -110,14 +114,13 @@ def rigid_joints(separation: Separation) -> RigidJoints:
         }
         joints.append(RigidJoint(frames, members[0].joint.type, a, b, k, way))
     scales = [_scale(separation, edges.values(), edge) for edge in edges.values()]
-    stiffness, arm = np.reshape(scales, (-1, 2)).T
-    return RigidJoints(joints, bodies, list(edges), stiffness, arm)
+    return RigidJoints(joints, bodies, list(edges), scales)
 
 
 def _scale(
     separation: Separation, edges: Collection[Attachment], edge: Attachment
-) -> tuple[float, float]:
-    """Return the stiffness of an edge, kg, and its arm, m, from what it holds.
+) -> Scale:
+    """Return the scale of an edge, from what it holds.
 
     Of the lighter of the sides that it holds together: of all that hangs on it.
     """
@@ -134,7 +137,7 @@ def _scale(
         arm = subtract(pad, place_in_stack(places[body.name], body.p_BoBcm_B))
         inertia += sum(body.I_BBcm_B[:3]) / 3.0 + body.mass * dot(arm, arm)
     stiffness = _STIFFNESS / sum(1.0 / mass for mass in masses)
-    return stiffness, math.sqrt(inertia / min(masses))
+    return Scale(stiffness, math.sqrt(inertia / min(masses)))
 
 
 def _reached(edges: Sequence[tuple[str, str]], start: str) -> set[str]:

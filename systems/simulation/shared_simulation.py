@@ -93,8 +93,6 @@ def _numbers(simulation: Simulation, separation: Separation) -> dict[str, float]
     """
     if simulation.separation == separation:
         return {}
-    if any(attachment.joint.rigid for attachment in separation.attachments):
-        return None  # it would round off otherwise than one that was built for it
     built, wanted = parameters(simulation.separation), parameters(separation)
     if built.keys() != wanted.keys():
         return None
