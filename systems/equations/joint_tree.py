@@ -224,46 +224,15 @@ def hold_tree(
         Beside them, what `hold_loops` does.
     """
     carried = [rows.settled(_alone(group)) for group in groups]
-    links = [
-        _Link(branch, rows.outward(groups[branch.inboard].bodies, branch), outboard)
-        for branch in tree.branches
-        for outboard in [groups[branch.group].bodies]
-    ]
-    through: dict[int, Carried] = {}
-    for link, place in reversed(list(zip(links, places, strict=True))):
-        group, inboard = link.branch.group, link.branch.inboard
-        D, wrench = through[group] = rows.settled(
-            _transmitted(link, place, carried[group], rows)
-        )
-        count = len(tree.groups[inboard])
-        given = Carried(shifted_inertia(D, link.arm), shifted_wrench(wrench, link.arm))
-        given = rows.inward(rows.held(given, link.branch), link.branch, count)
-        before = carried[inboard]
-        carried[inboard] = rows.settled(
-            Carried(
-                sum_of_inertias(before.inertia, given.inertia),
-                _sum(before.wrench, given.wrench),
-            )
-        )
+    links = []
+    for branch in tree.branches:
+        inboard = rows.outward(groups[branch.inboard].bodies, branch)
+        links.append(_Link(branch, inboard, groups[branch.group].bodies))
+    transmitted = _towards_roots(tree, links, places, carried, rows)
     on_roots, loops = hold_loops(carried[: tree.roots])
-    wrenches = [each.wrench for each in carried]
     for k, wrench in enumerate(on_roots):
-        wrenches[k] = _sum(wrenches[k], wrench)
-    accelerations: dict[int, Acceleration] = {}
-    found = []
-    for link in links:
-        branch, group, inboard = link.branch, link.branch.group, link.branch.inboard
-        if inboard not in accelerations:
-            accelerations[inboard] = rows.settled(
-                acceleration_by(carried[inboard].inertia, wrenches[inboard])
-            )
-        V = rows.outward(accelerations[inboard], branch)
-        D, wrench = through[group]
-        needed = wrench_for(D, shifted_acceleration(V, link.arm))
-        needed = rows.held(_difference(needed, wrench), branch)
-        wrenches[group] = _sum(wrenches[group], needed)
-        found.append(needed)
-    return found, loops
+        carried[k] = Carried(carried[k].inertia, _sum(carried[k].wrench, wrench))
+    return _from_roots(links, transmitted, carried, rows), loops
 
 
 class _Link:
@@ -273,6 +242,52 @@ class _Link:
         self.branch, self.outboard = branch, outboard
         self.ends = (inboard, outboard) if branch.to_B else (outboard, inboard)
         self.arm = subtract(outboard.p_WBo, inboard.p_WBo)
+
+
+def _towards_roots(
+    tree: JointTree,
+    links: Sequence[_Link],
+    places: Sequence[JointPlace],
+    carried: list[Carried],
+    rows: Rows,
+) -> list[Carried]:
+    """Give to each inboard body what its branches transmit, and return that of each."""
+    transmitted = []
+    for link, place in reversed(list(zip(links, places, strict=True))):
+        inboard = link.branch.inboard
+        through = _transmitted(link, place, carried[link.branch.group], rows)
+        D, wrench = rows.settled(through)
+        transmitted.append(Carried(D, wrench))
+        given = Carried(shifted_inertia(D, link.arm), shifted_wrench(wrench, link.arm))
+        given = rows.held(given, link.branch)
+        given = rows.inward(given, link.branch, len(tree.groups[inboard]))
+        D = sum_of_inertias(carried[inboard].inertia, given.inertia)
+        wrench = _sum(carried[inboard].wrench, given.wrench)
+        carried[inboard] = rows.settled(Carried(D, wrench))
+    return transmitted[::-1]
+
+
+def _from_roots(
+    links: Sequence[_Link],
+    transmitted: Sequence[Carried],
+    carried: Sequence[Carried],
+    rows: Rows,
+) -> list[Wrench]:
+    """Return the wrenches on outboard bodies that accelerate them with inboard ones."""
+    wrenches = [each.wrench for each in carried]
+    accelerations: dict[int, Acceleration] = {}
+    found = []
+    for link, (D, wrench) in zip(links, transmitted, strict=True):
+        branch, inboard = link.branch, link.branch.inboard
+        if inboard not in accelerations:
+            accelerations[inboard] = rows.settled(
+                acceleration_by(carried[inboard].inertia, wrenches[inboard])
+            )
+        V = shifted_acceleration(rows.outward(accelerations[inboard], branch), link.arm)
+        on_outboard = rows.held(_difference(wrench_for(D, V), wrench), branch)
+        wrenches[branch.group] = _sum(wrenches[branch.group], on_outboard)
+        found.append(on_outboard)
+    return found
 
 
 def _alone(group: Group) -> Carried:

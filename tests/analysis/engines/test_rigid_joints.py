@@ -98,3 +98,27 @@ def test_released_at_an_angle():
     expected = drake_figures(separation, ("lower.mass",), rows, NONE)
     # An angle is met to 1e-10 of a second by Drake's event isolation at 1e-10.
     assert_close(result.metrics.to_numpy(), expected)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("type", JOINT_TYPES)
+def test_springs_tend_to_it(type):
+    """As 1 / K: a spring that is ten times as stiff is a tenth as far from it."""
+    rigid = held_by(type)
+
+    def final_rates(separation):
+        row = np.array([[parameters(separation)["lower.mass"]]])
+        result = Batch(separation, ("lower.mass",)).run(row)
+        assert not result.failures
+        return result.metrics[[f"final_rate_{axis}" for axis in "xyz"]].to_numpy()[0]
+
+    exact, errors = final_rates(rigid), []
+    for K in (1e7, 1e8):
+        D, arm2 = 1.4 * math.sqrt(K * 442.0), 0.25
+        gains = {"K_F": K, "D_F": D, "K_T": K * arm2, "D_T": D * arm2}
+        joint = Joint(type=type, **gains, **AXES)
+        soft = [dataclasses.replace(a, joint=joint) for a in rigid.attachments]
+        separation = dataclasses.replace(rigid, attachments=tuple(soft))
+        errors.append(np.abs(final_rates(separation) - exact).max())
+    # Beside 1 / K the damper leaves 1 / K^(3/2), a few percent here.
+    assert errors[0] / errors[1] == pytest.approx(10.0, rel=0.1)
