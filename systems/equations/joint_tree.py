@@ -79,19 +79,19 @@ def plan_tree(joints: Sequence[RigidJoint], *, alone: bool) -> JointTree:
     """Return how bodies hang on one another.
 
     Args:
-        joints: that may hold.
+        joints: that may hold, of bodies of which heavy ones come first.
         alone: whether each body is a group of its own.
     """
     left = {body: _around(body, joints) for each in joints for body in (each.a, each.b)}
     hanging: dict[int, list[tuple[int, RigidJoint]]] = {}
-    while leaves := _leaves(left):
-        for body, joint in leaves:
-            inboard = joint.a if joint.b == body else joint.b
-            hanging.setdefault(inboard, []).append((body, joint))
-            left[inboard] = [
-                other for other in left[inboard] if other.first != joint.first
-            ]
-            del left[body]
+    while leaves := [body for body, mine in left.items() if len(mine) == 1]:
+        # The lightest, so that the heaviest body of a tree is its root: to a light one,
+        # what a heavy one transmits along free directions is not small: round-off.
+        body = max(leaves)
+        [joint] = left.pop(body)
+        inboard = joint.a if joint.b == body else joint.b
+        hanging.setdefault(inboard, []).append((body, joint))
+        left[inboard].remove(joint)
     roots = sorted(left)
     groups = [[body] for body in roots] if alone else [roots]
     tree = JointTree(groups, len(groups), [], [])
@@ -107,18 +107,6 @@ def plan_tree(joints: Sequence[RigidJoint], *, alone: bool) -> JointTree:
 
 def _around(body: int, joints: Sequence[RigidJoint]) -> list[RigidJoint]:
     return [joint for joint in joints if body in (joint.a, joint.b)]
-
-
-def _leaves(left: dict[int, list[RigidJoint]]) -> list[tuple[int, RigidJoint]]:
-    """Return bodies that hang by a single joint, on one that does not hang itself."""
-    leaves: dict[int, RigidJoint] = {}
-    for body in sorted(left, reverse=True):
-        if len(left[body]) == 1:
-            [joint] = left[body]
-            other = joint.a if joint.b == body else joint.b
-            if other not in leaves:
-                leaves[body] = joint
-    return [*leaves.items()]
 
 
 def _kinds(

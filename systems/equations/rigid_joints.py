@@ -84,7 +84,7 @@ class RigidJoints(NamedTuple):
 
     joints: list[RigidJoint]
     bodies: list[int]
-    """Indices of the bodies that they join."""
+    """Indices of the bodies that they join: heavy ones first."""
     edges: list[tuple[int, int]]
     """Of each two bodies that are joined their places in `bodies`: A and B."""
     scales: Sequence[Scale]
@@ -94,7 +94,8 @@ class RigidJoints(NamedTuple):
 def rigid_joints(separation: Separation) -> RigidJoints:
     """Return the rigid joints of a separation."""
     attachments = [a for a in separation.attachments if a.joint.rigid]
-    bodies = sorted({body for a in attachments for body in separation.ends(a)})
+    joined = {body for a in attachments for body in separation.ends(a)}
+    bodies = sorted(joined, key=lambda i: (-separation.bodies[i].mass, i))
     alike: dict[Any, list[Attachment]] = {}
     for attachment in attachments:
         alone = () if attachment.joint.type == "fixed" else attachment.name
@@ -122,22 +123,42 @@ def _scale(
 ) -> Scale:
     """Return the scale of an edge, from what it holds.
 
-    Of the lighter of the sides that it holds together: of all that hangs on it.
+    Of the lighter of the sides that it holds together.
     """
-    others = [(x.A, x.B) for x in edges if x is not edge]
-    sides = [_reached(others, end) for end in (edge.A, edge.B)]
-    if edge.B in sides[0]:  # of a loop
-        sides = [{edge.A}, {edge.B}]
-    bodies = [[b for b in separation.bodies if b.name in side] for side in sides]
-    masses = [sum(body.mass for body in side) for side in bodies]
+    sides = _sides(separation, [(x.A, x.B) for x in edges], (edge.A, edge.B))
+    masses = [_mass(separation, side) for side in sides]
     places = mated_places(separation)
     pad = place_in_stack(places[edge.A], edge.p_AoPad_A)
     inertia = 0.0
-    for body in bodies[masses[1] < masses[0]]:
-        arm = subtract(pad, place_in_stack(places[body.name], body.p_BoBcm_B))
+    for name in sides[masses[1] < masses[0]]:
+        body = separation.body(name)
+        arm = subtract(pad, place_in_stack(places[name], body.p_BoBcm_B))
         inertia += sum(body.I_BBcm_B[:3]) / 3.0 + body.mass * dot(arm, arm)
     stiffness = _STIFFNESS / sum(1.0 / mass for mass in masses)
     return Scale(stiffness, math.sqrt(inertia / min(masses)))
+
+
+def _sides(
+    separation: Separation, edges: Sequence[tuple[str, str]], edge: tuple[str, str]
+) -> tuple[set[str], set[str]]:
+    """Return the bodies that an edge holds together.
+
+    All that hangs on either of its ends. In a loop a light body, as a strut, may carry
+    heavy ones: the heaviest body, with what hangs on it, and all others.
+    """
+    A, B = (_reached([x for x in edges if x != edge], end) for end in edge)
+    if edge[1] not in A:
+        return A, B
+    around = [x for x in edges if x[1] in _reached([y for y in edges if y != x], x[0])]
+    loop = _reached(around, edge[0])
+    hanging = [x for x in edges if not loop.issuperset(x)]
+    parts = [_reached(hanging, name) for name in sorted(loop)]
+    heaviest = max(parts, key=lambda part: _mass(separation, part))
+    return heaviest, set().union(*parts) - heaviest
+
+
+def _mass(separation: Separation, names: Collection[str]) -> float:
+    return sum(separation.body(name).mass for name in names)
 
 
 def _reached(edges: Sequence[tuple[str, str]], start: str) -> set[str]:

@@ -1,5 +1,7 @@
 """Rigid joints of many bodies against all equations of motion solved at once."""
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -85,6 +87,15 @@ def stack(rng, links):
         attachments=tuple(attachments),
         duration=2.0,
     )
+
+
+def weighing(separation, masses):
+    """The same bodies, of other masses."""
+    bodies = []
+    for body, mass in zip(separation.bodies, masses, strict=True):
+        inertia = tuple(mass / body.mass * x for x in body.I_BBcm_B)
+        bodies.append(dataclasses.replace(body, mass=mass, I_BBcm_B=inertia))
+    return dataclasses.replace(separation, bodies=tuple(bodies))
 
 
 def random_states(rng, count):
@@ -255,6 +266,27 @@ def test_loops_and_what_hangs_on_them(name):
     states = mated_states(rng, separation)
     others = rng.uniform(-1e3, 1e3, size=(len(states), 6))
     assert_held(separation, states, others, range(len(separation.attachments)))
+
+
+@pytest.mark.parametrize("type", JOINT_TYPES)
+@pytest.mark.parametrize("masses", [(0.1, 1e5), (1e5, 0.1)])
+def test_a_light_body_that_holds_a_heavy_one(type, masses):
+    """Either is A: what holds the heavy one would move the light one by round-off."""
+    rng = np.random.default_rng(0)
+    separation = weighing(stack(rng, [(0, 1, type)]), masses)
+    others = rng.uniform(-1.0, 1.0, size=(2, 6)) * np.array(masses)[:, None]
+    assert_held(separation, random_states(rng, 2), others, [0])
+
+
+@pytest.mark.parametrize("mass", [1.0, 30.0, 1000.0])
+def test_a_strut_of_a_loop_carries_heavy_bodies(mass):
+    """A payload on a stage by a weld to a strut and two balls; a body hangs on it."""
+    rng = np.random.default_rng(3)
+    separation = stack(rng, [*LOOPS["three bodies"], (1, 3, "revolute")])
+    separation = weighing(separation, (3000.0, mass, 2000.0, 500.0))
+    states = mated_states(rng, separation)
+    others = rng.uniform(-1e3, 1e3, size=(4, 6))
+    assert_held(separation, states, others, range(4))
 
 
 def test_a_weld_needs_no_other_joint():
