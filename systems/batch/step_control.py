@@ -102,7 +102,8 @@ class StepControl:
         welded: dict[tuple[int, int], list[int]] = {}
         for i, attachment in enumerate(self._equations.separation.attachments):
             if attachment.joint.rigid and attachment.joint.type == "fixed":
-                welded.setdefault(self._equations.ends[i], []).append(i)
+                a, b = sorted(self._equations.ends[i])
+                welded.setdefault((a, b), []).append(i)
         for (a, b), pads in welded.items():
             held = jnp.isinf(mode.released[np.array(pads)]).any(axis=0)
             for body, other in ((a, b), (b, a)):

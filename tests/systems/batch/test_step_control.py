@@ -15,6 +15,7 @@ from drakesep.systems.batch.step_control import StepControl
 from drakesep.systems.batch.tableaus import DOP853, DOPRI5
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.separation import Attachment
 from drakesep.systems.model.springs import DisplacementSpring
 
 
@@ -66,6 +67,33 @@ def test_guess_for_a_spring_by_displacement():
     attachment = dataclasses.replace(attachment, spring=spring)
     separation = dataclasses.replace(separation, attachments=(attachment,))
     w = math.sqrt(1500.0 / 0.08 * (1.0 / 700.0 + 1.0 / 1200.0))
+    assert phase(first_guess(separation, [0.0])) == pytest.approx(w, rel=1e-12)
+
+
+def test_guess_for_a_spring_that_moves_what_is_welded_to_a_body():
+    """By a pad of which the body is A, and one of which it is B: it weighs once."""
+    separation = still(generic_pair(release_times=(0.0,)))
+    lower, upper = separation.bodies
+    third = dataclasses.replace(upper, name="third", mass=300.0)
+    [pushed] = separation.attachments
+    spring = DisplacementSpring(name="spring_1", force_max=1500.0, stroke=0.08)
+    welds = tuple(
+        Attachment(
+            name=f"weld_{A}",
+            A=A,
+            B=B,
+            p_AoPad_A=pushed.p_AoPad_A,
+            joint=Joint(rigid=True),
+            release_time=0.5,
+        )
+        for A, B in ((upper.name, "third"), ("third", upper.name))
+    )
+    separation = dataclasses.replace(
+        separation,
+        bodies=(lower, upper, third),
+        attachments=(dataclasses.replace(pushed, spring=spring), *welds),
+    )
+    w = math.sqrt(1500.0 / 0.08 * (1.0 / lower.mass + 1.0 / (upper.mass + 300.0)))
     assert phase(first_guess(separation, [0.0])) == pytest.approx(w, rel=1e-12)
 
 
