@@ -26,7 +26,7 @@ from drakesep.systems.batch.lanes import (
 from drakesep.systems.batch.mated_places import BatchPlaces
 from drakesep.systems.batch.rigid_joints import BatchRigidJoints
 from drakesep.systems.batch.springs import BatchSprings
-from drakesep.systems.batch.wrenches import WrenchSum, add_wrenches, no_wrench
+from drakesep.systems.batch.wrenches import WrenchSum, no_wrench
 from drakesep.systems.equations import gravity as gravity_laws
 from drakesep.systems.equations import loads as load_laws
 from drakesep.systems.equations import relative_motion as motion_laws
@@ -36,7 +36,12 @@ from drakesep.systems.equations.mated_stack import (
     pad_on_B,
     place_in_A,
 )
-from drakesep.systems.equations.relative_motion import BodyState, RelativeMotion, Wrench
+from drakesep.systems.equations.relative_motion import (
+    BodyState,
+    RelativeMotion,
+    Wrench,
+    add_wrenches,
+)
 from drakesep.systems.equations.rigid_joints import rigid_joints
 from drakesep.systems.model.loads import Load
 from drakesep.systems.model.parameters import parameters

@@ -29,7 +29,7 @@ from drakesep.systems.equations.joint_tree import (
     plan_tree,
 )
 from drakesep.systems.equations.mated_stack import axis_on_A, held_joint
-from drakesep.systems.equations.relative_motion import BodyState, Wrench
+from drakesep.systems.equations.relative_motion import BodyState, Wrench, reaction
 from drakesep.systems.equations.rigid_joints import (
     RigidJoint,
     RigidJoints,
@@ -127,7 +127,7 @@ class BatchRigidJoints:
             inboard = _outward(groups[branch.inboard].bodies, branch)
             outboard = groups[branch.group].bodies
             arm = vectors.subtract(outboard.p_WBo, inboard.p_WBo)
-            back = jax.tree.map(jnp.negative, shifted_wrench(wrench, arm))
+            back = reaction(shifted_wrench(wrench, arm))
             carriers = [tree.groups[branch.inboard][row] for row in branch.rows]
             for k, (b, a) in enumerate(
                 zip(tree.groups[branch.group], carriers, strict=True)
@@ -195,7 +195,7 @@ class BatchRigidJoints:
         for k, (a, b) in enumerate(self._ends):
             wrench = Wrench(tuple(found[:3, k]), tuple(found[3:, k]))
             total.add(b, _moved(wrench, arm, b))
-            total.add(a, _moved(jax.tree.map(jnp.negative, wrench), arm, a))
+            total.add(a, _moved(reaction(wrench), arm, a))
         summed = total.wrench
         each = {k: pick(summed, k) for k in range(len(self._tree.groups[0]))}
         return [summed], each

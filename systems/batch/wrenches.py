@@ -3,21 +3,13 @@
 import jax
 import jax.numpy as jnp
 
-from drakesep.systems import vectors
-from drakesep.systems.equations.relative_motion import BodyState, Wrench
+from drakesep.systems.equations.relative_motion import BodyState, Wrench, add_wrenches
 
 
 def no_wrench(bodies: BodyState) -> Wrench:
     """Return a wrench of zero on every body."""
     zero = jnp.zeros_like(bodies.q_WB[0])
     return Wrench((zero, zero, zero), (zero, zero, zero))
-
-
-def add_wrenches(first: Wrench, second: Wrench) -> Wrench:
-    """Return the sum of two wrenches."""
-    return Wrench(
-        vectors.add(first.torque, second.torque), vectors.add(first.force, second.force)
-    )
 
 
 class WrenchSum:

@@ -25,14 +25,19 @@ from drakesep.systems.equations.joint_tree import (
     hold_tree,
     plan_tree,
 )
-from drakesep.systems.equations.relative_motion import BodyState, Wrench
+from drakesep.systems.equations.relative_motion import (
+    BodyState,
+    Wrench,
+    add_wrenches,
+    reaction,
+)
 from drakesep.systems.equations.rigid_joints import (
     RigidJoint,
     RigidJoints,
     joined,
     joint_equations,
 )
-from drakesep.systems.vectors import Vector, add, negate, subtract
+from drakesep.systems.vectors import Vector, subtract
 
 
 _NONE = Wrench((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
@@ -123,7 +128,7 @@ class HoldingJoints:
             if self._joints.edges[joint.edge][1] != body:
                 [inboard] = tree.groups[branch.inboard]
                 arm = subtract(bodies[body].p_WBo, bodies[inboard].p_WBo)
-                wrench = _reaction(shifted_wrench(wrench, arm))
+                wrench = reaction(shifted_wrench(wrench, arm))
             on_edges[joint.edge] = wrench
         return on_edges
 
@@ -160,8 +165,8 @@ class HoldingJoints:
                 shifted_wrench(wrench, subtract(p_WO, states[k].p_WBo)) for k in (a, b)
             )
             on_edges[edge] = on_B
-            on_roots[b] = _sum(on_roots[b], on_B)
-            on_roots[a] = _sum(on_roots[a], _reaction(on_A))
+            on_roots[b] = add_wrenches(on_roots[b], on_B)
+            on_roots[a] = add_wrenches(on_roots[a], reaction(on_A))
         return on_roots, on_edges
 
     def _loop_equations(
@@ -198,14 +203,6 @@ def wrenches_on_bodies(
     for edge, wrench in wrenches.items():
         a, b = joints.edges[edge]
         arm = subtract(bodies[b].p_WBo, bodies[a].p_WBo)
-        totals[b] = _sum(totals[b], wrench)
-        totals[a] = _sum(totals[a], _reaction(shifted_wrench(wrench, arm)))
+        totals[b] = add_wrenches(totals[b], wrench)
+        totals[a] = add_wrenches(totals[a], reaction(shifted_wrench(wrench, arm)))
     return totals
-
-
-def _sum(first: Wrench, second: Wrench) -> Wrench:
-    return Wrench(add(first.torque, second.torque), add(first.force, second.force))
-
-
-def _reaction(wrench: Wrench) -> Wrench:
-    return Wrench(negate(wrench.torque), negate(wrench.force))

@@ -26,7 +26,12 @@ from drakesep.systems.equations.articulated_inertia import (
     without_direction,
     wrench_for,
 )
-from drakesep.systems.equations.relative_motion import BodyState, Wrench
+from drakesep.systems.equations.relative_motion import (
+    BodyState,
+    Wrench,
+    add_wrenches,
+    subtract_wrenches,
+)
 from drakesep.systems.equations.rigid_joints import (
     Joined,
     RigidJoint,
@@ -219,7 +224,9 @@ def hold_tree(
     transmitted = _towards_roots(tree, links, places, carried, rows)
     on_roots, loops = hold_loops(carried[: tree.roots])
     for k, wrench in enumerate(on_roots):
-        carried[k] = Carried(carried[k].inertia, _sum(carried[k].wrench, wrench))
+        carried[k] = Carried(
+            carried[k].inertia, add_wrenches(carried[k].wrench, wrench)
+        )
     return _from_roots(links, transmitted, carried, rows), loops
 
 
@@ -250,7 +257,7 @@ def _towards_roots(
         given = rows.held(given, link.branch)
         given = rows.inward(given, link.branch, len(tree.groups[inboard]))
         D = sum_of_inertias(carried[inboard].inertia, given.inertia)
-        wrench = _sum(carried[inboard].wrench, given.wrench)
+        wrench = add_wrenches(carried[inboard].wrench, given.wrench)
         carried[inboard] = rows.settled(Carried(D, wrench))
     return transmitted[::-1]
 
@@ -272,8 +279,8 @@ def _from_roots(
                 acceleration_by(carried[inboard].inertia, wrenches[inboard])
             )
         V = shifted_acceleration(rows.outward(accelerations[inboard], branch), link.arm)
-        on_outboard = rows.held(_difference(wrench_for(D, V), wrench), branch)
-        wrenches[branch.group] = _sum(wrenches[branch.group], on_outboard)
+        on_outboard = rows.held(subtract_wrenches(wrench_for(D, V), wrench), branch)
+        wrenches[branch.group] = add_wrenches(wrenches[branch.group], on_outboard)
         found.append(on_outboard)
     return found
 
@@ -281,7 +288,7 @@ def _from_roots(
 def _alone(group: Group) -> Carried:
     """Return bodies that carry nothing."""
     D, of_rates = inertia_of_body(group.bodies, group.massive)
-    return Carried(D, _difference(group.others, of_rates))
+    return Carried(D, subtract_wrenches(group.others, of_rates))
 
 
 def _transmitted(
@@ -297,7 +304,7 @@ def _transmitted(
     for S in _free_directions(type, motion, r):
         D, wrench = rows.settled(without_direction(D, wrench, S))
     needed = wrench_for(D, _given(type, motion, r, 1.0 if to_B else -1.0))
-    return Carried(D, _difference(wrench, needed))
+    return Carried(D, subtract_wrenches(wrench, needed))
 
 
 def _free_directions(type: JointType, motion: Joined, r: Vector) -> list[Acceleration]:
@@ -346,13 +353,3 @@ def _along(axes: Sequence[Vector], which: Sequence[bool], v: Vector) -> Vector:
         if held:
             part = add(part, scale(dot(e, v), e))
     return part
-
-
-def _sum(first: Wrench, second: Wrench) -> Wrench:
-    return Wrench(add(first.torque, second.torque), add(first.force, second.force))
-
-
-def _difference(first: Wrench, second: Wrench) -> Wrench:
-    return Wrench(
-        subtract(first.torque, second.torque), subtract(first.force, second.force)
-    )

@@ -59,6 +59,23 @@ class Wrench(NamedTuple):
     """Force, N."""
 
 
+def add_wrenches(first: Wrench, second: Wrench) -> Wrench:
+    """Return the sum of two wrenches about the same origin."""
+    return Wrench(add(first.torque, second.torque), add(first.force, second.force))
+
+
+def subtract_wrenches(first: Wrench, second: Wrench) -> Wrench:
+    """Return the first of two wrenches about the same origin, less the second."""
+    return Wrench(
+        subtract(first.torque, second.torque), subtract(first.force, second.force)
+    )
+
+
+def reaction(wrench: Wrench) -> Wrench:
+    """Return the opposite of a wrench, about the same origin."""
+    return Wrench(negate(wrench.torque), negate(wrench.force))
+
+
 def body_state(x: State, q: int, v: int) -> BodyState:
     """Read a floating body from a plant's state.
 
