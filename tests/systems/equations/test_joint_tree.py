@@ -306,17 +306,22 @@ MANY = [
     (4, 7, "prismatic"),
     (8, 2, "revolute"),
     (3, 9, "spherical"),
+    (2, 10, "universal"),
 ]
+"""From body 0 outward two of a kind hang on bodies of a group."""
 
 
 @pytest.mark.parametrize(
-    "links", [MANY, LOOPS["a body on a loop"]], ids=["tree", "loop"]
+    "links",
+    [MANY, LOOPS["a body on a loop"], LOOPS["two hinges"]],
+    ids=["tree", "loop", "reversed"],
 )
 def test_lanes_hold_what_each_holds(links):
     """Of lanes of which each holds other joints, each is as that on floats."""
     rng = np.random.default_rng(5)
     separation = stack(rng, links)
     count, n = len(separation.bodies), 12
+    separation = weighing(separation, np.linspace(2e3, 1e2, count).tolist())
     states = np.array([mated_states(rng, separation) for _ in range(n)])
     held = rng.random((len(links), n)) < 0.7
     held[:, 0], held[:, 1] = True, False
