@@ -63,7 +63,9 @@ def add_separation(
         other_forces: output port with a list of ExternallyAppliedSpatialForce of one's
             own; the plant's input port is taken by the separation. Rigid joints must
             know all forces: what is not here, or is not known before accelerations
-            are, cannot act on their bodies.
+            are, cannot act on their bodies. What is done afterwards is not seen, and
+            leaves joints wrong: generalized forces connected later, and in the plant's
+            Context a body that is locked or has another mass than the separation.
         name: of the system that is added.
 
     Returns:
