@@ -48,7 +48,10 @@ def holding_phases(
 
 def has_loops(joints: RigidJoints, phase: Phase) -> bool:
     """Return whether rigid joints form loops in a phase."""
-    return bool(plan_tree(rigid_in(joints, phase), alone=True).loops)
+    # Whatever the masses are.
+    return bool(
+        plan_tree(rigid_in(joints, phase), [0.0] * len(joints.bodies), alone=True).loops
+    )
 
 
 def rigid_in(joints: RigidJoints, phase: Phase) -> Sequence[RigidJoint]:

@@ -77,7 +77,9 @@ class BatchRigidJoints:
         """
         self._joints = joints
         self._places = places
-        tree = self._tree = plan_tree(may_hold, alone=False)
+        tree = self._tree = plan_tree(
+            may_hold, [separation.bodies[i].mass for i in joints.bodies], alone=False
+        )
         self._branches = [_kind(separation, branch.joints) for branch in tree.branches]
         self._loops = [
             _kind(separation, [joint for joint in tree.loops if joint.type == type])

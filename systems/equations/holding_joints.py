@@ -91,7 +91,9 @@ class HoldingJoints:
         """
         self._joints, self._massive = joints, massive
         self._places = {joint.first: place for joint, place in held}
-        tree = self._tree = plan_tree([joint for joint, _ in held], alone=True)
+        tree = self._tree = plan_tree(
+            [joint for joint, _ in held], [body.mass for body in massive], alone=True
+        )
         branches = [branch.joints[0] for branch in tree.branches]
         self._branch_places = [self._places[joint.first] for joint in branches]
         self._roots = [body for [body] in tree.groups[: tree.roots]]

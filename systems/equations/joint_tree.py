@@ -80,11 +80,14 @@ class JointTree(NamedTuple):
     """Joints of which no body hangs by one alone."""
 
 
-def plan_tree(joints: Sequence[RigidJoint], *, alone: bool) -> JointTree:
+def plan_tree(
+    joints: Sequence[RigidJoint], masses: Sequence[float], *, alone: bool
+) -> JointTree:
     """Return how bodies hang on one another.
 
     Args:
-        joints: that may hold, of bodies of which heavy ones come first.
+        joints: that may hold.
+        masses: of the joined bodies, kg.
         alone: whether each body is a group of its own.
     """
     left = {body: _around(body, joints) for each in joints for body in (each.a, each.b)}
@@ -92,7 +95,7 @@ def plan_tree(joints: Sequence[RigidJoint], *, alone: bool) -> JointTree:
     while leaves := [body for body, mine in left.items() if len(mine) == 1]:
         # The lightest, so that the heaviest body of a tree is its root: to a light one,
         # what a heavy one transmits along free directions is not small: round-off.
-        body = max(leaves)
+        body = min(leaves, key=lambda leaf: (masses[leaf], -leaf))
         [joint] = left.pop(body)
         inboard = joint.a if joint.b == body else joint.b
         hanging.setdefault(inboard, []).append((body, joint))

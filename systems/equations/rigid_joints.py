@@ -84,7 +84,7 @@ class RigidJoints(NamedTuple):
 
     joints: list[RigidJoint]
     bodies: list[int]
-    """Indices of the bodies that they join: heavy ones first."""
+    """Indices of the bodies that they join."""
     edges: list[tuple[int, int]]
     """Of each two bodies that are joined their places in `bodies`: A and B."""
     scales: Sequence[Scale]
@@ -94,8 +94,7 @@ class RigidJoints(NamedTuple):
 def rigid_joints(separation: Separation) -> RigidJoints:
     """Return the rigid joints of a separation."""
     attachments = [a for a in separation.attachments if a.joint.rigid]
-    joined = {body for a in attachments for body in separation.ends(a)}
-    bodies = sorted(joined, key=lambda i: (-separation.bodies[i].mass, i))
+    bodies = sorted({body for a in attachments for body in separation.ends(a)})
     alike: dict[Any, list[Attachment]] = {}
     for attachment in attachments:
         alone = () if attachment.joint.type == "fixed" else attachment.name
