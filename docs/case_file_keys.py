@@ -37,7 +37,7 @@ WORDS = {
     section.Column: "list of numbers",
     section.Name: "name of letters, digits, _ and -",
     section.File: "path",
-    geometry.PartNames: "2 names of parts",
+    geometry.PartNames: "pairs of names of parts `[a, b]`",
     others.Limits: "number, or one for each axis (`null`: none)",
     others.Mark: "`M`, `m` or number",
     others.Quantities: "name of a [quantity or metric](metrics.md), with its unit",

@@ -211,7 +211,7 @@ def _samples_of(run: Run) -> "Callable[[Metric], _Samples]":
 
     @functools.cache
     def of(owner: Owner, name: str) -> _Samples:
-        return _Samples(run, *_found(run.separation, owner, name), loads)
+        return _Samples(run, owner, *_found(run.separation, owner, name), loads)
 
     return lambda metric: of(metric.owner, metric.pair)
 
@@ -240,9 +240,14 @@ class _Samples:
     """The signals of a body that leaves, or of a joint or spring that holds it."""
 
     def __init__(
-        self, run: Run, body: str, part: str, loads: Callable[[], dict[str, Array]]
+        self,
+        run: Run,
+        owner: Owner,
+        body: str,
+        part: str,
+        loads: Callable[[], dict[str, Array]],
     ):
-        self._run, self._body, self._part = run, body, part
+        self._run, self._owner, self._body, self._part = run, owner, body, part
         self._loads = loads
         self._motion = run.motion_of(body)
         pair = run.separation.pair_of(body)
@@ -256,13 +261,22 @@ class _Samples:
         return self._run.separation
 
     def time(self, time: Time) -> float:
-        """Return when a time was, s from the start."""
+        """Return when a time was, s from the start.
+
+        A spring is released with its attachment, which need not be its body's first.
+        """
+        if time is Moment.RELEASE and self._owner is Owner.SPRING:
+            return self._own_release
         return time_of(time, self._run, self._body)
 
     def at(self, signal: Signal, when: Time) -> list[float]:
         """Return the values of a signal's components at a time."""
         if when is Moment.END:  # its last sample, to the last digit
             return [float(x) for x in self._columns(signal)[-1]]
+        if when is Moment.RELEASE and self._owner is Owner.ATTACHMENT:
+            # What it lets go of: with its release the load is gone.
+            at = int(np.searchsorted(self._motion.time, self._own_release))
+            return [float(x) for x in self._columns(signal)[max(at - 1, 0)]]
         time = self.time(when)
         values = [float(component(time)) for component in self._whole(signal)]
         if signal.turns:
@@ -291,6 +305,12 @@ class _Samples:
             made = signal.law(tuple(field.T), self._facts, np)
             field = np.stack(made, axis=1)
         return field[:, list(signal.components)]
+
+    @property
+    def _own_release(self) -> float:
+        """When the attachment of the part lets go, s."""
+        held = self._held(springs=self._owner is Owner.SPRING)
+        return self._run.releases[held.name]
 
     def _held(self, *, springs: bool) -> Attachment:
         """Return the attachment of the part."""

@@ -183,7 +183,7 @@ class Verdict(enum.Enum):
     MET = "met"
     NOT_MET = "not met"
     NOT_LOOKED_AT = "not looked at"
-    """A run does not tell, or none does: no verdict."""
+    """A run does not tell, or none does, or one could not be flown: no verdict."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -198,6 +198,9 @@ class Finding:
     tell, else the value nearest to it."""
     run: str
     """Label of the run with that value, or of the first that does not tell."""
+    settled: bool = True
+    """Whether every run that may be worse was flown and confirmed: else nothing is
+    known to be met."""
 
     @property
     def margin(self) -> float:
@@ -209,8 +212,9 @@ class Finding:
         """Whether every run meets the requirement."""
         if math.isnan(self.worst):
             return Verdict.NOT_LOOKED_AT
-        met = self.requirement.keeps(self.margin)
-        return Verdict.MET if met else Verdict.NOT_MET
+        if not self.requirement.keeps(self.margin):
+            return Verdict.NOT_MET
+        return Verdict.MET if self.settled else Verdict.NOT_LOOKED_AT
 
     @property
     def met(self) -> bool:

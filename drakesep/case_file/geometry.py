@@ -130,7 +130,7 @@ class PartSection(Section):
 
 def _check_pair(value: Any) -> Any:
     if not isinstance(value, list | tuple) or len(value) != 2:
-        raise ValueError(f"must be two names of parts, got {value!r}")
+        raise ValueError(f"must be two names of parts, such as [a, b], got {value!r}")
     return value
 
 

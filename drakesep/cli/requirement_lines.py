@@ -78,6 +78,6 @@ def _names(frame: pd.DataFrame, bodies: Sequence[str]) -> list[str]:
 
 def _limits(frame: pd.DataFrame) -> list[str]:
     return [
-        f"{row['sense']} {row['limit']:.5g} {row['unit']}".strip()
+        f"{row['sense']} {row['limit']:.10g} {row['unit']}".strip()
         for row in frame.to_dict("records")
     ]

@@ -547,7 +547,12 @@ _WORST_CASES = (
                 "That alone violates it with least growth; or `not looked at`.",
             ),
             Column("its_growth_factor", "", "On that tolerance."),
-            Column("verdict", "", "`met`, `not met` or `not looked at`."),
+            Column(
+                "verdict",
+                "",
+                "`met`, `not met` or `not looked at`, which is also what may be broken "
+                "by a run that failed, or by a worst case that is not confirmed.",
+            ),
             *_IDENTITY,
         ),
     ),

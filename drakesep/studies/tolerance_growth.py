@@ -91,6 +91,28 @@ def find_growths(
     )
 
 
+def ways_out(
+    case: AnalysisCase, functions: Sequence[FunctionRequirement]
+) -> list[tuple[Requirement, str]]:
+    """Return each requirement with the objectives that lead out of it, by name.
+
+    Args:
+        case: with requirements.
+        functions: that are required beside these.
+    """
+    ways = [
+        (requirement, name)
+        for requirement in case.requirements
+        for name in case.names_towards(requirement)
+    ]
+    ways += [
+        (limit, objective.name)
+        for function in functions
+        for limit, objective in zip(function.limits, function.objectives, strict=True)
+    ]
+    return ways
+
+
 def _limits(
     case: AnalysisCase,
     functions: Sequence[FunctionRequirement],
@@ -100,16 +122,6 @@ def _limits(
 
     From the worst cases, by their objectives' names.
     """
-    directions = [
-        (requirement, name)
-        for requirement in case.requirements
-        for name in case.names_towards(requirement)
-    ]
-    directions += [
-        (limit, objective.name)
-        for function in functions
-        for limit, objective in zip(function.limits, function.objectives, strict=True)
-    ]
     return [
         (
             requirement,
@@ -119,7 +131,7 @@ def _limits(
                 u=worst[name].u,
             ),
         )
-        for requirement, name in directions
+        for requirement, name in ways_out(case, functions)
         if name in worst
     ]
 

@@ -12,6 +12,7 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.requirements import (
     Finding,
+    Requirement,
     Verdict,
     assess,
     verdict_on_all,
@@ -31,7 +32,11 @@ from drakesep.results.asked import Asked
 from drakesep.results.catalogue import VERIFY
 from drakesep.results.folder import Output, ResultsFolder, results_folder
 from drakesep.studies.background_process import BackgroundProcess
-from drakesep.studies.tolerance_growth import Growths, find_growths
+from drakesep.studies.tolerance_growth import (
+    Growths,
+    find_growths,
+    ways_out,
+)
 from drakesep.studies.worst_case.plan import OnProgress, StudyPlan
 from drakesep.studies.worst_case.procedure import carried_out, ended
 from drakesep.studies.worst_case.result import WorstCases
@@ -65,7 +70,22 @@ class Verification(WorstCases):
         of_functions = (limit for f in self.functions for limit in f.limits)
         required = [*self.case.requirements, *of_functions]
         at_most = {one.label: one.at_most for one in self.runs}
-        return assess(required, runs, nominal_of(self.runs).label, at_most)
+        findings = assess(required, runs, nominal_of(self.runs).label, at_most)
+        unsettled = self._unsettled
+        return [replace(f, settled=f.requirement not in unsettled) for f in findings]
+
+    @property
+    def _unsettled(self) -> set[Requirement]:
+        """What may be broken by a run that was not flown, or not as it was found.
+
+        A run that cannot be flown may break any; of a worst case that is not confirmed,
+        what it was searched for.
+        """
+        ways = ways_out(self.case, self.functions)
+        if self.failed_searches or any(one.run.motion is None for one in self.runs):
+            return {*self.case.requirements, *(requirement for requirement, _ in ways)}
+        unconfirmed = {one.objective for one in self.runs if one.outcome.failed}
+        return {requirement for requirement, name in ways if name in unconfirmed}
 
     @property
     def requirements(self) -> pd.DataFrame:

@@ -4,6 +4,7 @@ And of each the worst case, margin and growth, to both sides, where tolerances m
 one way: both engines, searches and growth are held against what follows by hand.
 """
 
+import dataclasses
 import itertools
 import math
 from typing import NamedTuple
@@ -394,3 +395,28 @@ def test_peaks_of_a_ringing_joint(runs, engine):
         w = math.sqrt(stiffness * (one + other) / (one * other))
         missed = (w * 0.005) ** 2 / 8.0
         assert (1.0 - missed) * peak <= told[name] <= (1.0 + 1e-6) * peak
+
+
+def test_joints_and_springs_are_released_with_their_own_attachments():
+    """Not with the body's first; and a joint's load is what it lets go of, not zero."""
+    both = pushed()
+    joint, pad = both.attachments
+    early = dataclasses.replace(joint, release_time=0.2)
+    apart = dataclasses.replace(both, attachments=(early, pad))
+    for separation, lets_go in ((both, HOLDS), (apart, 0.2)):
+        run = Simulation(separation, Integration(accuracy=1e-10)).run()
+        told = metrics_of_run(
+            run,
+            NONE,
+            [
+                "joint.joint_force_at_release",
+                "spring.spring_force_at_release",
+            ],
+        )
+        assert told["spring.spring_force_at_release"] == SPRING.force_max
+        last = np.linspace(lets_go - 0.005, lets_go)  # a sample is never farther
+        carried = [ringing(PUSH, STIFF, M_B, M_A, t) for t in last]
+        assert min(carried) > 0.0
+        force = told["joint.joint_force_at_release"]
+        # 1e-9 m by 1e5 N/m
+        assert min(carried) - 1e-4 <= force <= max(carried) + 1e-4

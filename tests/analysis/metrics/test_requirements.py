@@ -1,5 +1,6 @@
 """Requirements: margins, the worst of several runs, verdicts."""
 
+import dataclasses
 import math
 
 import pytest
@@ -105,6 +106,16 @@ def test_what_ends_too_soon_is_a_violation_if_it_was_one_until_then(bound, verdi
     assert (finding.verdict, finding.run) == (verdict, "a")
     if verdict is Verdict.NOT_MET:
         assert finding.worst == bound
+
+
+@pytest.mark.parametrize(
+    ("value", "verdict"), [(1.0, Verdict.NOT_LOOKED_AT), (2.5, Verdict.NOT_MET)]
+)
+def test_what_is_not_settled_may_be_broken_and_is_never_met(value, verdict):
+    [finding] = assess([AT_MOST], {"nominal": {AT_MOST.metric: value}}, "nominal")
+    unsettled = dataclasses.replace(finding, settled=False)
+    assert unsettled.verdict is verdict
+    assert unsettled.worst == value
 
 
 def test_a_violation_stands_beside_runs_that_do_not_tell():

@@ -121,6 +121,7 @@ def test_flange_on_its_ring(write, clearance):
         ),
         ({"pairs": [["post", "post"]]}, "parts of two bodies, got post and post"),
         ({"pairs": [["post"]]}, "must be two names of parts"),
+        ({"pairs": ["post", "wall"]}, r"such as \[a, b\], got 'post'"),
         ({"pair": []}, "unknown key 'pair'; did you mean 'pairs'"),
     ],
 )

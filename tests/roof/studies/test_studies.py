@@ -1,5 +1,6 @@
 """Studies from Python: progress, interruption, results on disk."""
 
+import dataclasses
 import math
 
 import pandas as pd
@@ -11,6 +12,7 @@ from drakesep.analysis.metrics.objectives import OBJECTIVES, highest
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.run import RunStatus
 from drakesep.systems.simulation.simulation import Simulation
+from drakesep.tables.roles import failed
 
 
 IN_DRAKE = {"searches": ["drake"], "workers": 1}
@@ -319,4 +321,28 @@ def test_a_run_that_fails_within_the_tolerances_takes_the_verdict(at_least, verd
     assert not study.completed
     assert not study.passed
     assert study.verdict == verdict
+    # Nor does its row say that all is well.
+    assert study.requirements["verdict"].tolist() == [verdict or "not looked at"]
     assert "vertices: 1 of 2 runs within the tolerances failed" in study.failure
+
+
+def test_what_is_not_confirmed_is_not_met_and_the_others_are():
+    speed = {"quantity": "longitudinal_speed_m_s", "when": "at_separation"}
+    case = symmetric_design(
+        requirements=[{**speed, "at_least": 0.01, "at_most": 5.0}],
+        dispersions={"sc.mass_kg": 20.0},
+    )
+    study = drakesep.verify(case, searches=["vertices"], growth=False)
+    assert study.requirements["verdict"].tolist() == ["met", "met"]
+    lowest, _ = (objective.name for objective in study.objectives)
+    assert lowest.startswith("lowest")
+    runs = [
+        dataclasses.replace(one, outcome=failed("Drake gives another value"))
+        if one.objective == lowest
+        else one
+        for one in study.runs
+    ]
+    doubtful = dataclasses.replace(study, runs=tuple(runs))
+    assert doubtful.verdict is None
+    told = doubtful.requirements.set_index("sense")["verdict"]
+    assert told.to_dict() == {">=": "not looked at", "<=": "met"}

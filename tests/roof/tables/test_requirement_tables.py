@@ -125,3 +125,16 @@ def test_one_body_that_leaves_is_not_named_on_the_console():
     assert name == "longitudinal speed at separation (UM-1)"
     [name] = growth_lines(one, ["left"])["requirement"]
     assert name == "longitudinal speed at separation (UM-1)"
+
+
+@pytest.mark.parametrize("limit", [30.0, 950.001, 0.31623, 1e6])
+def test_a_limit_on_the_console_is_the_one_that_was_asked_for(limit):
+    """Not rounded to where a value beyond it looks equal; degrees without round-off."""
+    asked = Requirement(
+        metric="rate_after_separation_x", sense="<=", limit=math.radians(limit)
+    )
+    findings = assess([asked], {"nominal": {asked.metric: 0.0}}, "nominal")
+    one = requirements_table(findings, (), (), BOX, ["left"])
+    [told] = requirement_lines(one, ["left"])["limit"]
+    wanted, number, unit = told.split(" ")
+    assert (wanted, float(number), unit) == ("<=", limit, "deg/s")
