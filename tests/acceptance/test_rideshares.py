@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from conserved import of_all_bodies
+from pushes import lightness
 from trade import JOINT
 
 from drakesep.analysis.metrics.of_run import metrics_of_run
@@ -117,28 +118,15 @@ def test_each_leaves_at_its_speed_by_hand(name):
     told = metrics_of_run(run, NONE, names)
     for i, (metric, spring) in enumerate(zip(names, separation.springs, strict=True)):
         leaving, *rest = separation.bodies[i + 1 :]
-        mass, compliance = composite((separation.bodies[0], *rest), leaving.p_ABo)
+        stack, port = (separation.bodies[0], *rest), leaving.p_ABo
         energy = 0.5 * spring.force_max * spring.stroke
-        speed = math.sqrt(2.0 * energy * (1.0 / leaving.mass + 1.0 / mass + compliance))
+        mu_1 = 1.0 / leaving.mass + lightness(stack, port, (1.0, 0.0, 0.0))
+        speed = math.sqrt(2.0 * energy * mu_1)
         # Joints on springs take F^2 / 2 K of the energy, at most; rigid ones none.
         # The stack turns by some thousandths, of which the speed feels some percent.
         lost = spring.force_max**2 / (2.0 * JOINT["stiffness_N_m"]) / energy
         allowed = 0.5 * lost if name == "ten on springs" else 1e-4
         assert told[metric] == pytest.approx(speed, rel=allowed), metric
-
-
-def composite(bodies, port):
-    """Mass, and (r x e)^2 / I about y and z, of bodies as one, pushed at a port."""
-    masses = np.array([body.mass for body in bodies])
-    places = np.array([np.add(body.p_ABo, body.p_BoBcm_B) for body in bodies])
-    total = masses.sum()
-    places -= (cg := masses @ places / total)
-    inertia = sum(
-        np.diag(body.I_BBcm_B[:3]) + body.mass * (r @ r * np.eye(3) - np.outer(r, r))
-        for body, r in zip(bodies, places, strict=True)
-    )
-    moment = np.cross(np.subtract(port, cg), (1.0, 0.0, 0.0))
-    return total, moment @ np.linalg.solve(inertia, moment)
 
 
 @EVERY

@@ -367,7 +367,7 @@ def test_nothing_is_cut_whatever_names_are(topic, name):
     """Titles, what stands above panels, and the legend end within the figure."""
     run = made_up_run(rate=lambda t: (t, t, t))
     limit = Requirement(metric="rate_max_x", sense="<=", limit=0.1, id=name)
-    run = renamed(run, name.replace(".", "_"))
+    run = renamed(run, name.split(".")[0])
     roles = [Nominal(), *(Worst(f"{name}_{i}") for i in range(6))]
     runs = [labelled(run, limit, role=role) for role in roles]
     figure = drawn(topic, runs, case_of(run, limit))
