@@ -403,8 +403,8 @@ def test_joints_and_springs_are_released_with_their_own_attachments():
     joint, pad = both.attachments
     early = dataclasses.replace(joint, release_time=0.2)
     apart = dataclasses.replace(both, attachments=(early, pad))
-    for separation, lets_go in ((both, HOLDS), (apart, 0.2)):
-        run = Simulation(separation, Integration(accuracy=1e-10)).run()
+    for flown, lets_go in ((both, HOLDS), (apart, 0.2)):
+        run = Simulation(flown, Integration(accuracy=1e-10)).run()
         told = metrics_of_run(
             run,
             NONE,
