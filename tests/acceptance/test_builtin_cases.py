@@ -142,7 +142,7 @@ def test_rideshare_leaves_in_order_each_with_its_springs_energy(flown):
         names, separation.pairs, separation.pushing, strict=True
     ):
         left.remove(separation.body(pair.B))
-        port, e = attachment.p_AoPad_A, spring.push_axis_A
+        port, e = attachment.p_AoPad_A, spring.axis_A
         mu_1 = 1.0 / separation.body(pair.B).mass + lightness(left, port, e)
         speed = math.sqrt(2.0 * spring.energy * mu_1)
         found = told[f"{name}longitudinal_speed_at_separation"]
