@@ -38,35 +38,45 @@ def typed(target: _Target) -> _Target:
 
 
 def _typed(function: Callable[..., Any]) -> Callable[..., Any]:
-    signature = inspect.signature(function)
+    by_place = [
+        name
+        for name, parameter in inspect.signature(function).parameters.items()
+        if parameter.kind in _BY_PLACE
+    ]
     of_record = function.__name__ == "__init__"
 
     @functools.wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
-        try:
-            given = signature.bind_partial(*args, **kwargs).arguments
-        except TypeError:
-            return function(*args, **kwargs)  # which says what is wrong
-        wanted = _wanted(function)
+        checks = _checks(function)
+        # Arguments that do not fit at all the function itself refuses.
+        given = {**dict(zip(by_place, args, strict=False)), **kwargs}
         for name, value in given.items():
-            if name in wanted and not _is(value, wanted[name]):
+            if name in checks and not checks[name](value):
                 owner = given.get("name") if of_record and name != "name" else None
                 whose = f"{owner}: " if isinstance(owner, str) else ""
-                raise InputError(whose + _fault(name, value, wanted[name]))
+                raise InputError(whose + _fault(name, value, _wanted(function)[name]))
         return function(*args, **kwargs)
 
     return call
+
+
+_BY_PLACE = (
+    inspect.Parameter.POSITIONAL_ONLY,
+    inspect.Parameter.POSITIONAL_OR_KEYWORD,
+)
+
+
+@functools.cache
+def _checks(function: Callable[..., Any]) -> dict[str, Callable[[Any], bool]]:
+    """Return what tells of each of a function's arguments whether its type is right."""
+    return {name: _check(wanted) for name, wanted in _wanted(function).items()}
 
 
 @functools.cache
 def _wanted(function: Callable[..., Any]) -> dict[str, Any]:
     """Return the types of a function's arguments, but of ``*args`` and ``**kwargs``."""
     hints = typing.get_type_hints(function)
-    single = (
-        inspect.Parameter.POSITIONAL_ONLY,
-        inspect.Parameter.POSITIONAL_OR_KEYWORD,
-        inspect.Parameter.KEYWORD_ONLY,
-    )
+    single = (*_BY_PLACE, inspect.Parameter.KEYWORD_ONLY)
     return {
         name: hints[name]
         for name, parameter in inspect.signature(function).parameters.items()
@@ -76,40 +86,79 @@ def _wanted(function: Callable[..., Any]) -> dict[str, Any]:
 
 def _is(value: Any, wanted: Any) -> bool:
     """Return whether a value is of a type, and so are its entries."""
+    return _check(wanted)(value)
+
+
+@functools.cache
+def _check(wanted: Any) -> Callable[[Any], bool]:
+    """Return what tells whether a value is of a type, and so are its entries.
+
+    Made once for each type: records are made by the thousand.
+    """
+    if wanted is Any:
+        return lambda _: True
+    check = _check_of(wanted)
+    return lambda value: not isinstance(value, np.ma.MaskedArray) and check(value)
+
+
+def _check_of(wanted: Any) -> Callable[[Any], bool]:
     origin, inner = typing.get_origin(wanted), typing.get_args(wanted)
-    if isinstance(value, np.ma.MaskedArray):
-        return wanted is Any
     if wanted in _PLAIN:
-        return _PLAIN[wanted](value)
+        return _PLAIN[wanted]
     if origin in (Union, types.UnionType):
-        return any(_is(value, one) for one in inner)
+        some = [_check(one) for one in inner]
+        return lambda value: any(check(value) for check in some)
     if origin is Literal:
-        return isinstance(value, tuple(type(one) for one in inner))
+        kinds = tuple(type(one) for one in inner)
+        return lambda value: isinstance(value, kinds)
     if origin is np.ndarray:
-        return _is_array(value)
+        return _is_array
     if origin is tuple:
+        return _check_of_tuple(inner)
+    if origin in (abc.Sequence, abc.Iterable, abc.Collection):
+        return _check_of_entries(origin, _check(inner[0]))
+    if origin is abc.Mapping:
+        of_key, of_value = map(_check, inner)
+        return lambda value: (
+            isinstance(value, abc.Mapping)
+            and all(of_key(key) and of_value(one) for key, one in value.items())
+        )
+    if origin is abc.Callable:
+        return callable
+    if isinstance(wanted, type):
+        return lambda value: _is_one(value, wanted)
+    return lambda _: True
+
+
+def _check_of_tuple(inner: tuple[Any, ...]) -> Callable[[Any], bool]:
+    alike = _check(inner[0]) if inner[-1:] == (...,) else None
+    each = [] if alike else [_check(one) for one in inner]
+
+    def check(value: Any) -> bool:
         if not isinstance(value, tuple | list | np.ndarray):
             return False
-        kinds = inner[:1] * len(value) if inner[-1:] == (...,) else inner
-        return all(map(_is, value, kinds))  # how many there are is checked elsewhere
-    if origin in (abc.Sequence, abc.Iterable, abc.Collection):
+        if alike:
+            return all(map(alike, value))
+        # How many there are is checked elsewhere.
+        return all(one(entry) for one, entry in zip(each, value, strict=False))
+
+    return check
+
+
+def _check_of_entries(
+    origin: Any, entry: Callable[[Any], bool]
+) -> Callable[[Any], bool]:
+    def check(value: Any) -> bool:
         if isinstance(value, str | bytes):
             return False
         if origin is abc.Sequence and isinstance(value, np.ndarray):
-            return bool(np.ndim(value)) and all(_is(one, inner[0]) for one in value)
+            return bool(np.ndim(value)) and all(map(entry, value))
         if not isinstance(value, origin):
             return False
         again = isinstance(value, abc.Collection)  # an iterator is not used up
-        return not again or all(_is(one, inner[0]) for one in value)
-    if origin is abc.Mapping:
-        return isinstance(value, abc.Mapping) and all(
-            _is(key, inner[0]) and _is(one, inner[1]) for key, one in value.items()
-        )
-    if origin is abc.Callable:
-        return callable(value)
-    if isinstance(wanted, type):
-        return _is_one(value, wanted)
-    return True
+        return not again or all(map(entry, value))
+
+    return check
 
 
 def _fault(name: str, value: Any, wanted: Any) -> str:
@@ -162,6 +211,8 @@ _DATA = (type(None), str, bytes, numbers.Number, list, tuple, abc.Mapping, np.nd
 
 
 def _is_number(value: Any) -> bool:
+    if type(value) is float:
+        return True
     if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
         return False
     try:

@@ -321,6 +321,7 @@ def test_jacobian_against_drake(vega, fine_batch):
         assert got == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 def test_jacobian_of_staged_release():
     separation = staged()
     names = ("attachment_3.release_time", "jet.start", "spring_2.damping", "upper.cg_x")

@@ -78,7 +78,7 @@ def check_flown(text, folder):
 
 FOLDER = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 """Each file is written where the one before was."""
-few = settings(max_examples=120, derandomize=True, suppress_health_check=FOLDER)
+few = settings(max_examples=60, derandomize=True, suppress_health_check=FOLDER)
 fewer = settings(few, max_examples=25)
 many = settings(max_examples=5000, suppress_health_check=FOLDER)
 

@@ -288,6 +288,7 @@ def test_a_worst_case_that_another_beats_has_failed():
     assert row["verdict"] == "not met"
 
 
+@pytest.mark.slow
 def test_same_study_with_a_process_beside_and_without(tmp_path, monkeypatch):
     """Measured and drawn in the process, from where the study is started."""
     aside = []
