@@ -142,6 +142,7 @@ def test_corners_of_an_ellipsoid_are_drawn_back_and_said_to_be():
     assert "16 of them drawn back" in searched.note
 
 
+@pytest.mark.slow
 def test_samples_find_about_as_much_as_they_should():
     """The largest of n values of u_x lies 2 / (n + 1) below 1, in the mean."""
     values = [

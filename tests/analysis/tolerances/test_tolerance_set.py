@@ -43,6 +43,7 @@ def test_contains_what_is_physical(u):
         assert PHYSICAL.contains(u) == (margin(u) > 0.0)
 
 
+@pytest.mark.slow
 @given(u=points)
 def test_drawn_back_points_can_be_flown(u):
     drawn = PHYSICAL.draw_back(u)

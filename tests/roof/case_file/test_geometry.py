@@ -246,6 +246,7 @@ def boom_in_guide():
     return Case.model_validate(data)
 
 
+@pytest.mark.slow
 def test_a_gap_that_nothing_changes_does_not_hide_the_worst():
     """At the nominal it is the smallest, and has no slope; the boom comes nearer."""
     case = boom_in_guide()
