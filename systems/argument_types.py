@@ -236,7 +236,6 @@ def _is_array(value: Any) -> bool:
 
 
 _PLAIN: dict[Any, Callable[[Any], bool]] = {
-    Any: lambda _: True,
     float: _is_number,
     int: _is_whole,
     bool: lambda value: isinstance(value, bool | np.bool_),

@@ -6,7 +6,6 @@ Tables are compared to the last digit, file by file.
 
 import dataclasses
 import itertools
-import json
 import shutil
 from collections import OrderedDict
 
@@ -14,6 +13,7 @@ import pandas as pd
 import pytest
 import typer
 from command_line import run
+from left_behind import whole
 from small_case import small_case, write_case
 
 import drakesep
@@ -323,19 +323,6 @@ def interrupted_at(capsys, monkeypatch):
         return list(dict.fromkeys(told))
 
     return called
-
-
-def whole(folder):
-    """All that a study has left, but when and in which process."""
-    files = {
-        str(path.relative_to(folder)): path.read_bytes()
-        for path in folder.rglob("*")
-        if path.is_file()
-    }
-    record = json.loads(files.pop("study.json"))
-    for name in ("begun", "seconds", "process"):
-        del record[name]
-    return record, files
 
 
 @pytest.mark.parametrize("command", ["worst-case", "verify"])
