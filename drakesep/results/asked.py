@@ -15,6 +15,7 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.case_file.case import Case
 from drakesep.case_file.reader import analysis_case_of, load_case
 from drakesep.results import provenance
+from drakesep.systems.checks import InputError
 from drakesep.systems.model.parts import Mesh
 
 
@@ -32,6 +33,8 @@ class Asked:
     """The case as a case file has it; None of a case in SI, made in Python."""
     named_files: Mapping[str, str | None] = field(default_factory=dict)
     """Meshes and models that it names: their SHA-256 then, by their paths."""
+    meshes: Mapping[Path, bytes] = field(default_factory=dict, repr=False)
+    """What the meshes of its parts held then, by their files."""
     arguments: Mapping[str, Any] = field(default_factory=dict)
     """Of the function, beside the case and the folder, that were given."""
     seed: int | None = None
@@ -65,13 +68,15 @@ class Asked:
         read = load_case(case) if isinstance(case, str | Path) else case
         in_file = read if isinstance(read, Case) else None
         record = analysis_case_of(read)
-        files = in_file.files if in_file else _meshes(record)
+        meshes = _meshes(record)
+        files = in_file.files if in_file else meshes
         return cls(
             study=study,
             case=record,
             source=None if in_file is None else in_file.source,
             text=in_file.text if in_file else None,
             named_files=provenance.hashed(files),
+            meshes={file: file.read_bytes() for file in meshes if file.is_file()},
             arguments={k: v for k, v in (arguments or {}).items() if _given(v)},
             seed=None if seed is None else int(seed),
         )
@@ -82,7 +87,19 @@ class Asked:
         return time.monotonic() - self._clock if self.took is None else self.took
 
     def over(self) -> Self:
-        """Return it for a study that has ended now."""
+        """Return it for a study that has ended now.
+
+        Raises:
+            ValueError: a mesh is no longer what it was when the study began. Parts are
+                measured at several times and by several processes: nobody can say
+                which of its contents was.
+        """
+        for file, content in self.meshes.items():
+            if not file.is_file() or file.read_bytes() != content:
+                raise InputError(
+                    f"{file}: must stay as it is while it is measured, got a file that "
+                    "has changed since"
+                )
         return replace(self, took=self.seconds)
 
     def again(self, folder: Path, command: Sequence[str] | None) -> str | None:

@@ -173,7 +173,7 @@ class ResultsFolder:
         self._sweep()
         if not self._resumes:
             remove_parts(self.path)
-        with staged_case(asked.case, self.path, asked.named_files):
+        with staged_case(asked.case, self.path, asked.meshes):
             left = last.files if last else ()
             replace(record, files=left).write(self.path)
             self._asked, self._record = asked, record

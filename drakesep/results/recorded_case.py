@@ -3,8 +3,6 @@
 import contextlib
 import dataclasses
 import json
-import shutil
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
@@ -12,18 +10,13 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.files import written
 from drakesep.results.case_json import NO_RECORD, from_json, to_json
 from drakesep.results.catalogue import CASE, GEOMETRY
-from drakesep.results.provenance import sha256_of
-from drakesep.systems.checks import DrakesepWarning, InputError
+from drakesep.systems.checks import InputError
 from drakesep.systems.model.parts import Mesh, Part
-
-
-class MeshChanged(DrakesepWarning):
-    """A mesh is no longer what it was when it was measured."""
 
 
 @contextlib.contextmanager
 def staged_case(
-    case: AnalysisCase, folder: Path, hashes: Mapping[str, str | None]
+    case: AnalysisCase, folder: Path, meshes: Mapping[Path, bytes]
 ) -> Iterator[None]:
     """Write a case into a results folder, and the meshes that it names beside it.
 
@@ -33,10 +26,10 @@ def staged_case(
     Args:
         case: the case.
         folder: of the results.
-        hashes: SHA-256 of its meshes when they were measured, by their paths.
+        meshes: what its meshes held when they were measured, by their files.
 
     Raises:
-        ValueError: the case holds what is no data.
+        ValueError: the case holds what is no data, or a mesh that is not among them.
     """
     with contextlib.ExitStack() as stack:
 
@@ -44,15 +37,9 @@ def staged_case(
             recorded = _recorded(part, shape)
             (folder / GEOMETRY).mkdir(exist_ok=True)
             copy = stack.enter_context(written(folder / recorded.file))
-            shutil.copyfile(shape.file, copy)
-            file = str(shape.file.resolve())
-            if sha256_of(copy) != hashes.get(file):
-                warnings.warn(
-                    f"{file} has changed since it was measured: the results have it "
-                    "as it is now",
-                    MeshChanged,
-                    stacklevel=2,
-                )
+            if shape.file not in meshes:
+                raise InputError(f"{shape.file}: must be a mesh, got no such file")
+            copy.write_bytes(meshes[shape.file])
             return recorded
 
         _with_meshes(case, beside)

@@ -26,10 +26,10 @@ import drakesep
 from drakesep.files import PREFIX, written
 from drakesep.results.asked import Asked
 from drakesep.results.folder import ResultsFolder
-from drakesep.results.recorded_case import MeshChanged
 from drakesep.studies.worst_case.session import Session
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.parts import Mesh, Part
+from drakesep.systems.simulation.simulation import Simulation
 
 
 def record(folder):
@@ -354,16 +354,39 @@ def test_study_may_change_the_working_directory(tmp_path, monkeypatch):
     assert names(tmp_path / "out") == {"study.json", "case.json"}
 
 
-def test_mesh_that_has_changed_is_told(tmp_path):
-    """Between the study and the time at which it is saved."""
-    mesh = tmp_path / "box.stl"
+def with_a_box(mesh):
     trimesh.creation.box((1.0, 1.0, 1.0)).export(mesh)
     part = Part(name="box", shape=Mesh(file=mesh))
     pair = generic_pair(duration=0.5)
     lower, upper = pair.bodies
     lower = dataclasses.replace(lower, parts=(part,))
     separation = dataclasses.replace(pair, bodies=(lower, upper))
-    study = drakesep.simulate(drakesep.AnalysisCase(separation=separation))
+    return drakesep.AnalysisCase(separation=separation)
+
+
+def test_folder_has_the_mesh_that_was_measured(tmp_path):
+    """Whatever the file holds when the study is saved."""
+    mesh = tmp_path / "box.stl"
+    study = drakesep.simulate(with_a_box(mesh))
+    measured = mesh.read_bytes()
     trimesh.creation.box((1.0, 1.0, 2.0)).export(mesh)
-    with pytest.warns(MeshChanged, match=r"box\.stl has changed since"):
-        study.save(tmp_path / "out")
+    study.save(tmp_path / "out")
+    assert (tmp_path / "out/geometry/box.stl").read_bytes() == measured
+
+
+def test_mesh_that_changes_while_it_is_measured_fails_the_study(tmp_path, monkeypatch):
+    """The run is flown, but nobody can say beside which mesh."""
+    mesh = tmp_path / "box.stl"
+    case = with_a_box(mesh)
+    fly = Simulation.run
+
+    def changing(*args):
+        trimesh.creation.box((1.0, 1.0, 2.0)).export(mesh)
+        return fly(*args)
+
+    monkeypatch.setattr(Simulation, "run", changing)
+    with pytest.raises(ValueError, match=r"box\.stl: must stay as it is while"):
+        drakesep.simulate(case, output=tmp_path / "out")
+    assert record(tmp_path / "out")["ended"] == "failed"
+    assert "box.stl: must stay" in record(tmp_path / "out")["message"]
+    assert "motion.csv" not in names(tmp_path / "out")
