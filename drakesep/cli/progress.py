@@ -47,6 +47,7 @@ def progress_bar(console: Console) -> Iterator[Tell]:
         with _bar(console) as tell:
             yield tell
     else:
+        print("Preparing; what will be done follows", file=sys.stderr, flush=True)
         yield _Log(lambda line: print(line, file=sys.stderr, flush=True))
 
 
@@ -60,7 +61,7 @@ def _bar(console: Console) -> Iterator[Tell]:
         console=console,
         transient=True,
     )
-    task = bar.add_task("compiling", total=None, left="")
+    task = bar.add_task("preparing", total=None, left="")
 
     def tell(progress: AnyProgress) -> None:
         standing = _standing(progress)

@@ -11,8 +11,9 @@ or by granting more time, which has it searched harder too. Else it is refused.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Needs, Objective
@@ -109,8 +110,9 @@ class StudyEffort:
         if self.growth:
             steps.append("growth of tolerances")
         text = (
-            f"worst cases of {self.objectives} objectives over {self.parameters} "
-            f"parameters: {', '.join(steps)}; about {in_time(self.total)}"
+            f"worst cases of {_counted(self.objectives, 'objective')} over "
+            f"{_counted(self.parameters, 'parameter')}: {', '.join(steps)}; about "
+            f"{in_time(self.total)}"
         )
         if self.run_by_run:
             text += (
@@ -163,23 +165,28 @@ def planned_effort(
     """
     granted = MINUTES if minutes is None else minutes
     costs = _Costs(case, objectives, speed, drake_alone=wanted.drake_alone)
-    grows = (not wanted.drake_alone) if growth is None else growth
-    for grade in range(_GRADES):
+    growth_is_wanted = (not wanted.drake_alone) if growth is None else growth
+
+    def of_grade(grade: int, without: Collection[str]) -> _Steps:
         settings = _settings(objectives, grade, effort)
         names = wanted.names or default_searches(len(case.box), settings, objectives)
+        kept = tuple(name for name in names if name not in without)
+        return kept, settings, growth_is_wanted and GROWTH not in without
+
+    least = _GRADES - 1
+    searched, _, grown = of_grade(least, ())
+    unasked = [
+        name
+        for name in _unasked(wanted, effort, growth)
+        if name in searched or (name == GROWTH and grown)
+    ]
+    without = _too_long(
+        unasked, lambda out: costs.minutes(*of_grade(least, out), 1) <= granted
+    )
+    for grade in range(_GRADES):
+        names, settings, grows = of_grade(grade, without)
         if costs.minutes(names, settings, grows, _CORES) <= _AIM * granted:
             break
-    left_out: list[str] = []
-    for name in _unasked(wanted, effort, growth):
-        if costs.minutes(names, settings, grows, 1) <= granted:
-            break
-        if name == GROWTH and grows:
-            grows = False
-        elif name in names:
-            names = tuple(other for other in names if other != name)
-        else:
-            continue
-        left_out.append(name)
     planned = StudyEffort(
         objectives=len(objectives),
         parameters=len(case.box),
@@ -187,7 +194,7 @@ def planned_effort(
         settings=settings,
         growth=grows,
         seconds=costs.of(names, settings, grows, speed.cores),
-        left_out=tuple(left_out),
+        left_out=without,
         minutes=granted,
         run_by_run=costs.run_by_run,
         whole_runs=costs.whole_runs(names, settings, grows),
@@ -196,6 +203,31 @@ def planned_effort(
     if minutes is not None or wanted.names is None:
         _check_granted(planned)
     return planned
+
+
+_Steps: TypeAlias = tuple[tuple[str, ...], SearchSettings, bool]
+"""Searches, how hard they are, and whether growth follows."""
+
+
+def _too_long(
+    unasked: Sequence[str], fits: Callable[[Collection[str]], bool]
+) -> tuple[str, ...]:
+    """Return what is left out: what would take too long with the least effort.
+
+    Args:
+        unasked: what may be, in the order in which it is.
+        fits: whether there is time for the rest without some of it.
+    """
+    out: list[str] = []
+    for name in unasked:
+        if fits(out):
+            break
+        out.append(name)
+    for name in tuple(reversed(out)):  # it may have gone in vain
+        rest = [other for other in out if other != name]
+        if fits(rest):
+            out = rest
+    return tuple(out)
 
 
 def _unasked(
@@ -218,9 +250,10 @@ def _check_granted(planned: StudyEffort) -> None:
     takes = planned.total / 60.0
     if takes <= planned.minutes:
         return
-    enough = 5 * math.ceil(_GRANTED * takes / 5)
+    enough = _GRANTED * takes
+    step = 5 if enough > 5 else 10 ** math.floor(math.log10(enough))
     raise InputError(
-        f"minutes: must be {enough} or more on this machine, got {planned.minutes:g}, "
+        f"minutes: must be {step * math.ceil(enough / step):g} or more on this machine, got {planned.minutes:g}, "
         f"for {planned}"
     )
 
@@ -384,6 +417,10 @@ def in_time(seconds: float) -> str:
     if seconds < 100.0:
         return f"{5 * round(seconds / 5)} s"
     return f"{round(seconds / 60)} min"
+
+
+def _counted(number: int, name: str) -> str:
+    return f"{number} {name}{'' if number == 1 else 's'}"
 
 
 def _rounded(number: float) -> str:

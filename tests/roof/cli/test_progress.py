@@ -45,7 +45,7 @@ def test_plan_first_then_a_line_each_tenth_and_each_ten_seconds():
     log(progress("samples", 35, 100, share=0.34))
     log(progress("samples", 36, 100, share=0.34))
     assert lines[0] == (
-        "Worst cases of 1 objectives over 18 parameters: 50 000 samples, 262 144 "
+        "Worst cases of 1 objective over 18 parameters: 50 000 samples, 262 144 "
         "vertices, SQP from 8 starts, growth of tolerances; about 25 s; left out, to "
         "stay within 10 min: multistart"
     )
@@ -60,7 +60,7 @@ def test_a_terminal_has_a_bar_and_the_plan():
         tell(progress("plan"))
         tell(progress("samples", 10, 100, share=0.4, left=7.0))
     shown = console.file.getvalue()
-    assert "Worst cases of 1 objectives over 18 parameters" in shown
+    assert "Worst cases of 1 objective over 18 parameters" in shown
     assert "7 s left" in shown
 
 
@@ -70,7 +70,10 @@ def test_without_a_terminal_it_goes_to_standard_error(capsys):
         tell(progress("samples", 10, 100, share=0.4, left=600.0))
     captured = capsys.readouterr()
     assert captured.out == ""
-    assert captured.err.splitlines()[1].startswith(" 40%, 10 min left: samples: 10 of")
+    preparing, plan, done = captured.err.splitlines()
+    assert preparing.startswith("Preparing")
+    assert plan.startswith("Worst cases")
+    assert done.startswith(" 40%, 10 min left: samples: 10 of")
 
 
 @pytest.mark.parametrize("percent", [0, 50, 100])

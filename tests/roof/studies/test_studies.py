@@ -27,7 +27,7 @@ def test_progress_tells_every_iterate(tmp_path):
     planned, *searched, confirmed = [p.search for p in seen]
     assert planned.search == "plan"
     assert str(seen[0].effort).startswith(
-        "worst cases of 1 objectives over 18 parameters: SQP from the nominal; about"
+        "worst cases of 1 objective over 18 parameters: SQP from the nominal; about"
     )
     shares = [p.remaining.share for p in seen]
     assert shares == sorted(shares)
