@@ -252,9 +252,10 @@ def _check_granted(planned: StudyEffort) -> None:
         return
     enough = _GRANTED * takes
     step = 5 if enough > 5 else 10 ** math.floor(math.log10(enough))
+    enough = step * math.ceil(enough / step)
     raise InputError(
-        f"minutes: must be {step * math.ceil(enough / step):g} or more on this machine, got {planned.minutes:g}, "
-        f"for {planned}"
+        f"minutes: must be {enough:g} or more on this machine, got "
+        f"{planned.minutes:g}, for {planned}"
     )
 
 
