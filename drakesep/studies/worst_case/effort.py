@@ -321,7 +321,8 @@ class _Costs:
             on_one = sum(self._search(name, settings, 1) for name in names)
             seconds[last] += max(0.0, took - others, (took + on_one) / cores - others)
         look = _LOOKS * self._speed.measurement
-        seconds[CONFIRMATION] = self._ends * (self._speed.drake + look)
+        each = self._speed.drake + look + self._speed.recording
+        seconds[CONFIRMATION] = self._ends * each
         if growth:
             seconds[GROWTH] = self._growth(settings, cores)
         return seconds

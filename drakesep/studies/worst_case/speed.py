@@ -2,17 +2,22 @@
 
 import functools
 import statistics
+import tempfile
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.objectives import Needs, Objective
+from drakesep.results.recorded_runs import save_runs
 from drakesep.systems.arrays import Array
 from drakesep.systems.model.run import Run
+from drakesep.tables.labelled_run import LabelledRun
+from drakesep.tables.roles import Nominal
 
 
 _TRIES = 3
@@ -36,6 +41,8 @@ class Speed:
     tell those of it that do."""
     measurement: float = 0.0
     """A measurement of a run, where an objective needs one."""
+    recording: float = 0.0
+    """To write down a run with its motion."""
     cores: int = 1
     """That fly on the batch engine at once."""
 
@@ -64,8 +71,9 @@ def measured_speed(
             measure = functools.partial(objective.of_run, nominal, case.limits_of_pairs)
             measure()  # prepared
             longest = max(longest, _seconds(measure))
+    recording = _seconds(lambda: _recorded(nominal, case))
     if batch is None:
-        return Speed(drake=drake, measurement=longest)
+        return Speed(drake=drake, measurement=longest, recording=recording)
     rng = np.random.default_rng(0)
     most = _CHUNKS * batch.workers * batch.chunk
     rows = case.tolerance_set.rows(case.tolerance_set.draw(most, rng))
@@ -89,6 +97,7 @@ def measured_speed(
         run=_run(batch, rows, call),
         whole_run=whole_run,
         measurement=longest,
+        recording=recording,
         cores=batch.workers,
     )
 
@@ -110,6 +119,12 @@ def _run(batch: Batch, rows: Array, call: float) -> float:
         return call / batch.chunk
     many = rows[: for_each * batch.workers * batch.chunk]
     return batch.workers * _seconds(lambda: batch.run(many)) / len(many)
+
+
+def _recorded(run: Run, case: AnalysisCase) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        one = LabelledRun(role=Nominal(), run=run, metrics={})
+        save_runs([one], case.separation, Path(folder))
 
 
 def _seconds(work: Callable[[], object]) -> float:
