@@ -72,7 +72,7 @@ def test_keys_of_springs_are_those_of_every_law():
     names = {"name", "law", "axis"}
     for kind in PUSHERS.values():
         for argument in kind.arguments:
-            [key] = [k for k in SECTIONS[SPRING] if k.startswith(f"{argument}_")]
+            [key] = [k for k in SECTIONS[SPRING] if f"{k}_".startswith(f"{argument}_")]
             names.add(key)
     assert set(SECTIONS[SPRING]) == names
 

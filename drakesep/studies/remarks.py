@@ -144,7 +144,7 @@ def _of_springs(run: Run, told: set[str]) -> _Told:
     for attachment, spring in run.separation.pushing:
         if isinstance(spring, Spring) and spring.name not in told:
             push = _push(run, attachment, spring)
-            if abs(push.given - push.stored) >= _OFF * push.stored:
+            if abs(push.given - push.stored) > _OFF * push.stored:
                 pushes.append(push)
     # Those that give more and those that give less stand apart: their misses would
     # cancel in the sums.

@@ -215,7 +215,7 @@ class StrokeEnds:
     ) -> Lanes:
         """Return (..., e, n) how far the pads are past their strokes, m."""
         displacements = self._springs.displacements(bodies, params)
-        return displacements - self._springs.strokes(params)
+        return displacements - self._springs.ends(params)
 
     def happen(self, latched: Latched, now: Lanes, t: Lanes) -> Latched:
         """Let the springs go of their pads."""

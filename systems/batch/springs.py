@@ -1,6 +1,6 @@
 """The springs of a batch, and whatever else pushes, on lanes."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
@@ -169,14 +169,23 @@ class BatchSprings:
                     times[k] = end
         return rows(times, n)
 
-    def strokes(self, params: BatchParameters) -> Lanes:
+    def ends(self, params: BatchParameters) -> Lanes:
         """Return (k_s, n) the displacements that end the pushes of `by_stroke`, m."""
+        return self._lengths(params, lambda law: law.end)
+
+    def strokes(self, params: BatchParameters) -> Lanes:
+        """Return (k_s, n) those of which their corners are parts, m."""
+        return self._lengths(params, lambda law: law.stroke)
+
+    def _lengths(
+        self, params: BatchParameters, of: Callable[[PushLaw], Callable[..., Lanes]]
+    ) -> Lanes:
         _, n = params.mass.shape
-        ends = [
-            jnp.broadcast_to(group.law.end(values, jnp), (len(group.springs), n))
+        lengths = [
+            jnp.broadcast_to(of(group.law)(values, jnp), (len(group.springs), n))
             for group, values in self._stroke_groups(params)
         ]
-        return jnp.concatenate(ends)
+        return jnp.concatenate(lengths)
 
     def fastest(
         self, params: BatchParameters, mass: Lanes, mode: Mode, *, by_time: bool

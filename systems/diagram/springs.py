@@ -74,16 +74,25 @@ class _Push(NamedTuple):
         A, B = bodies[self.a], bodies[self.b]
         return push_displacement(A, B, self.p_AoPad_A, self.p_BoPad_B, self.axis)
 
+    def is_over(self, bodies: Sequence[BodyState], t: float) -> bool:
+        """Return whether its stroke has been reached; see above."""
+        if self.law.by_time:
+            return t >= self.released + self.end  # to the last digit, as is stepped to
+        return self.progress(bodies, t)[0] >= self.end
+
     def force(self, bodies: Sequence[BodyState], t: float) -> float:
         """Return its force, N; nothing from the end of its stroke on."""
-        at, speed = self.progress(bodies, t)
-        if at >= self.end:
-            return 0.0
         law, values = self.law, self.values
+        at, speed = self.progress(bodies, t)
         force: float
         if law.by_time:
+            # A jump ends the step: until then all is smooth.
+            if self.is_over(bodies, t) and not law.ends_in_jump(values):
+                return 0.0
             force = law.force(values, at, speed, (), math)
             return force
+        if at >= self.end:
+            return 0.0
         force = law.force(values, at, speed, law.passed(values, at, math), math)
         return positive_part(force)
 
@@ -142,8 +151,6 @@ class Springs(LatchingSystem):
         self._laws = [law_of(spring) for spring in separation.springs]
         self._by_stroke = [k for k, law in enumerate(self._laws) if not law.by_time]
         self._rows = Rows(self, self._rows_of(separation))
-        # Force that is left at the end of a stroke is a jump, at which a step ends.
-        self._abrupt = any(law.ends_in_jump for law in self._laws)
         self._forces = Forces(
             self,
             state,
@@ -208,19 +215,24 @@ class Springs(LatchingSystem):
         return not all(latched)
 
     def _needs_age(self, context: Context) -> bool:
-        return self._abrupt
+        # Force that is left at the end of a stroke is a jump, at which a step ends.
+        rows = self._rows.read(context)
+        return any(
+            law.ends_in_jump(row.values)
+            for law, row in zip(self._laws, rows, strict=True)
+        )
 
     def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
         """Return that of strokes, if one of them ends in a jump."""
-        return super().DoGetWitnessFunctions(context) if self._abrupt else []
+        witnesses = super().DoGetWitnessFunctions(context)
+        return witnesses if self._needs_age(context) else []
 
     def _due(self, context: Context, t: float) -> list[float]:
         """Return 1 for each spring whose stroke has been reached."""
         spent = self._get_latched(context)
         pushing, bodies = self._pushing(context)
         for push in pushing:
-            at, _ = push.progress(bodies, t)
-            spent[push.number] = float(at >= push.end)
+            spent[push.number] = float(push.is_over(bodies, t))
         return spent
 
     def _calc_forces(self, context: Context, output: BasicVector) -> None:

@@ -90,23 +90,26 @@ class PushLaw(ABC):
         """Return what it stores before the end, J; 0 of a law by time."""
         return 0.0
 
+    def stroke(self, p: Any, ops: Ops) -> Scalar:
+        """Return the displacement of which its corners are parts, m."""
+        return self.end(p, ops)
+
     @property
     def corners(self) -> Sequence[float]:
-        """Parts of the displacement that ends it at which the force has a kink."""
+        """Parts of the stroke at which the force has a kink."""
         return ()
 
     def passed(self, p: Any, at: Scalar, ops: Ops) -> list[Any]:
         """Return whether each corner is passed at a displacement, m."""
-        return [at / self.end(p, ops) >= corner for corner in self.corners]
+        return [at / self.stroke(p, ops) >= corner for corner in self.corners]
 
     @property
     def may_pull(self) -> bool:
         """Whether the force may be negative before the end without a damper."""
         return False
 
-    @property
-    def ends_in_jump(self) -> bool:
-        """Whether force is left at the displacement that ends it."""
+    def ends_in_jump(self, p: Any) -> bool:
+        """Return whether force is left where it ends; of floats."""
         return False
 
 

@@ -46,6 +46,10 @@ class TimedSpringLaw(PushLaw):
         """Return the angular frequency of the force, rad/s."""
         return push_frequency(p, ops)
 
+    def ends_in_jump(self, p: Any) -> bool:
+        """Return whether the spring is stuck before its end."""
+        return bool(p.lost_stroke > 0.0)
+
 
 @dataclass(frozen=True)
 class DisplacementSpringLaw(PushLaw):
@@ -68,7 +72,11 @@ class DisplacementSpringLaw(PushLaw):
         return cls(pusher.profile, tuple(_ramps(pusher.profile)))
 
     def end(self, p: Any, ops: Ops) -> Scalar:
-        """Return the stroke, m."""
+        """Return the stroke without what is lost of it, m."""
+        return (1.0 - p.lost_stroke) * p.stroke
+
+    def stroke(self, p: Any, ops: Ops) -> Scalar:
+        """Return the whole stroke, m."""
         return p.stroke
 
     def force(
@@ -87,13 +95,14 @@ class DisplacementSpringLaw(PushLaw):
         return ops.sqrt(count * (p.force_max / p.stroke) * lightness)
 
     def energy(self, p: Any, displacement: Scalar) -> Scalar:
-        """Return what the spring stores within its stroke, J."""
-        u = displacement / p.stroke
-        area: Scalar = self.profile[0][1] * (1.0 - u)
+        """Return what the spring can give until it ends, J."""
+        u, end = displacement / p.stroke, 1.0 - p.lost_stroke
+        area: Scalar = self.profile[0][1] * (end - u)
         for u_i, slope in self.ramps:
-            x = u - u_i
-            left = positive_part(x) if u_i > 0.0 else x
-            area = area + 0.5 * slope * ((1.0 - u_i) ** 2 - left**2)
+            passed, all_of_it = (
+                positive_part(x - u_i) if u_i > 0.0 else x - u_i for x in (u, end)
+            )
+            area = area + 0.5 * slope * (all_of_it**2 - passed**2)
         return p.force_max * p.stroke * area
 
     @property
@@ -106,10 +115,9 @@ class DisplacementSpringLaw(PushLaw):
         """Whether the profile rises at first: a pad pressed in far might be pulled."""
         return self.ramps[0][1] > 0.0
 
-    @property
-    def ends_in_jump(self) -> bool:
-        """Whether the profile ends above zero."""
-        return self.profile[-1][1] > 0.0
+    def ends_in_jump(self, p: Any) -> bool:
+        """Return whether the profile ends above zero, or the spring is stuck before."""
+        return bool(self.profile[-1][1] > 0.0 or p.lost_stroke > 0.0)
 
 
 def _ramps(profile: Profile) -> list[tuple[float, float]]:

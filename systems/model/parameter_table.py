@@ -48,12 +48,14 @@ class Range(NamedTuple):
             return "any" if math.isinf(self.high) else f"less than {high}"
         if math.isinf(self.high):
             return f">= {low}" if self.closed else f"> {low}"
-        return f"above {low.removesuffix(' deg')} and below {high}"
+        first = ">=" if self.closed else "above"
+        return f"{first} {low.removesuffix(' deg')} and below {high}"
 
 
 ANY = Range()
 POSITIVE = Range(low=0.0)
 NOT_NEGATIVE = Range(low=0.0, closed=True)
+SHARE = Range(low=0.0, high=1.0, closed=True)
 TILT = Range(low=-0.5 * math.pi, high=0.5 * math.pi)
 TURN = Range(low=0.0, high=math.pi)
 

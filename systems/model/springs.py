@@ -1,9 +1,10 @@
 """Separation springs: driven by time, as the paper's, or by displacement."""
 
-import itertools
 import math
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypeAlias
+
+import numpy as np
 
 from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import (
@@ -13,10 +14,11 @@ from drakesep.systems.checks import (
     check_finite,
     unit_vector,
 )
-from drakesep.systems.model.magnitudes import check_within
+from drakesep.systems.model.magnitudes import MAGNITUDES, check_within
 from drakesep.systems.model.parameter_table import (
     NOT_NEGATIVE,
     POSITIVE,
+    SHARE,
     ParameterTable,
     scalar,
 )
@@ -30,23 +32,38 @@ Profile: TypeAlias = tuple[tuple[float, float], ...]
 LINEAR: Profile = ((0.0, 1.0), (1.0, 0.0))
 """The force falls from its maximum to zero at the stroke."""
 
-_FORCE_MAX = scalar("force_max", "force", POSITIVE, label="maximum force")
+_FORCE_MAX = scalar("force_max", "force", NOT_NEGATIVE, label="maximum force")
+_LEAST = MAGNITUDES["force"].least
+"""Below it, as round-off leaves of a difference, there is no force."""
 _STROKE = scalar("stroke", "length", POSITIVE)
+_LOST_STROKE = scalar("lost_stroke", "factor", SHARE)
 
 
 def push_frequency(spring: Any, ops: Ops) -> Scalar:
-    """Return the angular frequency of a spring driven by time, rad/s.
+    """Return the angular frequency of a spring driven by time, rad/s; 0 of no force.
 
     Args:
         spring: a `Spring`, or lanes of its parameters.
         ops: module of the elementary functions.
     """
-    return ops.sqrt(spring.force_max / (spring.design_mass * spring.stroke))  # Eq. 5
+    return (spring.force_max >= _LEAST) * _frequency_of_some(spring, ops)
 
 
 def push_duration(spring: Any, ops: Ops) -> Scalar:
-    """Return the time from release to the end of the stroke, s; see above."""
-    return 0.5 * math.pi / push_frequency(spring, ops)  # Eq. 5
+    """Return the time from release to the end of the push, s; 0 of no force; see above.
+
+    A spring that loses a part of its stroke stops where the motion that Eq. 5 stands
+    for, of the design mass on a linear spring, comes to that part.
+    """
+    lost = spring.lost_stroke
+    phase = ops.atan2(ops.sqrt(1.0 - lost * lost), lost)  # arccos
+    return (spring.force_max >= _LEAST) * phase / _frequency_of_some(spring, ops)
+
+
+def _frequency_of_some(spring: Any, ops: Ops) -> Scalar:
+    # Of no force, that of some: it divides, and its root has a slope.
+    force = spring.force_max + (spring.force_max < _LEAST)
+    return ops.sqrt(force / (spring.design_mass * spring.stroke))  # Eq. 5
 
 
 @typed
@@ -55,13 +72,13 @@ class Spring:
     """A separation spring driven by time, Eq. 5.
 
     Raises:
-        ValueError: the force, the stroke or the design mass is not positive, or a tilt
-            is a right angle or more.
+        ValueError: the stroke or the design mass is not positive, the force is
+            negative, all of the stroke is lost, or a tilt is a right angle or more.
     """
 
     name: str
     force_max: float
-    """Force at release, N."""
+    """Force at release, N; 0: it does not push, and ends at its release."""
     stroke: float
     """Delta L of Eq. 5, m."""
     design_mass: float
@@ -72,12 +89,15 @@ class Spring:
     """Of the push from its axis, about y, rad: a misalignment."""
     tilt_z: float = 0.0
     """About z, then, rad."""
+    lost_stroke: float = 0.0
+    """Part of the stroke, before its end, over which it does not push: it is stuck."""
 
     PARAMETERS: ClassVar[ParameterTable] = ParameterTable(
         _FORCE_MAX,
         _STROKE,
         *TILTS,
         scalar("design_mass", "mass", POSITIVE),
+        _LOST_STROKE,
     )
 
     def __post_init__(self) -> None:
@@ -98,11 +118,11 @@ class Spring:
 
     @property
     def energy(self) -> float:
-        """Energy stored while mated by the linear spring that Eq. 5 stands for, J.
+        """Energy that the linear spring that Eq. 5 stands for can give, J.
 
         It is given if what the spring moves is as heavy as its design mass.
         """
-        return 0.5 * self.force_max * self.stroke
+        return 0.5 * self.force_max * self.stroke * (1.0 - self.lost_stroke**2)
 
 
 @typed
@@ -114,14 +134,14 @@ class DisplacementSpring:
     pulls, and is zero beyond the stroke.
 
     Raises:
-        ValueError: the force or the stroke is not positive, the damping is negative,
-            the profile does not run from 0 to 1 with forces from 0 to 1, or a tilt is a
-            right angle or more.
+        ValueError: the stroke is not positive, the force or the damping is negative,
+            all of the stroke is lost, the profile does not run from 0 to 1 with forces
+            from 0 to 1, or a tilt is a right angle or more.
     """
 
     name: str
     force_max: float
-    """Largest force of the profile, N."""
+    """Largest force of the profile, N; 0: it does not push."""
     stroke: float
     """Displacement at which the push ends, m."""
     damping: float = 0.0
@@ -134,12 +154,15 @@ class DisplacementSpring:
     """Of the push from its axis, about y, rad: a misalignment."""
     tilt_z: float = 0.0
     """About z, then, rad."""
+    lost_stroke: float = 0.0
+    """Part of the stroke, before its end, over which it does not push: it is stuck."""
 
     PARAMETERS: ClassVar[ParameterTable] = ParameterTable(
         _FORCE_MAX,
         _STROKE,
         *TILTS,
         scalar("damping", "damping", NOT_NEGATIVE),
+        _LOST_STROKE,
     )
 
     def __post_init__(self) -> None:
@@ -164,6 +187,7 @@ class DisplacementSpring:
         axis_A: Vector3 = X_AXIS,
         tilt_y: float = 0.0,
         tilt_z: float = 0.0,
+        lost_stroke: float = 0.0,
     ) -> "DisplacementSpring":
         """Return the spring of a measured table of force over stroke.
 
@@ -175,6 +199,8 @@ class DisplacementSpring:
             axis_A: unit vector along which it pushes, fixed in A.
             tilt_y: of the push from its axis, about y, rad: a misalignment.
             tilt_z: about z, then, rad.
+            lost_stroke: part of the stroke, before its end, over which it does not
+                push.
 
         Raises:
             ValueError: the columns differ in length, or do not make a profile.
@@ -206,6 +232,7 @@ class DisplacementSpring:
             axis_A=axis_A,
             tilt_y=tilt_y,
             tilt_z=tilt_z,
+            lost_stroke=lost_stroke,
             profile=tuple(
                 (s / stroke, f / force_max)
                 for s, f in zip(displacements, forces, strict=True)
@@ -214,12 +241,12 @@ class DisplacementSpring:
 
     @property
     def energy(self) -> float:
-        """Energy stored while mated, J."""
-        area = sum(
-            0.5 * (f0 + f1) * (s1 - s0)
-            for (s0, f0), (s1, f1) in itertools.pairwise(self.profile)
-        )
-        return self.force_max * self.stroke * area
+        """Energy that it can give, J."""
+        end = 1.0 - self.lost_stroke
+        places, forces = zip(*self.profile, strict=True)
+        within = [*(s for s in places if s < end), end]
+        area = np.trapezoid(np.interp(within, places, forces), within)
+        return self.force_max * self.stroke * float(area)
 
 
 def _check_profile(name: str, profile: Profile) -> None:

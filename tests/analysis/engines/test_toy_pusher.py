@@ -64,13 +64,15 @@ class Strut:
 class StrutLaw(PushLaw):
     by_time: ClassVar[bool] = False
     dampers: ClassVar[tuple[str, ...]] = ("seal_drag",)
-    ends_in_jump: ClassVar[bool] = True
 
     def end(self, p, ops):
         return p.stroke
 
     def force(self, p, at, speed, passed, ops):
         return p.force_max - p.seal_drag
+
+    def ends_in_jump(self, p):
+        return True
 
     def frequency(self, p, count, lightness, ops):
         return ops.sqrt(count * p.force_max / p.stroke * lightness)

@@ -130,6 +130,7 @@ attachments:
       design_mass_kg: 107.5
       tilt_y_deg: 1.625
       tilt_z_deg: -2.625
+      lost_stroke: 0.0725
     release_time_s: 0.03125
   latch:
     A: carrier
@@ -149,6 +150,7 @@ attachments:
       damping_N_s_m: 43
       tilt_y_deg: -3.625
       tilt_z_deg: 4.625
+      lost_stroke: 0.0825
   strap:
     A: tail
     B: carrier
@@ -163,6 +165,7 @@ attachments:
       damping_N_s_m: 19.5
       tilt_y_deg: 5.625
       tilt_z_deg: -6.625
+      lost_stroke: 0.0925
 loads:
   jet:
     body: craft
@@ -334,6 +337,7 @@ def separation_of_main(folder) -> Separation:
             design_mass=107.5,
             tilt_y=1.625 * DEG,
             tilt_z=-2.625 * DEG,
+            lost_stroke=0.0725,
         ),
         release_time=0.03125,
     )
@@ -351,6 +355,7 @@ def separation_of_main(folder) -> Separation:
             damping=43.0,
             tilt_y=-3.625 * DEG,
             tilt_z=4.625 * DEG,
+            lost_stroke=0.0825,
         ),
     )
     strap = Attachment(
@@ -367,6 +372,7 @@ def separation_of_main(folder) -> Separation:
             damping=19.5,
             tilt_y=5.625 * DEG,
             tilt_z=-6.625 * DEG,
+            lost_stroke=0.0925,
             profile=(
                 (0.0, 307.5 / 411.5),
                 (20.5 / 59.0, 1.0),
@@ -774,7 +780,7 @@ UNITS |= {"position": ("mm", 1e-3), "release_time": ("s", 1.0)}
 UNITS |= {"release_angle": ("deg", DEG), "force_max": ("N", 1.0)}
 UNITS |= {"stroke": ("mm", 1e-3), "tilt": ("deg", DEG), "design_mass": ("kg", 1.0)}
 UNITS |= {"damping": ("N_s_m", 1.0), "start": ("s", 1.0), "factor": ("", 1.0)}
-UNITS |= {"attitude": ("deg", DEG), "rate": ("deg_s", DEG)}
+UNITS |= {"lost_stroke": ("", 1.0), "attitude": ("deg", DEG), "rate": ("deg_s", DEG)}
 UNITS |= {"mated_offset": ("mm", 1e-3), "mated_misalignment": ("deg", DEG)}
 BODY = [
     ("mass", [""]),
@@ -782,17 +788,23 @@ BODY = [
     ("inertia", ["xx", "yy", "zz", "xy", "xz", "yz"]),
 ]
 SITTING = [("mated_offset", "xyz"), ("mated_misalignment", ["roll", "pitch", "yaw"])]
-TILTS = ("tilt", "yz")
+TILTS, LOST = ("tilt", "yz"), ("lost_stroke", [""])
 TIMED = [("position", "xyz"), ("release_time", [""])]
 LOAD = [("position", "xyz"), ("start", [""]), ("factor", [""])]
 PART = [("position", "xyz"), ("attitude", ["roll", "pitch", "yaw"])]
-WOUND = [("force_max", [""]), ("stroke", [""]), ("damping", [""]), TILTS]
+WOUND = [("force_max", [""]), ("stroke", [""]), ("damping", [""]), TILTS, LOST]
 PARAMETERS = {
     "carrier": BODY,  # in whose frame the stack is placed
     **dict.fromkeys(("craft", "tail"), BODY + SITTING),
     "hinge": [("position", "xyz"), ("release_time", [""]), ("release_angle", [""])],
     **dict.fromkeys(("bolt", "latch", "strap"), TIMED),
-    "timed": [("force_max", [""]), ("stroke", [""]), TILTS, ("design_mass", [""])],
+    "timed": [
+        ("force_max", [""]),
+        ("stroke", [""]),
+        TILTS,
+        ("design_mass", [""]),
+        LOST,
+    ],
     **dict.fromkeys(("wound", "measured"), WOUND),
     **dict.fromkeys(("jet", "gust"), LOAD),
     **dict.fromkeys(("plate", "ball", "rod", "skirt", "nose", "block"), PART),

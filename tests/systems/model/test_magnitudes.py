@@ -49,7 +49,10 @@ def test_every_parameter(name):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"spring_1.force_max_N": 5e-324}, "maximum force must be from 1e-09 to 1e+12"),
+        (
+            {"spring_1.stroke_mm": 1e-9},
+            "spring_1: stroke must be from 1e-09 to 1e+09 m",
+        ),
         ({"payload.mass_kg": 1e-15}, "payload: mass must be from 1e-06 to 1e+09 kg"),
         (
             {"payload.cg_x_mm": -1e16},

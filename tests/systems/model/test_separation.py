@@ -33,7 +33,8 @@ def test_impossible_body(field, value, message):
 @pytest.mark.parametrize(
     ("field", "value", "message"),
     [
-        ("force_max", 0.0, "spring_1: maximum force must be > 0, got 0"),
+        ("force_max", -1.0, "spring_1: maximum force must be >= 0, got -1"),
+        ("lost_stroke", 1.0, "spring_1: lost stroke must be >= 0 and below 1, got 1"),
         ("stroke", 0.0, "spring_1: stroke must be > 0, got 0"),
         ("design_mass", -1.0, "spring_1: design mass must be > 0, got -1"),
     ],
