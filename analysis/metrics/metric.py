@@ -21,6 +21,7 @@ from drakesep.systems.checks import (
 from drakesep.systems.equations import pair_signals
 from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.equations.relative_motion import RelativeMotion
+from drakesep.systems.model.magnitudes import check_size
 from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ, with_axis
 from drakesep.systems.model.part_pairs import Names
 from drakesep.systems.model.run import Motion
@@ -347,6 +348,9 @@ class Metric:
             self.when.check(self.stem)
         if isinstance(self.when, float):
             check_not_negative(f"{self.stem}: time", self.when)
+        if self.until_separation is not None:
+            name = f"{self.stem}: until_separation"
+            check_size("length", name, self.until_separation)
         if (self.signal is None) != (self.functional in _OF_NO_SIGNAL):
             wanted = "no signal" if self.signal else "a signal"
             raise InputError(f"{self.stem}: {self.functional.value} needs {wanted}")

@@ -170,6 +170,9 @@ def test_requirement_on_clearance(write, tmp_path):
         load(at_least=0)
     with pytest.raises(CaseError, match="until_separation_mm"):
         load(at_least=30, until_separation_mm=0)
+    for value in (5e-324, 1e-12, 1e16):  # of no size that a length has
+        with pytest.raises(CaseError, match="until_separation must be"):
+            load(at_least=30, until_separation_mm=value)
     with pytest.raises(CaseError, match="must stand with clearance_mm or no_contact"):
         load(quantity="longitudinal_speed_after_separation_m_s", at_least=1, **UNTIL)
     data["bodies"]["payload"]["geometry"] = {}

@@ -17,7 +17,7 @@ INCLUDE = "<include><uri>{}</uri><name>x</name></include>"
 SDF = '<?xml version="1.0"?><sdf version="1.7"><model name="m">{}</model></sdf>'
 OK = SDF.format(LINK)
 MJCF = (
-    '<mujoco><include file="{}"/><worldbody><body name="b">'
+    '<mujoco model="m"><include file="{}"/><worldbody><body name="b">'
     '<inertial pos="0 0 0" mass="1860" diaginertia="669 3136 3265"/>'
     "</body></worldbody></mujoco>"
 )
@@ -40,7 +40,9 @@ def folder(tmp_path, monkeypatch):
     (there / "trunc.sdf").write_text(OK[:100])
     (there / "page.sdf").write_text("<html></html>")
     (there / "sub").mkdir()
-    (there / "sub" / "next.sdf").write_text(including("ok.sdf"))
+    (there / "sub" / "lost.sdf").write_text(including("ok.sdf"))
+    late = including("../ok.sdf").replace('link name="l"', "link")
+    (there / "sub" / "late.sdf").write_text(late)
     return there
 
 
@@ -48,6 +50,51 @@ def test_an_include_is_looked_for_beside_the_file(folder):
     """Two links of 1860 kg, not one, and not that of another directory."""
     (folder / "good.sdf").write_text(including("ok.sdf"))
     assert mass_properties_of_model(folder / "good.sdf").mass == 3720.0
+
+
+@pytest.mark.parametrize(
+    "uri", ["sub/next.sdf", "sub", "file://{}/sub/next.sdf", "{}/sub/next.sdf"]
+)
+def test_an_include_of_an_include_is_looked_for_beside_that(uri, folder):
+    """Not beside the first file, where there is another: 1860, 1000 and 100 kg."""
+    (folder / "ok.sdf").write_text(OK.replace("1860", "100"))
+    name = "next.sdf" if uri.endswith(".sdf") else "model.sdf"
+    (folder / "sub" / name).write_text(including("in/ok.sdf").replace("1860", "1000"))
+    (folder / "sub" / "in").mkdir()
+    (folder / "sub" / "in" / "ok.sdf").write_text(including("../../ok.sdf"))
+    (folder / "a.sdf").write_text(including(uri.format(folder)))
+    mass = mass_properties_of_model(folder / "a.sdf").mass
+    assert mass == 1860.0 + 1000.0 + 1860.0 + 100.0
+
+
+@pytest.mark.parametrize("beside_the_first", [True, False])
+def test_an_mjcf_looks_beside_the_first_too(beside_the_first, folder):
+    """As MuJoCo does: there first."""
+    (folder / "sub" / "part.xml").write_text(
+        MJCF.format("last.xml").replace('"b"', '"p"')
+    )
+    last = '<mujocoinclude><worldbody><body name="l"><inertial pos="0 0 0" mass="{}"'
+    last += ' diaginertia="1 1 1"/></body></worldbody></mujocoinclude>'
+    (folder / "sub" / "last.xml").write_text(last.format(1))
+    if beside_the_first:
+        (folder / "last.xml").write_text(last.format(2))
+    (folder / "a.xml").write_text(MJCF.format("sub/part.xml"))
+    mass = mass_properties_of_model(folder / "a.xml").mass
+    assert mass == 2 * 1860.0 + (2.0 if beside_the_first else 1.0)
+
+
+def test_an_sdf_includes_other_models(folder):
+    """MJCF, with an include of its own, and URDF."""
+    (folder / "sub" / "part.xml").write_text(MJCF.format("last.xml"))
+    last = '<mujoco><worldbody><body name="l"><inertial pos="0 0 0" mass="2"'
+    last += ' diaginertia="1 1 1"/></body></worldbody></mujoco>'
+    (folder / "sub" / "last.xml").write_text(last)
+    inertia = 'ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"'
+    urdf = '<robot name="r"><link name="r"><inertial><mass value="3"/><inertia '
+    (folder / "u.urdf").write_text(f"{urdf}{inertia}/></inertial></link></robot>")
+    both = INCLUDE.format("sub/part.xml") + INCLUDE.format("u.urdf").replace("x<", "y<")
+    (folder / "a.sdf").write_text(SDF.format(LINK + both))
+    assert mass_properties_of_model(folder / "a.sdf").mass == 2 * 1860.0 + 2.0 + 3.0
 
 
 @pytest.mark.parametrize(
@@ -62,12 +109,17 @@ def test_an_include_is_looked_for_beside_the_file(folder):
             "include page.sdf must be a model, got <html>",
         ),
         ("a.sdf", including("trunc.sdf"), "include trunc.sdf must be a model, got:"),
-        ("a.sdf", including("missing.sdf"), "must be a model, got: .*missing.sdf"),
+        ("a.sdf", including("missing.sdf"), "include missing.sdf must be a model, got"),
         ("a.xml", MJCF.format("missing.xml"), "include missing.xml must be a model"),
         (
             "a.sdf",
-            including("sub/next.sdf"),
-            "include next.sdf must stand beside it to",
+            including("sub/lost.sdf"),
+            "include ok.sdf must be a model, got no file",
+        ),
+        (
+            "a.sdf",
+            including("sub/late.sdf"),
+            "must be a model, got: late.sdf:1: error: ",
         ),
         (
             "a.sdf",
