@@ -207,6 +207,9 @@ class Signal(NamedTuple):
     jumps: bool = False
     """Whether it leaps at releases and ends of strokes: it is told at samples, with
     straight lines between."""
+    summed: bool = False
+    """Whether it is the integral of what the field or the law tells, over time from the
+    start of the run."""
 
     @property
     def owner(self) -> Owner:

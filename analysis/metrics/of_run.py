@@ -304,7 +304,10 @@ class _Samples:
         if signal.law is not None:
             made = signal.law(tuple(field.T), self._facts, np)
             field = np.stack(made, axis=1)
-        return field[:, list(signal.components)]
+        values = field[:, list(signal.components)]
+        if signal.summed:
+            return signals.summed(self._motion.time, values, self._run.breaks)
+        return values
 
     @property
     def _own_release(self) -> float:

@@ -123,6 +123,33 @@ def _leaping(name: str, kind: Kind, field: str, words: str) -> Quantity:
     return Quantity(name=name, kind=kind, signal=signal)
 
 
+def _rotations(prefix: str, field: str, of: str) -> tuple[Quantity, ...]:
+    """Return what is said of how far a body has turned, all turns counted."""
+    since = "since the start of the run"
+    return (
+        Quantity(
+            name=f"{prefix}rotation",
+            kind=Kind.ANGLE,
+            signal=Signal(
+                f"angle about each axis of B {since} (integral of the rate {of})",
+                field,
+                summed=True,
+            ),
+            two_sided=True,
+        ),
+        Quantity(
+            name=f"{prefix}total_rotation",
+            kind=Kind.ANGLE,
+            signal=_alone(
+                f"angle turned {since} (integral of the modulus of the rate {of})",
+                field,
+                laws.length,
+                summed=True,
+            ),
+        ),
+    )
+
+
 QUANTITIES: Mapping[str, Quantity] = {
     quantity.name: quantity
     for quantity in (
@@ -140,6 +167,8 @@ QUANTITIES: Mapping[str, Quantity] = {
             signed="angle",
         ),
         Quantity(name="angle", kind=Kind.ANGLE, signal=ANGLE),
+        *_rotations("", "rate", _OF_B),
+        *_rotations("relative_", "relative_rate", _RELATIVE),
         Quantity(
             name="tip_off_angle",
             kind=Kind.ANGLE,

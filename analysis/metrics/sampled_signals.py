@@ -53,6 +53,18 @@ def straight(time: Array, samples: Array) -> list[PPoly]:
     return [PPoly.construct_fast(c[..., k].copy(), time) for k in range(c.shape[2])]
 
 
+def summed(time: Array, samples: Array, breaks: Sequence[float]) -> Array:
+    """Return the integrals (n, k) of signals over time, at their samples.
+
+    Args:
+        time: (n,) sample times, s, the breaks among them.
+        samples: (n, k) values.
+        breaks: as of `interpolate`.
+    """
+    signals = interpolate(time, samples, breaks)
+    return np.stack([signal.antiderivative()(time) for signal in signals], axis=1)
+
+
 def between(signal: PPoly, t0: float, t1: float) -> PPoly:
     """Return the signal from t0 to t1 alone."""
     inner = signal.x[(signal.x > t0) & (signal.x < t1)]

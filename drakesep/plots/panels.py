@@ -162,6 +162,8 @@ def _place(topic: Topic, decided: Decided, facts: PairFacts) -> _Place:
 
 def _field_component(signal: Signal, component: int, facts: PairFacts) -> int | None:
     """Return which component of its field a signal's is; None if it is none of them."""
+    if signal.summed:
+        return None
     if signal.law is None:
         return component
     if signal.outer is not Outer.ITSELF:

@@ -8,7 +8,7 @@ import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.plots.approach import Approach
-from drakesep.systems.model.run import Motion
+from drakesep.systems.model.run import Run
 from drakesep.tables.columns import write_csv
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.run_tables import motion_table
@@ -37,7 +37,7 @@ class Pictures:
     case: AnalysisCase
     """With the requirements."""
     approaches: Sequence[Approach] = ()
-    motions: Mapping[str, Motion] = field(default_factory=dict)
+    motions: Mapping[str, tuple[Run, str]] = field(default_factory=dict)
     """That are written, by the labels of the runs."""
 
     def save(self, folder: Path) -> None:
@@ -48,6 +48,5 @@ class Pictures:
         save_motion(self.runs, self.case, folder)
         if self.approaches:
             save_approaches(self.approaches, self.case.requirements, folder)
-        for label, motion in self.motions.items():
-            table = motion_table(motion)
-            write_csv(table, folder / f"motion_{label}.csv")
+        for label, (run, body) in self.motions.items():
+            write_csv(motion_table(run, body), folder / f"motion_{label}.csv")

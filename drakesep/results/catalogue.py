@@ -124,6 +124,16 @@ _MOTION = (
         "N m s",
         "Given to B by the springs about its CG, in B's axes (Eq. 7).",
     ),
+    Column(
+        "rotation_{axis}_deg",
+        "deg",
+        "Integral of B's rate in W, in B's axes: all turns counted.",
+    ),
+    Column(
+        "total_rotation_deg",
+        "deg",
+        "Integral of the modulus of B's rate in W: the angle that it has turned.",
+    ),
 )
 _OBJECTIVE = Column("objective", "", "Whose worst case it is.")
 _UNIT = Column("unit", "", "Of the values in the row.")
@@ -345,7 +355,8 @@ _REMARKS = FileKind(
     name="remarks.csv",
     studies=(*_OF_KEPT_RUNS, SWEEP),
     what="What should be told although nothing failed, if anything: a body that moves "
-    "against its direction, springs of Eq. 5 that give another energy than they store.",
+    "against its direction, one whose roll and yaw swing as it tumbles, springs of "
+    "Eq. 5 that give another energy than they store.",
     row="remark",
     columns=(
         Column("about", "", "The bodies or springs; each is told of once."),

@@ -1,6 +1,7 @@
 """What a user should be told of a study's runs, although nothing in them has failed."""
 
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -8,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from drakesep.analysis.metrics.of_run import metric_named, signal_of_run
 from drakesep.systems.equations.forces_of_run import spring_work
 from drakesep.systems.equations.mated_stack import mated_places, place_in_stack
 from drakesep.systems.equations.pair_signals import PairFacts
@@ -21,6 +23,9 @@ _STILL = 1e-6
 """Speed below which nothing moves, m/s."""
 _OFF = 0.1
 """Share of its energy by which a spring of Eq. 5 may miss it without a word."""
+_STEEP = math.radians(80.0)
+"""Pitch above which roll and yaw are said to say little."""
+_ANGLE, _TURNED = metric_named("angle_at_end_pitch"), metric_named("total_rotation")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,10 +38,12 @@ class Remark:
     """In a sentence."""
     run: str
     """Label of the first run in which it is so: the numbers are those of this one."""
+    subject: str
+    """What is said of them, of `_SUBJECTS`."""
 
 
 def remarks(runs: Mapping[str, Run], known: Sequence[Remark] = ()) -> list[Remark]:
-    """Return what should be told of runs, each of a body or a spring once.
+    """Return what should be told of runs, the same of a body or a spring once.
 
     Args:
         runs: by their labels; of those that failed nothing is told.
@@ -46,9 +53,13 @@ def remarks(runs: Mapping[str, Run], known: Sequence[Remark] = ()) -> list[Remar
     for label, run in runs.items():
         if run.motion is None:
             continue
-        told = {name for remark in found for name in remark.about}
-        for about, text in (*_of_directions(run, told), *_of_springs(run, told)):
-            found.append(Remark(about=about, text=text, run=label))
+        for subject, tell in _SUBJECTS.items():
+            same = [remark for remark in found if remark.subject == subject]
+            told = {name for remark in same for name in remark.about}
+            found += [
+                Remark(about=about, text=text, run=label, subject=subject)
+                for about, text in tell(run, told)
+            ]
     return found
 
 
@@ -75,6 +86,23 @@ def remarks_table(found: Sequence[Remark]) -> pd.DataFrame:
         {"about": ", ".join(each.about), "remark": each.text, "run": each.run}
         for each in found
     )
+
+
+def _of_angles(run: Run, told: set[str]) -> _Told:
+    """Yield of which bodies roll and yaw swing, as pitch nears a quarter turn."""
+    for pair in run.separation.pairs:
+        if pair.B in told:
+            continue
+        pitch = np.abs(signal_of_run(run, _ANGLE.of(pair.B))[:, 1]).max()
+        if pitch > _STEEP:
+            turned = signal_of_run(run, _TURNED.of(pair.B))[-1, 0]
+            yield (
+                (pair.B,),
+                f"{pair.B} turns by {math.degrees(turned):.4g} deg in all and comes to "
+                f"a pitch of {math.degrees(pitch):.3g} deg, where roll and yaw swing "
+                "by half a turn: its angles are better told by rotation_deg and "
+                "total_rotation_deg.",
+            )
 
 
 def _of_directions(run: Run, told: set[str]) -> _Told:
@@ -188,3 +216,10 @@ def _of_energy(pushes: Sequence[_Push], held_by: tuple[str, ...]) -> str:
 def _listed(names: Sequence[str]) -> str:
     *most, last = names
     return f"{', '.join(most)} and {last}" if most else last
+
+
+_SUBJECTS: Mapping[str, Callable[[Run, set[str]], _Told]] = {
+    "direction": _of_directions,
+    "angles": _of_angles,
+    "energy": _of_springs,
+}

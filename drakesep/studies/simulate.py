@@ -59,8 +59,9 @@ class Simulated:
     @functools.cached_property
     def motion(self) -> pd.DataFrame:
         """The motion over time; empty if the run failed."""
-        motion = self.run.motion
-        return pd.DataFrame() if motion is None else motion_table(motion)
+        if not self.completed:
+            return pd.DataFrame()
+        return motion_table(self.run, self.run.separation.B)
 
     @property
     def contacts(self) -> pd.DataFrame:
@@ -116,8 +117,8 @@ class Simulated:
         write_csv(self.motion, folder / "motion.csv")
         if self.case.requirements:
             write_csv(self.requirements, folder / "requirements_of_run.csv")
-        for body, motion in self.run.others.items():
-            write_csv(motion_table(motion), folder / f"motion_{body}.csv")
+        for body in self.run.others:
+            write_csv(motion_table(self.run, body), folder / f"motion_{body}.csv")
         if self.run.separation.recontact is not None:
             write_csv(self.contacts, folder / "contacts.csv")
             write_csv(contact_forces_table(self.run), folder / "contact_forces.csv")

@@ -149,7 +149,7 @@ class Verification(WorstCases):
                 for body in bodies_shown_by(one):
                     first = body == one.run.separation.B
                     name = one.label if first else f"{one.label}_{body}"
-                    motions[name] = one.run.motion_of(body)
+                    motions[name] = one.run, body
         return replace(super().pictures, motions=motions)
 
 

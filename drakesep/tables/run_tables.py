@@ -10,12 +10,13 @@ import pandas as pd
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
+from drakesep.analysis.metrics.of_run import metric_named, signal_of_run
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ
 from drakesep.systems.model.parameters import parameters
-from drakesep.systems.model.run import Motion
+from drakesep.systems.model.run import Run
 from drakesep.tables.columns import in_units, read_table, shown, unit_of_objective
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.roles import WORST, Worst, label_of, role_in_tables
@@ -38,13 +39,30 @@ _MOTION = {
 }
 
 
-def motion_table(motion: Motion) -> pd.DataFrame:
-    """Return the motion over time: a row for each sample."""
+_ROTATIONS = [metric_named("rotation_x"), metric_named("total_rotation")]
+"""Of their signals, all turns are counted."""
+
+
+def motion_table(run: Run, body: str) -> pd.DataFrame:
+    """Return the motion of a body that leaves over time: a row for each sample.
+
+    Args:
+        run: a completed run.
+        body: that leaves.
+
+    Raises:
+        RuntimeError: the run failed.
+    """
+    motion = run.motion_of(body)
     columns = {with_unit("time"): motion.time}
     for quantity, axes in _MOTION.items():
         for i, axis in enumerate(axes):
             name = f"{quantity}_{axis}"
             samples = getattr(motion, quantity)[:, i]
+            columns[with_unit(name)] = samples * unit_of(name).per_si
+    for metric in _ROTATIONS:
+        turned = signal_of_run(run, metric.of(body))
+        for name, samples in zip(metric.names, turned.T, strict=True):
             columns[with_unit(name)] = samples * unit_of(name).per_si
     return pd.DataFrame(columns)
 

@@ -102,6 +102,13 @@ def length_squared(vector: Vector, facts: PairFacts, ops: Ops) -> tuple[Scalar]:
     return (dot(vector, vector),)
 
 
+def length(vector: Vector, facts: PairFacts, ops: Ops) -> tuple[Scalar]:
+    """Return the length of a vector; its derivative at zero, a kink, is zero."""
+    square: Any = dot(vector, vector)
+    none = square == 0.0
+    return ((square + none) ** 0.5 * (1.0 - none),)
+
+
 def force_squared(load: Sequence[Scalar], facts: Any, ops: Ops) -> tuple[Scalar]:
     """Return the square of the force of a joint's load, torque first."""
     return (dot((load[3], load[4], load[5]), (load[3], load[4], load[5])),)

@@ -24,6 +24,7 @@ from drakesep.analysis.engines.jax.step_signals import (
     Rows,
     StepSignals,
     rows,
+    summed,
     unwrapped,
 )
 from drakesep.analysis.metrics.metric import (
@@ -90,9 +91,9 @@ class Found(NamedTuple):
     """(n,) when each moment was, s; infinite before it."""
     values: tuple[Lanes, ...]
     """(c, n) of the components of what is gathered."""
-    angles: Lanes
-    """(a, n) of the components that are angles, at the end of the last step, without
-    jumps; NaN before the first."""
+    going_on: Lanes
+    """(a, n) of the components that go on from step to step, at the end of the last:
+    integrals, and angles without jumps, which are NaN before the first."""
 
 
 class MetricsFold:
@@ -149,8 +150,8 @@ class MetricsFold:
             dict.fromkeys(
                 component
                 for one in gathered
-                if not isinstance(one.when, Moment)
                 for component in one.components
+                if component.summed or not isinstance(one.when, Moment)
             )
         )
         self._gathered = [self._in_order(one) for one in gathered]
@@ -161,6 +162,7 @@ class MetricsFold:
             for component in components_of(metric.pair, metric.signal)
         }
         self._angles = [c for c in self._components if c in turning]
+        self._going_on = self._angles + [c for c in self._components if c.summed]
 
     def _in_order(self, gathered: _Gathered) -> _Gathered:
         """Return the same with its components in the order of the polynomials."""
@@ -199,16 +201,19 @@ class MetricsFold:
                 jnp.full((len(g.components), n), _BEFORE_ANY[g.functional])
                 for g in self._gathered
             ),
-            jnp.full((len(self._angles), n), jnp.nan),
+            jnp.full((len(self._going_on), n), jnp.nan).at[len(self._angles) :].set(0),
         )
 
     def add(self, found: Found, params: BatchParameters, step: Step) -> Found:
         """Return what there is after a step."""
         told = self._components_at(params, step)
         smooth = {c: told.lanes(c) for c in self._components}
-        for component, before in zip(self._angles, found.angles, strict=True):
-            smooth[component] = unwrapped(smooth[component], before)
-        angles = [smooth[component][-1] for component in self._angles]
+        for c, before in zip(self._going_on, found.going_on, strict=True):
+            if c.summed:
+                smooth[c] = summed(smooth[c], step.length, before)
+            else:
+                smooth[c] = unwrapped(smooth[c], before)
+        going_on = [smooth[c][-1] for c in self._going_on]
         looked_at = self._parts(list(smooth.values()), step)
         begins = {
             key: self._begun(*key, step) & jnp.isinf(before)
@@ -220,7 +225,7 @@ class MetricsFold:
                 part = looked_at[gathered.pair, gathered.when]
                 values.append(self._over(gathered, before, part))
             elif isinstance(gathered.when, Moment):
-                now = self._at(gathered, told)
+                now = self._at(gathered, told, smooth)
                 if gathered.when is not Moment.END:  # else it is the last that was
                     begin = begins[gathered.pair, gathered.when]
                     now = jnp.where(begin, now, before)
@@ -231,9 +236,8 @@ class MetricsFold:
             jnp.where(begins[key], step.start, before)
             for key, before in zip(self._moments, found.times, strict=True)
         )
-        return Found(
-            times, tuple(values), jnp.stack(angles) if angles else found.angles
-        )
+        ends = jnp.stack(going_on) if going_on else found.going_on
+        return Found(times, tuple(values), ends)
 
     def _components_at(self, params: BatchParameters, step: Step) -> Components:
         """Return the components of the motions of a step."""
@@ -284,10 +288,20 @@ class MetricsFold:
             None if isinstance(end, Moment) else end,
         )
 
-    def _at(self, gathered: _Gathered, told: Components) -> Lanes:
+    def _at(
+        self,
+        gathered: _Gathered,
+        told: Components,
+        smooth: Mapping[Component, Lanes],
+    ) -> Lanes:
         """Return (c, n) components at the start of a step, or at its end."""
         node = -1 if gathered.when is Moment.END else 0
-        return jnp.stack([told.lanes(c)[node] for c in gathered.components])
+        return jnp.stack(
+            [
+                (smooth[c] if c.summed else told.lanes(c))[node]
+                for c in gathered.components
+            ]
+        )
 
     def _at_time(
         self,
@@ -346,7 +360,7 @@ class MetricsFold:
             for component, value in zip(g.components, values, strict=True)
         }
         told = [self._told(m, gathered, found) for m in self._metrics]
-        none = jnp.zeros((0, found.angles.shape[-1]))
+        none = jnp.zeros((0, found.going_on.shape[-1]))
         return jnp.concatenate([none, *told])
 
     def _told(
@@ -362,7 +376,7 @@ class MetricsFold:
                 [gathered[functional, metric.when, c] for c in self._looked_at(metric)]
             )
 
-        whole = jnp.full((1, found.angles.shape[-1]), self._duration)
+        whole = jnp.full((1, found.going_on.shape[-1]), self._duration)
         if metric.functional is Functional.TIME:
             assert isinstance(metric.when, Moment)
             times = dict(zip(self._moments, found.times, strict=True))

@@ -29,11 +29,16 @@ class Component(NamedTuple):
     """Makes it of the field."""
     place: int
     """Among what it is one of."""
+    summed: bool
+    """Whether it is the integral of that over time."""
 
 
 def components_of(pair: str, signal: Signal) -> list[Component]:
     """Return the components of a signal of a pair."""
-    return [Component(pair, signal.quantity, signal.law, i) for i in signal.components]
+    return [
+        Component(pair, signal.quantity, signal.law, i, signal.summed)
+        for i in signal.components
+    ]
 
 
 class Components:
@@ -49,7 +54,7 @@ class Components:
         self._made = functools.cache(self._make)
 
     def lanes(self, component: Component) -> Lanes:
-        """Return a component (8, n)."""
+        """Return a component (8, n); of one that is summed, what is summed."""
         made = self._made(component.pair, component.quantity, component.law)
         lanes: Lanes = made[component.place]
         return lanes

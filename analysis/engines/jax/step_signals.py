@@ -131,6 +131,17 @@ class StepSignals:
         return beyond.any(axis=0), theta
 
 
+def summed(rate: Lanes, length: Lanes, before: Lanes) -> Lanes:
+    """Return the integral (8, n) of a rate at the nodes.
+
+    Args:
+        rate: (8, n) at the nodes.
+        length: (n,) of the step.
+        before: (n,) the integral where the step begins.
+    """
+    return before + 0.5 * length * jnp.tensordot(lobatto.INTEGRALS, rate, 1)
+
+
 def unwrapped(angle: Lanes, before: Lanes) -> Lanes:
     """Return an angle (8, n) at the nodes without its jumps by a whole turn.
 

@@ -162,7 +162,7 @@ class WorstCases:
     def motions(self) -> dict[str, pd.DataFrame]:
         """The motion of each run that did not fail, by its label."""
         return {
-            one.label: motion_table(one.run.motion)
+            one.label: motion_table(one.run, one.run.separation.B)
             for one in self.runs
             if one.run.motion is not None
         }

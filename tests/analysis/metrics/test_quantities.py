@@ -104,6 +104,13 @@ RUN = made_up_run(
         ("deviation_from_1_to_2_s_roll", 3.2),
         ("deviation_at_2_s_roll", 2.0 * math.pi - 3.2),
         ("angle_at_2_s_roll", 3.2 - 2.0 * math.pi),
+        # All turns are counted from the start, to either side.
+        ("rotation_at_2_s_y", 0.4),
+        ("rotation_value_at_2_s_y", -0.4),
+        ("rotation_max_z", 0.225),
+        ("rotation_min_z", 0.0),
+        ("rotation_value_at_end_z", 0.0),
+        ("rotation_max_from_2_s_z", 0.2),
     ],
 )
 def test_closed_forms(name, expected):
@@ -135,6 +142,10 @@ TURNING = made_up_run(
         ("spin_rate_until_1_s", 3.2),
         ("transverse_rate_at_1_s", math.hypot(3.0, 2.4)),
         ("relative_rate_modulus_at_2_s", 10.0),
+        ("rotation_at_end_x", 9.0),
+        ("relative_total_rotation_at_2_s", 10.0),
+        # The integral of sqrt(9 + 16 t^2), from 1 s on that of the start too.
+        ("total_rotation_min_from_1_s", 2.5 + 9.0 / 8.0 * math.asinh(4.0 / 3.0)),
         ("relative_spin_rate_value_at_2_s", 6.0),
         ("relative_transverse_rate_from_1_to_2_s", 8.0),
         ("speed_at_1_s", math.sqrt(5.0)),
@@ -233,11 +244,19 @@ def both():
 
 PLAIN = ("rate", "relative_rate", "deviation", "angle", "longitudinal_speed")
 FEW = ("after_separation", "at_0.4_s", "from_0.07_to_0.4_s")
+ROTATIONS = (
+    *("rotation_value_at_release", "total_rotation_at_separation", "rotation"),
+    *("total_rotation_at_0.4_s", "relative_rotation_min_from_0.07_to_0.4_s"),
+)
 TOLD = [
     metric
     for name in EVERY
     if (metric := find_metric(name)[0]).of_steps
-    and (name.startswith(PLAIN) or name.endswith(FEW))
+    and (
+        name in ROTATIONS
+        if "rotation" in name
+        else name.startswith(PLAIN) or name.endswith(FEW)
+    )
 ]
 EVERY_COMPONENT = [metric.names[0] for metric in TOLD]
 
@@ -273,6 +292,7 @@ def test_derivatives_of_metrics_at_times_in_seconds(both):
         *("rate_value_at_0.07_s_y", "rate_max_from_0.07_to_0.4_s_x"),
         *("longitudinal_speed_at_0.4_s", "angle_min_until_0.35_s_yaw"),
         *("longitudinal_speed_max_until_0.35_s", "rate_min_from_0.07_s_z"),
+        *("total_rotation_at_0.4_s", "total_rotation_at_separation"),
     ]
     row, columns = rows[1], [list(batch.metrics).index(name) for name in names]
     jacobian = batch.jacobian(row[None]).jacobian[0][columns]

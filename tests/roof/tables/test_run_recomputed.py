@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from recomputed import ANGLES, DEG, MM, XYZ, metrics
+from scipy.integrate import cumulative_trapezoid
 from scipy.spatial.transform import Rotation
 from small_case import small_case, write_case
 
@@ -108,6 +109,8 @@ def test_motion(simulated):
             for name, unit in expected
             for axis in (ANGLES if name == "angle" else XYZ)
         ),
+        *(f"rotation_{axis}_deg" for axis in XYZ),
+        "total_rotation_deg",
     ]
     assert frame["time_s"].to_numpy() == pytest.approx(t, abs=0.0)
     kinks = np.abs(t[:, None] - study.run.breaks).min(axis=1) < 0.01
@@ -118,6 +121,14 @@ def test_motion(simulated):
             smooth = ~kinks if name == "acceleration" else slice(None)
             apart_by = np.abs(got - values[:, i])[smooth].max()
             assert apart_by <= allowed, (name, axis, apart_by)
+    rate = in_B.apply(poses.w["upper"])
+    modulus = np.linalg.norm(rate, axis=1)
+    for name, turned in (
+        *((f"rotation_{axis}_deg", rate[:, i]) for i, axis in enumerate(XYZ)),
+        ("total_rotation_deg", modulus),
+    ):  # by trapezoids, again
+        expected = DEG * cumulative_trapezoid(turned, t, initial=0.0)
+        assert frame[name].to_numpy() == pytest.approx(expected, abs=1e-3)
     # Nothing but springs acts: what B has gained is its momentum.
     gained = 1210.0 * np.linalg.norm(v_B[-1] - v_B[0])
     columns = [f"linear_momentum_change_{axis}_N_s" for axis in XYZ]

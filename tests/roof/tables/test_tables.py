@@ -18,6 +18,8 @@ MOTION = [
     *(f"acceleration_{a}_m_s2" for a in AXES),
     *(f"linear_momentum_change_{a}_N_s" for a in AXES),
     *(f"angular_momentum_change_{a}_N_m_s" for a in AXES),
+    *(f"rotation_{a}_deg" for a in AXES),
+    "total_rotation_deg",
 ]
 PARAMETERS = [
     "payload.mass_kg",
