@@ -5,6 +5,7 @@ precision, many samples side by side. Drake stays the reference. How a batch is 
 told in `drakesep.systems.batch.integrator`.
 """
 
+import copy
 import functools
 import math
 import os
@@ -54,7 +55,7 @@ from drakesep.systems.batch.integrator import (
 from drakesep.systems.batch.lanes import Lanes
 from drakesep.systems.batch.motion import MotionFold
 from drakesep.systems.batch.row_checks import check_rows
-from drakesep.systems.checks import InputError, check_positive, unknown
+from drakesep.systems.checks import InputError, check_finite, check_positive, unknown
 from drakesep.systems.model.parameters import (
     check_read,
     declarations,
@@ -186,6 +187,8 @@ class Batch:
         self._max_steps = max_steps
         self._nominal = nominal
         self.nominal = np.array([nominal[name] for name in names])
+        self._all_names, self._free = self.names, np.arange(len(names))
+        self._lane = self.nominal  # of all of the programs' parameters
         self._equations = BatchEquations(separation, names)
         read = {*self._equations.read, *places_of_parts(separation)}
         check_read(names, read, "the batch engine")
@@ -213,6 +216,34 @@ class Batch:
         self._metrics = Program(compiled, self._fly_metrics, chunk)
         self._metrics_and_slopes = Program(compiled, self._fly_slopes, few)
         self._motion = compiled(self._fly_motion)
+
+    @typed
+    def holding(self, values: Mapping[str, float]) -> "Batch":
+        """Return a batch that flies by the same programs, with some parameters held.
+
+        They have other values than in this one's separation, and do not vary.
+
+        Args:
+            values: new ones, in SI, by name, of parameters that the programs vary:
+                those of this batch, or such as it holds.
+
+        Raises:
+            ValueError: a parameter is another, or a value is not physical.
+        """
+        for name, value in values.items():
+            if name not in self._all_names:
+                raise InputError(unknown("parameter", name, self._all_names))
+            check_finite(name, value)
+        held = copy.copy(self)
+        held.separation = with_values(self.separation, values)
+        held._lane = self._lane.copy()
+        for name, value in values.items():
+            held._lane[self._all_names.index(name)] = value
+        free = [i for i in self._free if self._all_names[i] not in values]
+        held._free = np.array(free, dtype=np.intp)
+        held.names = tuple(self._all_names[i] for i in free)
+        held.nominal = held._lane[held._free]
+        return held
 
     @typed
     def run(
@@ -318,7 +349,7 @@ class Batch:
             metrics[part] = flown.metrics.T
             steps[part] = flown.final.steps
             if jacobian is not None:
-                jacobian[part] = np.transpose(flown.slopes, (2, 1, 0))
+                jacobian[part] = np.transpose(flown.slopes, (2, 1, 0))[..., self._free]
             for i, why in self._why_not(flown).items():
                 failures.setdefault(part.start + i, why)
             if on_progress is not None:
@@ -361,9 +392,9 @@ class Batch:
                 raise
 
     def _filled(self, rows: Array, count: int) -> Array:
-        """Return (n_p, count) lanes of fewer rows: every call has the same size."""
-        lanes = np.tile(self.nominal[:, None], count)
-        lanes[:, : len(rows)] = rows.T
+        """Return lanes (all, count) of fewer rows: every call has the same size."""
+        lanes = np.tile(self._lane[:, None], count)
+        lanes[self._free, : len(rows)] = rows.T
         return lanes
 
     def _why_not(self, flown: _Flown) -> dict[int, str]:
@@ -390,7 +421,7 @@ class Batch:
     # The programs.
 
     def _params(self, values: Lanes) -> Any:
-        p = {**self._nominal, **dict(zip(self.names, values, strict=True))}
+        p = {**self._nominal, **dict(zip(self._all_names, values, strict=True))}
         return self._equations.params(p, values.shape[1])
 
     def _fly_metrics(self, values: Lanes) -> _Flown:

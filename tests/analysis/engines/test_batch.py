@@ -56,6 +56,43 @@ def fine_batch(vega):
     )
 
 
+# Parameters that are held.
+
+
+def test_what_is_held_flies_as_rows_that_have_it(vega, vega_batch):
+    values = {"payload.mass": 70.0, "spring_2.force_max": 0.0}
+    cg = vega_batch.nominal[vega_batch.names.index("payload.cg_x")]
+    values["payload.cg_x"] = cg
+    held = vega_batch.holding({**values, "payload.cg_x": 2.0 * cg})
+    held = held.holding({"payload.cg_x": cg})  # it is held already
+    free = [i for i, name in enumerate(vega_batch.names) if name in held.names]
+    assert len(free) == len(vega_batch.names) - 3
+    rows = random_rows(vega, 3)
+    full = rows.copy()
+    for name, value in values.items():
+        full[:, vega_batch.names.index(name)] = value
+    got, expected = held.run(rows[:, free]), vega_batch.run(full)
+    # To round-off: programs take what all lanes have in common, the idle ones too.
+    near = {"rtol": 1e-12, "atol": 1e-13}
+    np.testing.assert_allclose(got.metrics, expected.metrics, **near)
+    slopes = vega_batch.jacobian(full[:1]).jacobian[..., free]
+    np.testing.assert_allclose(held.jacobian(rows[:1, free]).jacobian, slopes, **near)
+    first, *_ = held.runs(rows[:1, free])
+    assert parameters(first.separation)["spring_2.force_max"] == 0.0
+    assert held.nominal == pytest.approx(
+        [parameters(vega.separation)[n] for n in held.names]
+    )
+
+
+def test_only_what_varies_may_be_held(vega_batch):
+    with pytest.raises(InputError, match=r"launch_vehicle\.mass"):
+        vega_batch.holding({"launch_vehicle.mass": 1.0})
+    with pytest.raises(InputError, match="mass"):
+        vega_batch.holding({"payload.mass": -1.0})
+    with pytest.raises(InputError, match="finite"):
+        vega_batch.holding({"payload.mass": math.inf})
+
+
 # Against Drake.
 
 
