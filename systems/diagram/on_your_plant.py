@@ -3,7 +3,7 @@
 The plant may hold more than the bodies of the separation, in any order, with joints,
 gravity and forces of its own. Two adapters stand between it and the separation's
 forces: one reads the bodies' motion from the plant's ports, one turns wrenches into its
-spatial forces; a third, where joints are rigid, shows them what else acts.
+spatial forces; a third shows the separation what else acts on its bodies.
 """
 
 from collections.abc import Sequence
@@ -28,7 +28,11 @@ from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.design.mass_properties import mass_properties_of
 from drakesep.systems.diagram.separation_forces import SeparationForces
 from drakesep.systems.diagram.state_layout import StateLayout
-from drakesep.systems.diagram.unseen_forces import check_all_is_seen
+from drakesep.systems.diagram.unseen_forces import (
+    all_is_seen,
+    check_all_is_seen,
+    gravity_on,
+)
 from drakesep.systems.equations.rigid_joints import rigid_joints
 from drakesep.systems.model.separation import Body, Separation
 
@@ -63,16 +67,18 @@ def add_separation(
         other_forces: output port with a list of ExternallyAppliedSpatialForce of one's
             own; the plant's input port is taken by the separation. Rigid joints must
             know all forces: what is not here, or is not known before accelerations
-            are, cannot act on their bodies. What is done afterwards is not seen, and
-            leaves joints wrong: generalized forces connected later, and in the plant's
-            Context a body that is locked or has another mass than the separation.
+            are, cannot act on their bodies.
         name: of the system that is added.
 
     Returns:
         The system that was added, whose ports `SeparationForces` lists; those for
         motion and wrenches are connected. Write the separation's numbers into its
         Context with `SeparationForces.set_separation`; where they vary the bodies,
-        write these into the plant's with `set_mass_properties`.
+        write these into the plant's with `set_mass_properties`. What is done afterwards
+        shows in the accelerations, and is an error where joints are rigid, else a
+        warning: other mass properties in the plant's Context alone, a body that is
+        locked, generalized forces connected later. Of bodies with joints, contact or
+        force elements of the plant it is not known.
 
     Raises:
         ValueError: the plant is discrete or not finalized, has no such body or one of
@@ -91,17 +97,23 @@ def add_separation(
     _check_bodies(plant, found, separation)
     joined = [found[i] for i in rigid_joints(separation).bodies]
     check_all_is_seen(builder, plant, joined)
-    seen = bool(joined) and other_forces is not None
+    seen = other_forces is not None
+    watched = {
+        description.name: gravity_on(plant, body)
+        for body, description in zip(found, separation.bodies, strict=True)
+        if all_is_seen(builder, plant, body)
+    }
     count = len(found)
     layout = StateLayout(
         count * (_Q + _V),
         tuple((_Q * i, _Q * count + _V * i) for i in range(count)),
     )
     separation_forces: SeparationForces = builder.AddNamedSystem(
-        name, SeparationForces(separation, layout, external_wrenches=seen)
+        name,
+        SeparationForces(separation, layout, external_wrenches=seen, watched=watched),
     )
     motion = builder.AddNamedSystem(f"{name}_motion", _BodyMotion(found))
-    forces = builder.AddNamedSystem(f"{name}_forces", _SpatialForces(found, seen))
+    forces = builder.AddNamedSystem(f"{name}_forces", _SpatialForces(found))
     for source, target in (
         (plant.get_body_poses_output_port(), motion.GetInputPort("poses")),
         (
@@ -123,7 +135,6 @@ def add_separation(
         builder.Connect(source, target)
     if other_forces is not None:
         builder.Connect(other_forces, forces.GetInputPort("other_forces"))
-    if seen:
         others = builder.AddNamedSystem(f"{name}_other_forces", _OtherWrenches(found))
         poses = plant.get_body_poses_output_port()
         builder.Connect(poses, others.GetInputPort("poses"))
@@ -264,18 +275,16 @@ class _SpatialForces(LeafSystem):
     Input ports:
         wrenches: (6 m,) N m and N in W: torque about the origin, then force, on each of
             the m bodies.
-        other_forces: abstract: list of ExternallyAppliedSpatialForce, passed on;
-            optional. Where the wrenches have those on their bodies already, only those
-            on others are.
+        other_forces: abstract: list of ExternallyAppliedSpatialForce; optional. The
+            wrenches have those on their bodies, those on others are passed on.
 
     Output ports:
         spatial_forces: abstract: list of ExternallyAppliedSpatialForce.
     """
 
-    def __init__(self, bodies: Sequence[RigidBody], with_others: bool):
+    def __init__(self, bodies: Sequence[RigidBody]):
         super().__init__()
         self._indices = [body.index() for body in bodies]
-        self._with_others = with_others
         self._wrenches = self.DeclareVectorInputPort("wrenches", 6 * len(bodies))
         no_forces = AbstractValue.Make([ExternallyAppliedSpatialForce()])
         self._others = self.DeclareAbstractInputPort("other_forces", no_forces)
@@ -294,9 +303,9 @@ class _SpatialForces(LeafSystem):
             )
             forces.append(force)
         if self._others.HasValue(context):
-            mine = self._indices if self._with_others else []
-            others = self._others.Eval(context)
-            forces += [other for other in others if other.body_index not in mine]
+            for other in self._others.Eval(context):
+                if other.body_index not in self._indices:
+                    forces.append(other)
         output.set_value(forces)
 
 

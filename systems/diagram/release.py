@@ -48,6 +48,7 @@ class Release(LatchingSystem):
         trigger: (1,) 1: commands the release of all attachments where it rises above
             0.5; optional. With it, or the next, the scheduled times are not used.
         triggers: (n,) 1: command the release of each attachment likewise; optional.
+            With both, an attachment lets go at the first of the two.
 
     Output ports:
         released: (n,) s: time of each attachment's release; infinite while it holds.

@@ -1,6 +1,7 @@
 """Everything of a separation but its bodies, as a Drake diagram."""
 
 import math
+from collections.abc import Mapping
 
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import Adder
@@ -11,6 +12,7 @@ from drakesep.systems.diagram.force_sum import ForceSum
 from drakesep.systems.diagram.gravity import Gravity
 from drakesep.systems.diagram.joints import CfeBushing
 from drakesep.systems.diagram.loads import Loads
+from drakesep.systems.diagram.mass_watch import MassWatch
 from drakesep.systems.diagram.motion_analysis import MotionAnalysis
 from drakesep.systems.diagram.release import Release
 from drakesep.systems.diagram.rigid_joints import RigidJoints
@@ -18,6 +20,7 @@ from drakesep.systems.diagram.springs import Springs
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.equations.springs import law_of
 from drakesep.systems.model.separation import Separation
+from drakesep.systems.vectors import Vector
 
 
 @typed
@@ -31,7 +34,8 @@ class SeparationForces(Diagram):
     ``motion_analysis``; and ``loads``, ``gravity`` and ``rigid_joints`` if the
     separation has loads, an orbit or rigid joints. For each other body that leaves
     there is one more motion analysis, with outputs like the last eight that have its
-    name before theirs, as ``satellite_rate``.
+    name before theirs, as ``satellite_rate``. Bodies that are watched have a
+    ``mass_watch``.
 
     Input ports:
         plant_state: (s,) 1, m, rad/s and m/s in W: state of the plant, in which the
@@ -41,6 +45,7 @@ class SeparationForces(Diagram):
         trigger: (1,) 1: commands the release of all attachments where it rises above
             0.5; optional. With it, or the next, the scheduled times are not used.
         triggers: (n,) 1: command the release of each attachment likewise; optional.
+            With both, an attachment lets go at the first of the two.
         external_wrenches: (6 m,) N m and N in W: torque about the origin, then force,
             on each of the m bodies, in the order of `Separation.bodies`: thrust,
             disturbances, whatever the surrounding diagram knows of; if asked for.
@@ -73,6 +78,7 @@ class SeparationForces(Diagram):
         *,
         external_wrenches: bool = False,
         motion_analysis: bool = True,
+        watched: Mapping[str, Vector] | None = None,
     ):
         """Build the diagram.
 
@@ -84,6 +90,10 @@ class SeparationForces(Diagram):
             motion_analysis: whether to measure the motion of what leaves: to have the
                 input port `plant_acceleration` and the outputs from `rate` on. Momentum
                 is integrated with the motion, which costs at every evaluation.
+            watched: gravity in W, m/s^2, by the names of bodies on which nothing else
+                acts that is not seen here: where these have other mass properties in
+                the plant's Context than here, that is told; see `MassWatch`. With
+                motion analysis alone.
         """
         super().__init__()
         builder = DiagramBuilder()
@@ -147,7 +157,15 @@ class SeparationForces(Diagram):
                 builder.Connect(released, system.GetInputPort("released"))
         motions = list(self._motions.values())
         rigid = [] if self._rigid is None else [self._rigid]
-        readers = (self._release, *forces, total, *rigid, *motions)
+        self._watch: MassWatch | None = None
+        if watched and motion_analysis:
+            refuses = self._rigid is not None
+            self._watch = builder.AddNamedSystem(
+                "mass_watch", MassWatch(separation, layout, watched, refuses=refuses)
+            )
+            builder.Connect(wrenches, self._watch.GetInputPort("wrenches"))
+        watch = [] if self._watch is None else [self._watch]
+        readers = (self._release, *forces, total, *rigid, *motions, *watch)
         builder.ExportInput(readers[0].GetInputPort("plant_state"), "plant_state")
         for system in readers[1:]:
             builder.ConnectInput("plant_state", system.GetInputPort("plant_state"))
@@ -157,10 +175,11 @@ class SeparationForces(Diagram):
                 motion.GetInputPort("spring_wrenches"),
             )
         name = "plant_acceleration"
-        for motion in motions[:1]:
-            builder.ExportInput(motion.GetInputPort(name), name)
-        for motion in motions[1:]:
-            builder.ConnectInput(name, motion.GetInputPort(name))
+        accelerated: list[System] = [*motions, *watch]
+        for system in accelerated[:1]:
+            builder.ExportInput(system.GetInputPort(name), name)
+        for system in accelerated[1:]:
+            builder.ConnectInput(name, system.GetInputPort(name))
         for name in ("trigger", "triggers"):
             builder.ExportInput(self._release.GetInputPort(name), name)
 
@@ -216,6 +235,8 @@ class SeparationForces(Diagram):
             self._loads.set_loads(of(self._loads), separation)
         if self._gravity is not None:
             self._gravity.set_gravity(of(self._gravity), separation)
+        if self._watch is not None:
+            self._watch.set_bodies(of(self._watch), separation)
 
     def parameters_read(self, separation: Separation) -> set[str]:
         """Return the names of the parameters that the systems read.

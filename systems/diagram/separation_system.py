@@ -39,10 +39,15 @@ class SeparationSystem(Diagram):
     and ``forces``, a `SeparationForces`; and, if the separation has recontact or is
     to be seen, ``scene_graph`` with the bodies' geometry.
 
+    A body whose mass properties are changed in the plant's Context alone is told of,
+    since all else keeps the old ones; but not with recontact, nor without motion
+    analysis.
+
     Input ports:
         trigger: (1,) 1: commands the release of all attachments where it rises above
             0.5; optional. With it, or the next, the scheduled times are not used.
         triggers: (n,) 1: command the release of each attachment likewise; optional.
+            With both, an attachment lets go at the first of the two.
         external_wrenches: (6 m,) N m and N in W: torque about the origin, then force,
             on each of the m bodies, in the order of `Separation.bodies`: thrust,
             disturbances, whatever the surrounding diagram knows of; if asked for.
@@ -107,7 +112,8 @@ class SeparationSystem(Diagram):
             register_illustration(plant, separation)
         self._part_of = register_contact(plant, scene, separation) if pushing else {}
         plant.Finalize()
-        layout = state_layout(plant, [body.name for body in separation.bodies])
+        names = [body.name for body in separation.bodies]
+        layout = state_layout(plant, names)
         forces = builder.AddNamedSystem(
             "forces",
             SeparationForces(
@@ -115,6 +121,8 @@ class SeparationSystem(Diagram):
                 layout,
                 external_wrenches=external_wrenches,
                 motion_analysis=motion_analysis,
+                # Contact is the plant's own.
+                watched={} if pushing else dict.fromkeys(names, (0.0, 0.0, 0.0)),
             ),
         )
         state = plant.get_state_output_port()

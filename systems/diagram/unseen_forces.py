@@ -10,6 +10,7 @@ from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import DiagramBuilder
 
 from drakesep.systems.checks import InputError
+from drakesep.systems.vectors import Vector
 
 
 def check_all_is_seen(
@@ -30,6 +31,27 @@ def check_all_is_seen(
             f"{unseen}, of which rigid joints on these bodies must know; give their "
             "joints stiffness and damping, as propose_joint does"
         )
+
+
+def all_is_seen(
+    builder: DiagramBuilder, plant: MultibodyPlant, body: RigidBody
+) -> bool:
+    """Return whether nothing but gravity acts on a body that a separation cannot see.
+
+    Args:
+        builder: that holds the plant.
+        plant: finalized.
+        body: of the plant.
+    """
+    return not any(_unseen(builder, plant, [body]))
+
+
+def gravity_on(plant: MultibodyPlant, body: RigidBody) -> Vector:
+    """Return the plant's gravity on a body, in its world, m/s^2."""
+    if not plant.is_gravity_enabled(body.model_instance()):
+        return 0.0, 0.0, 0.0
+    x, y, z = plant.gravity_field().gravity_vector().tolist()
+    return x, y, z
 
 
 def _unseen(

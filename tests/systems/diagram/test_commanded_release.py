@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from flying import simulator_of
-from pydrake.systems.framework import DiagramBuilder, EventStatus, LeafSystem
+from pydrake.systems.framework import Diagram, DiagramBuilder, EventStatus, LeafSystem
 from pydrake.systems.primitives import ConstantVectorSource
 from separations import STIFF, generic_pair
 
@@ -121,6 +121,37 @@ def test_trigger_that_is_up_before_the_start(start):
 def test_trigger_at_the_start_of_a_discrete_event():
     [recorded] = released_after(Sequencer(0.0), "trigger", [0.1])
     assert 0.0 <= recorded[0] <= LATENESS
+
+
+class Both(Diagram):
+    """One for all at 0.2 s; of one for each, the first rises before and falls again."""
+
+    def __init__(self):
+        super().__init__()
+        builder = DiagramBuilder()
+        for name, ups in (
+            ("trigger", [(0.2, 9.0)]),
+            ("triggers", [(0.1, 0.15), (0.3, 9.0)]),
+        ):
+            source = builder.AddSystem(Signal(*ups))
+            builder.ExportOutput(source.get_output_port(), name)
+        builder.BuildInto(self)
+
+
+def test_with_both_triggers_the_first_of_the_two_counts():
+    builder = DiagramBuilder()
+    separation = generic_pair(release_times=(0.05, 0.06))
+    system = builder.AddSystem(SeparationSystem(separation))
+    both = builder.AddSystem(Both())
+    for name in ("trigger", "triggers"):
+        builder.Connect(both.GetOutputPort(name), system.GetInputPort(name))
+    parent = builder.Build()
+    context = parent.CreateDefaultContext()
+    inner = system.GetMyMutableContextFromRoot(context)
+    system.set_separation(inner, separation)
+    simulator_of(parent, context, ACCURACY).AdvanceTo(0.4)
+    released = system.GetOutputPort("released").Eval(inner).tolist()
+    assert released == pytest.approx([0.1, 0.2], abs=LATENESS)
 
 
 def test_triggers_of_the_wrong_size():
