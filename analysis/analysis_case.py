@@ -9,9 +9,10 @@ import functools
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Literal, Self
 
+from drakesep.analysis.failure_cases import FailureCase, check_failure_cases
 from drakesep.analysis.metrics.clearances import CLEARANCE
 from drakesep.analysis.metrics.metric import Functional, Metric, Owner
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective, lowest, towards
@@ -142,7 +143,7 @@ class AnalysisCase:
 
     Raises:
         ValueError: a tolerance, an ellipsoid, a requirement, a pair of parts or a
-            published case does not fit the separation, or the others.
+            published or failure case does not fit the separation, or the others.
     """
 
     separation: Separation
@@ -162,6 +163,8 @@ class AnalysisCase:
     clearance: ClearancePairs = field(default_factory=ClearancePairs)
     published: tuple[PublishedCase, ...] = ()
     """Worst cases that others have found."""
+    failure_cases: tuple[FailureCase, ...] = ()
+    """What may go wrong, each of which is verified on request."""
     tolerance_set: ToleranceSet = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -178,6 +181,7 @@ class AnalysisCase:
         self._check_parts_measured()
         self._check_objectives()
         self._check_published()
+        check_failure_cases(self.separation, self.failure_cases)
 
     def _check_parts_measured(self) -> None:
         """Raise InputError if a part's place varies and nothing is measured to it."""
@@ -304,6 +308,32 @@ class AnalysisCase:
                 )
             with named(f"published: {published.label}"):
                 with_values(self.separation, published.values)
+
+    def in_failure(self, failure: FailureCase) -> Self:
+        """Return the case in which something has failed.
+
+        What has failed does not vary. Ellipsoids lose it: what else is in them goes
+        together as before. There are no published worst cases of it.
+
+        Args:
+            failure: what has.
+
+        Raises:
+            ValueError: a value is not physical.
+        """
+        free = {k: t for k, t in self.tolerances.items() if k not in failure.values}
+        return replace(
+            self,
+            separation=with_values(self.separation, failure.values),
+            tolerances=free,
+            ellipsoids=tuple(
+                kept
+                for ellipsoid in self.ellipsoids
+                if (kept := ellipsoid.without(failure.values)) is not None
+            ),
+            published=(),
+            failure_cases=(),
+        )
 
     @property
     def box(self) -> ToleranceBox:

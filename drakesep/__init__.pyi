@@ -17,8 +17,8 @@ from .studies.simulate import simulate as simulate
 from .studies.sweep import Sweep as Sweep
 from .studies.sweep import SweepProgress as SweepProgress
 from .studies.sweep import sweep as sweep
-from .studies.verification import Verification as Verification
 from .studies.verification import verify as verify
+from .studies.verified import Verification as Verification
 from .studies.worst_case.plan import Progress as Progress
 from .studies.worst_case.procedure import worst_case as worst_case
 from .studies.worst_case.result import WorstCases as WorstCases

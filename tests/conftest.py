@@ -11,7 +11,8 @@ from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.case_file.case import Case
 from drakesep.case_file.reader import load_case
 from drakesep.results.folder import ResultsFolder
-from drakesep.studies.verification import Verification, verify
+from drakesep.studies.verification import verify
+from drakesep.studies.verified import Verification
 
 
 # A busy machine is not a failure.

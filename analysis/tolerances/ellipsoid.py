@@ -1,6 +1,6 @@
 """Parameters whose tolerances go together: an ellipsoid, correlated or not."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,6 +52,17 @@ class Ellipsoid:
                 f"ellipsoid of {listed}: correlation must be positive definite, got "
                 f"{self.correlation}"
             )
+
+    def without(self, names: Collection[str]) -> "Ellipsoid | None":
+        """Return that of the other parameters; None if no two are left."""
+        kept = [i for i, name in enumerate(self.names) if name not in names]
+        if len(kept) < 2:
+            return None
+        C = self.correlation
+        return Ellipsoid(
+            names=tuple(self.names[i] for i in kept),
+            correlation=C and tuple(tuple(C[i][j] for j in kept) for i in kept),
+        )
 
     @property
     def matrix(self) -> Array:

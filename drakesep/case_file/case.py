@@ -27,6 +27,7 @@ from drakesep.case_file.attachments import AttachmentSection, LoadSection
 from drakesep.case_file.bodies import BodySection
 from drakesep.case_file.dispersions import Tolerance, tolerances_in_si
 from drakesep.case_file.errors import CaseError, explained
+from drakesep.case_file.failure_cases import FailureCases, failure_cases_in_si
 from drakesep.case_file.geometry import ClearanceSection, RecontactSection
 from drakesep.case_file.others import (
     BeforeSeparationSection,
@@ -102,6 +103,8 @@ class Case(Section):
     """How long, and how it is integrated."""
     published: list[PublishedSection] = Field(default_factory=list)
     """Worst cases of a publication, to be compared with ours."""
+    failure_cases: FailureCases = Field(default_factory=dict)
+    """What may go wrong, by name, or `standard`: what `verify --failures` looks at."""
 
     _record: AnalysisCase = PrivateAttr()
     _origin: Origin = PrivateAttr()
@@ -130,6 +133,9 @@ class Case(Section):
                 )
                 for section in self.ellipsoids
             ]
+        with named("failure_cases"):
+            box = ToleranceBox.around(separation, tolerances)
+            failures = failure_cases_in_si(separation, box, self.failure_cases)
         published = []
         for section in self.published:
             with named(f"published: {section.label}"):
@@ -145,6 +151,7 @@ class Case(Section):
                 objectives=self.objectives,
                 clearance=self._clearance_pairs(),
                 published=tuple(published),
+                failure_cases=failures,
             )
         except UnphysicalTolerance as error:
             got = tolerance_text(error.name, tolerances[error.name])

@@ -4,7 +4,7 @@ import fnmatch
 import math
 import re
 from collections.abc import Mapping
-from typing import Annotated, Any, Self, TypeAlias
+from typing import Annotated, Any, Self, TypeAlias, TypeVar
 
 from pydantic import BeforeValidator, Discriminator, Tag, model_validator
 
@@ -150,25 +150,45 @@ def tolerances_in_si(
     """
     nominal = parameters(separation)
     names = {with_unit(name): name for name in nominal}
-    found: dict[str, tuple[str, Tolerance]] = {}
-    for key, value in dispersions.items():
+    tolerances = {}
+    for key, name, value in names_fitting(names, dispersions):
+        tolerance = _tolerance(key, name, value, nominal[name])
+        check_matters(key, nominal[name], tolerance)
+        tolerances[name] = tolerance
+    return tolerances
+
+
+_Value = TypeVar("_Value")
+
+
+def names_fitting(
+    names: Mapping[str, str], stated: Mapping[str, _Value]
+) -> list[tuple[str, str, _Value]]:
+    """Return what is stated of each parameter: its key, name and value.
+
+    Args:
+        names: of the parameters, by the same with their units.
+        stated: values by names with units, or by patterns of such names: each
+            parameter that fits has its own. One that is named has what stands at its
+            name.
+
+    Raises:
+        CaseError: a name is unknown, a pattern fits none, or two patterns fit the same
+            parameter.
+    """
+    found: dict[str, tuple[str, _Value]] = {}
+    for key, value in stated.items():
         for fitting in _fitting(key, names):
-            named = fitting in dispersions
-            if named and fitting != key:
+            is_named = fitting in stated
+            if is_named and fitting != key:
                 continue
-            if not named and fitting in found:
+            if not is_named and fitting in found:
                 raise CaseError(
                     f"{fitting}: must fit one pattern, got {found[fitting][0]} and "
                     f"{key}"
                 )
             found[fitting] = key, value
-    tolerances = {}
-    for key, (_, value) in found.items():
-        name = names[key]
-        tolerance = _tolerance(key, name, value, nominal[name])
-        check_matters(key, nominal[name], tolerance)
-        tolerances[name] = tolerance
-    return tolerances
+    return [(name, names[name], value) for name, (_, value) in found.items()]
 
 
 def _fitting(key: str, names: Mapping[str, str]) -> list[str]:

@@ -10,7 +10,7 @@ from drakesep.studies.clearance import Clearances
 from drakesep.studies.remarks import notes_of
 from drakesep.studies.simulate import Simulated
 from drakesep.studies.sweep import Sweep
-from drakesep.studies.verification import Verification
+from drakesep.studies.verified import Verification
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.tables.labelled_run import nominal_of
 from drakesep.tables.run_tables import metrics_table

@@ -157,6 +157,12 @@ def verify(
         int | None,
         typer.Option(help="Drawn at random, to look how far tolerances may grow."),
     ] = None,
+    failures: Annotated[
+        bool,
+        typer.Option(
+            "--failures", help="Verify the failure cases of the case, too, each alike."
+        ),
+    ] = False,
     output: OutputOption = None,
     workers: WorkersOption = None,
     quiet: QuietOption = False,
@@ -164,7 +170,8 @@ def verify(
 ) -> None:
     """Find the worst cases and hold them against the requirements.
 
-    Exits with 1 unless every requirement is met.
+    Exits with 1 unless every requirement is met; with --failures, in every failure
+    case, too.
     """
     with Report("verify", quiet=quiet, as_json=as_json) as report:
         loaded = load(report, case)
@@ -192,6 +199,7 @@ def verify(
                     background=background,
                     minutes=minutes,
                     resume=resume,
+                    failures=failures,
                     **_given(
                         starts=starts,
                         samples=samples,

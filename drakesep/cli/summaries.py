@@ -17,7 +17,7 @@ from drakesep.studies.clearance import Clearances
 from drakesep.studies.remarks import notes_of
 from drakesep.studies.simulate import Simulated
 from drakesep.studies.sweep import Sweep
-from drakesep.studies.verification import Verification
+from drakesep.studies.verified import Verification
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.systems.model.parameters import parameters
 from drakesep.tables.columns import in_units

@@ -1,9 +1,9 @@
 """The worst cases flown in Drake, and held against what searches say of them."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TypeVar
+from typing import TypeAlias, TypeVar
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.objective import LowestClearance
@@ -11,10 +11,9 @@ from drakesep.analysis.clearance.of_pair import ACCURACY, Clearance
 from drakesep.analysis.engines.jax.batch import TOLERANCE
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.search.judge import WorstCase
-from drakesep.analysis.search.problem import Candidate, SearchProgress
+from drakesep.analysis.search.problem import Candidate
 from drakesep.analysis.search.sqp import SearchStatus
 from drakesep.studies.worst_case.result import WorstCases
-from drakesep.studies.worst_case.session import Session
 from drakesep.systems.model.run import Run
 from drakesep.tables.labelled_run import (
     LabelledRun,
@@ -46,7 +45,15 @@ _ENDINGS = {
 }
 
 
-def confirmed(study: _Study, under_way: Session) -> _Study:
+Fly: TypeAlias = Callable[
+    [Sequence[Mapping[str, float]], Callable[[int, int], None]], list[Run]
+]
+"""Flies variations in Drake, as `DrakePool.fly` does."""
+
+
+def confirmed(
+    study: _Study, fly: Fly, on_progress: Callable[[int, int], None] = lambda *_: None
+) -> _Study:
     """Return a study with the runs in Drake of what was found, held against that."""
     case = study.case
     ends = [
@@ -57,10 +64,7 @@ def confirmed(study: _Study, under_way: Session) -> _Study:
     found: list[Mapping[str, float]] = [case.box.values(end.u) for end in ends]
     found += [worst.values for worst in study.worst]
 
-    def tell(done: int, total: int) -> None:
-        under_way.tell(SearchProgress(search="confirmation", done=done, total=total))
-
-    flown = under_way.pool.fly(found, tell)
+    flown = fly(found, on_progress)
     runs = [
         *study.runs,
         *(_search_end(study, *one) for one in zip(ends, flown, strict=False)),

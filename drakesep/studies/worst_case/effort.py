@@ -12,7 +12,7 @@ or by granting more time, which has it searched harder too. Else it is refused.
 
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from drakesep.analysis.analysis_case import AnalysisCase
@@ -28,8 +28,13 @@ from drakesep.studies.worst_case.speed import Speed
 from drakesep.systems.checks import InputError, check_positive
 
 
-GROWTH, CONFIRMATION = "growth", "confirmation"
+GROWTH, CONFIRMATION, FAILURES = "growth", "confirmation", "failure cases"
 """What follows the searches."""
+_OF_FAILURES = ("samples", FROM_NOMINAL, "multistart")
+"""Searches of a failure case: of the design's, those that cost least."""
+_FEWER = {"samples": 2048, "starts": 3}
+"""Of them, for a failure case: it is to cost a tenth of the design, and what is worst
+of that is known."""
 _GRADES = 8
 MINUTES = 10.0
 """That a study may take, unasked: beyond these, something is left out."""
@@ -74,6 +79,8 @@ class StudyEffort:
     settings: SearchSettings
     growth: bool
     """Whether it is looked how far tolerances may grow."""
+    failures: int = 0
+    """Failure cases that are searched beside the design."""
     seconds: Mapping[str, float]
     """That each search takes, and what follows them, in their order."""
     left_out: tuple[str, ...] = ()
@@ -109,6 +116,8 @@ class StudyEffort:
         steps = [what[name] for name in self.searches if name in what]
         if self.growth:
             steps.append("growth of tolerances")
+        if self.failures:
+            steps.append(_counted(self.failures, "failure case"))
         text = (
             f"worst cases of {_counted(self.objectives, 'objective')} over "
             f"{_counted(self.parameters, 'parameter')}: {', '.join(steps)}; about "
@@ -147,6 +156,7 @@ def planned_effort(
     growth: bool | None,
     speed: Speed,
     minutes: float | None = None,
+    failures: int = 0,
 ) -> StudyEffort:
     """Return what a study will do.
 
@@ -159,12 +169,15 @@ def planned_effort(
         speed: how fast the case flies.
         minutes: that it may take; None: `MINUTES`, or as long as searches take that are
             asked for.
+        failures: failure cases that are searched beside the design.
 
     Raises:
         ValueError: it takes longer, with the least effort.
     """
     granted = MINUTES if minutes is None else minutes
-    costs = _Costs(case, objectives, speed, drake_alone=wanted.drake_alone)
+    costs = _Costs(
+        case, objectives, speed, failures=failures, drake_alone=wanted.drake_alone
+    )
     growth_is_wanted = (not wanted.drake_alone) if growth is None else growth
 
     def of_grade(grade: int, without: Collection[str]) -> _Steps:
@@ -193,6 +206,7 @@ def planned_effort(
         searches=names,
         settings=settings,
         growth=grows,
+        failures=failures,
         seconds=costs.of(names, settings, grows, speed.cores),
         left_out=without,
         minutes=granted,
@@ -228,6 +242,20 @@ def _too_long(
         if fits(rest):
             out = rest
     return tuple(out)
+
+
+def of_failure(
+    searches: Sequence[str], settings: SearchSettings
+) -> tuple[tuple[str, ...], SearchSettings]:
+    """Return how a failure case is searched: as the design is, but for what costs most.
+
+    Args:
+        searches: of the design.
+        settings: how hard they are.
+    """
+    few = tuple(name for name in _OF_FAILURES if name in searches)
+    least = {name: min(getattr(settings, name), most) for name, most in _FEWER.items()}
+    return few or tuple(searches), replace(settings, **least)
 
 
 def _unasked(
@@ -279,6 +307,7 @@ class _Costs:
         objectives: Sequence[Objective],
         speed: Speed,
         *,
+        failures: int,
         drake_alone: bool,
     ):
         self._n = len(case.box)
@@ -286,6 +315,7 @@ class _Costs:
             o.name for o in objectives if drake_alone or o.needs is not Needs.METRICS
         )
         self._speed = speed
+        self._failures = failures
         self._drake_alone = drake_alone
         self._cheap = [o for o in objectives if not o.expensive]
         self._dear = len(objectives) - len(self._cheap)
@@ -325,6 +355,11 @@ class _Costs:
         seconds[CONFIRMATION] = self._ends * each
         if growth:
             seconds[GROWTH] = self._growth(settings, cores)
+        if self._failures:
+            few, fewer = of_failure(names, settings)
+            searched = sum(self._search(name, fewer, cores) for name in few)
+            flown = self._speed.drake + seconds[CONFIRMATION]
+            seconds[FAILURES] = self._failures * (searched + flown)
         return seconds
 
     @property

@@ -6,6 +6,7 @@ from typing import TypeAlias
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.clearance.objective import LowestClearance
+from drakesep.analysis.failure_cases import FailureCase
 from drakesep.analysis.metrics.objectives import Objective
 from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.analysis.search.expensive_objectives import check_expensive
@@ -41,6 +42,8 @@ class StudyPlan:
     """That it may take; None: ten, or as long as searches take that are asked for."""
     workers: int | None = None
     """Processes that fly Drake; one per core if None; with 1, the caller's does all."""
+    failures: tuple[FailureCase, ...] = ()
+    """That are searched beside the design."""
     clearances: Mapping[str, LowestClearance] = field(default_factory=dict)
     """That tell how near nominal and published runs come, by their metrics."""
     resume: bool = False

@@ -28,6 +28,7 @@ from drakesep.results.folder import Output, ResultsFolder, results_folder
 from drakesep.results.recorded_runs import save_runs
 from drakesep.studies.background_process import BackgroundProcess
 from drakesep.studies.worst_case.confirmation import confirmed, functions_compared
+from drakesep.studies.worst_case.effort import CONFIRMATION
 from drakesep.studies.worst_case.plan import OnProgress, StudyPlan
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.studies.worst_case.searches import WantedSearches
@@ -133,7 +134,7 @@ def carried_out(study: _Study, under_way: Session) -> _Study:
 
     Without objectives, the nominal and the published runs are all there is.
     """
-    study = _told(with_references(study, under_way))
+    study = told(with_references(study, under_way))
     under_way.begin()
     under_way.write_down(study)
     _record(study.runs, under_way)
@@ -141,14 +142,15 @@ def carried_out(study: _Study, under_way: Session) -> _Study:
         references = len(study.runs)
         study = searched(study, under_way)
         under_way.draw(Tornado(study.nearest_sensitivities).save)
-        study = functions_compared(_told(confirmed(study, under_way)))
+        flown = confirmed(study, under_way.pool.fly, under_way.telling(CONFIRMATION))
+        study = functions_compared(told(flown))
         study = under_way.write_down(study)
         _record(study.runs[references:], under_way)
     under_way.draw(study.pictures.save)
     return study
 
 
-def _told(study: _Study) -> _Study:
+def told(study: _Study) -> _Study:
     """Return a study whose runs have what required functions tell of them."""
     if not study.functions:
         return study

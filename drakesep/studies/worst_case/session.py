@@ -2,8 +2,9 @@
 
 import contextlib
 import functools
+import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, wait
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -15,6 +16,7 @@ from drakesep.analysis.engines.evaluator import Evaluator
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
 from drakesep.analysis.engines.run_evaluator import RunEvaluator
+from drakesep.analysis.failure_cases import FailureCase
 from drakesep.analysis.metrics.objectives import MetricObjective, Objective
 from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.analysis.search.effort import SearchSettings
@@ -26,6 +28,7 @@ from drakesep.studies.worst_case.pace import Pace
 from drakesep.studies.worst_case.plan import PLAN, OnProgress, Progress, StudyPlan
 from drakesep.studies.worst_case.speed import measured_speed
 from drakesep.systems.arrays import Array
+from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.run import Run
 from drakesep.systems.simulation.shared_simulation import shared_simulation
 
@@ -88,7 +91,23 @@ class Session:
             plan.growth,
             speed,
             plan.minutes,
+            failures=len(plan.failures),
         )
+
+    def evaluator_of(
+        self, failed: AnalysisCase, failure: FailureCase, which: Sequence[Objective]
+    ) -> Evaluator:
+        """Return what flies a failure case, by what flies the design.
+
+        Args:
+            failed: the case in which something has failed.
+            failure: what has.
+            which: objectives that are searched.
+        """
+        if self.batch is None:
+            return _in_drake(failed, which, self.pool, failure.values)
+        batch = self.batch.holding(failure.values)
+        return BatchEvaluator(batch, which, failed.limits_of_pairs, derivatives=False)
 
     @property
     def settings(self) -> SearchSettings:
@@ -170,6 +189,14 @@ class Session:
                     ),
                 )
             )
+
+    def telling(self, step: str) -> Callable[[int, int], None]:
+        """Return what tells the user how much of a step is done, and of how much."""
+
+        def tell(done: int, total: int) -> None:
+            self.tell(SearchProgress(search=step, done=done, total=total))
+
+        return tell
 
     def write_down(self, study: _Study) -> _Study:
         """Return what a step leaves, with its tables in the folder, if there is one."""
@@ -271,7 +298,7 @@ def checked_batch(plan: StudyPlan) -> Batch | None:
     """
     for clearance in plan.clearances.values():
         clearance.check_apart()
-    return _batch_of(plan.case, plan.objectives) if plan.on_batch_engine else None
+    return _batch_of(plan) if plan.on_batch_engine else None
 
 
 def _fly_nominal(case: AnalysisCase) -> tuple[Run, float]:
@@ -282,7 +309,9 @@ def _fly_nominal(case: AnalysisCase) -> tuple[Run, float]:
     return nominal, time.perf_counter() - began
 
 
-def _batch_of(case: AnalysisCase, objectives: Sequence[Objective]) -> Batch:
+def _batch_of(plan: StudyPlan) -> Batch:
+    """Return what flies the design; failure cases fly by its programs, too."""
+    case, objectives = plan.case, plan.objectives
     read = {
         name: None
         for objective in objectives
@@ -292,13 +321,21 @@ def _batch_of(case: AnalysisCase, objectives: Sequence[Objective]) -> Batch:
     # All four or none, so that studies of a case share their programs.
     of_paper = {m.stem for m in registered_metrics() if m.objective}
     asked = case.objectives or not of_paper.isdisjoint(read)
-    return Batch(
+    nominal = parameters(case.separation)
+    fail = {
+        name: nominal[name]
+        for failure in plan.failures
+        for name, value in failure.values.items()
+        if name not in case.box.names and math.isfinite(value)
+    }
+    batch = Batch(
         case.separation,
-        case.box.names,
+        [*case.box.names, *fail],
         deviation_limits=case.limits_of_pairs,
         metrics=read,
         without=() if asked else of_paper,
     )
+    return batch.holding(fail)
 
 
 def _on_batch(
@@ -314,11 +351,19 @@ def _on_batch(
 
 
 def _in_drake(
-    case: AnalysisCase, objectives: Sequence[Objective], pool: DrakePool
+    case: AnalysisCase,
+    objectives: Sequence[Objective],
+    pool: DrakePool,
+    held: Mapping[str, float] | None = None,
 ) -> RunEvaluator:
     names = case.box.names
 
     def fly(rows: Array) -> list[Run]:
-        return pool.fly([dict(zip(names, row.tolist(), strict=True)) for row in rows])
+        return pool.fly(
+            [
+                {**(held or {}), **dict(zip(names, row.tolist(), strict=True))}
+                for row in rows
+            ]
+        )
 
     return RunEvaluator(fly, names, objectives, case.limits_of_pairs)

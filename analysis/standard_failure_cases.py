@@ -1,0 +1,74 @@
+"""The failure cases that are customarily looked at, made for a separation.
+
+Of each spring: it is out, or stuck at half of its stroke. All springs at the lower or
+the upper end of their tolerances, as in the cold and in the heat. Of each attachment
+among several of the same two bodies: it lets go late, or never.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+
+from drakesep.analysis.failure_cases import FailureCase
+from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.systems.argument_types import typed
+from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.separation import Separation
+
+
+LATE = 0.010
+"""By which an attachment lets go late, s."""
+STUCK_AT = 0.5
+"""Of its stroke, where a spring sticks."""
+
+
+@typed
+def standard_failure_cases(
+    separation: Separation, box: ToleranceBox
+) -> tuple[FailureCase, ...]:
+    """Return the customary failure cases of a separation.
+
+    Args:
+        separation: the design.
+        box: its tolerances.
+    """
+    return (
+        *_of_springs(separation),
+        *_of_all_springs(separation, box),
+        *_of_attachments(separation),
+    )
+
+
+def _of_springs(separation: Separation) -> Iterator[FailureCase]:
+    known = parameters(separation)
+    for spring in separation.springs:
+        for what, field, value in (
+            ("out", "force_max", 0.0),
+            ("stuck", "lost_stroke", 1.0 - STUCK_AT),
+        ):
+            parameter = f"{spring.name}.{field}"
+            if parameter in known:
+                yield FailureCase(
+                    name=f"{spring.name}_{what}", values={parameter: value}
+                )
+
+
+def _of_all_springs(separation: Separation, box: ToleranceBox) -> Iterator[FailureCase]:
+    wanted = {f"{spring.name}.force_max" for spring in separation.springs}
+    forces = [one for one in box.dispersions if one.name in wanted]
+    if not forces:
+        return
+    for name, end in (("springs_cold", 0), ("springs_hot", 1)):
+        values = {one.name: one.bounds[end] for one in forces}
+        yield FailureCase(name=name, values=values)
+
+
+def _of_attachments(separation: Separation) -> Iterator[FailureCase]:
+    known = parameters(separation)
+    joins = Counter(frozenset((a.A, a.B)) for a in separation.attachments)
+    for attachment in separation.attachments:
+        name, time = attachment.name, f"{attachment.name}.release_time"
+        if time in known and joins[frozenset((attachment.A, attachment.B))] > 1:
+            late = {time: known[time] + LATE}
+            yield FailureCase(name=f"{name}_late", values=late)
+            yield FailureCase(name=f"{name}_held", values={time: math.inf})

@@ -1,0 +1,128 @@
+"""Failure cases, each verified as the design is, by what has flown that.
+
+They share its compiled programs and its diagram: what has failed is a number that these
+hold. Fewer starts and samples do, since the design's worst cases are known; tolerances
+do not grow.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.failure_cases import FailureCase
+from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
+from drakesep.analysis.search.judge import find_worst_cases
+from drakesep.analysis.search.problem import Problem, Searched
+from drakesep.studies.verified import FailedCase, Verification
+from drakesep.studies.worst_case.confirmation import Fly, confirmed, functions_compared
+from drakesep.studies.worst_case.effort import FAILURES, of_failure
+from drakesep.studies.worst_case.procedure import told
+from drakesep.studies.worst_case.session import Session
+from drakesep.systems.model.run import Run
+from drakesep.tables.labelled_run import measured
+from drakesep.tables.roles import Nominal
+
+
+def failure_cases_verified(
+    study: Verification, under_way: Session
+) -> tuple[FailedCase, ...]:
+    """Return the failure cases of a study's plan, verified.
+
+    Args:
+        study: of the design, with its worst cases.
+        under_way: the session that has found them.
+    """
+    failures = under_way.plan.failures
+    tell = under_way.telling(FAILURES)
+    verified = []
+    for done, failure in enumerate(failures):
+        tell(done, len(failures))
+        verified.append(_verified(study, failure, under_way))
+    tell(len(failures), len(failures))
+    return tuple(verified)
+
+
+def _verified(
+    study: Verification, failure: FailureCase, under_way: Session
+) -> FailedCase:
+    design = study.case
+    case = design.in_failure(failure)
+    held = _held(design, case)
+    fly = _holding(failure, under_way)
+    [nominal] = fly([{}], lambda *_: None)
+    # What is held for ever has no worst case: it does not separate whatever else is.
+    objectives = () if held or not case.tolerances else _required(case, study)
+    failed = replace(
+        study,
+        asked=replace(study.asked, case=case),
+        objectives=objectives,
+        runs=(measured(Nominal(), nominal, case, [*study.clearances.values()]),),
+        searched=(),
+        worst=(),
+        growths=(),
+        single_growths=(),
+    )
+    failed = told(failed)
+    if objectives and nominal.motion is not None:
+        failed = _searched(failed, failure, under_way)
+        failed = functions_compared(told(confirmed(failed, fly)))
+    return FailedCase(failure=failure, study=failed, held=held)
+
+
+def _held(design: AnalysisCase, failed: AnalysisCase) -> tuple[str, ...]:
+    """Return the bodies that leave in the design, and are held for ever now."""
+    before, now = design.separation, failed.separation
+    return tuple(
+        pair.B
+        for pair in before.pairs
+        if before.separates(pair.B) and not now.separates(pair.B)
+    )
+
+
+def _required(case: AnalysisCase, study: Verification) -> tuple[Objective, ...]:
+    """Return the objectives that lead out of requirements: not the paper's.
+
+    Those that no run of the failure case tells are left out.
+    """
+    untold = {
+        name
+        for requirement in study.case.requirements
+        if not requirement.measured_apart and not case.tells(requirement)
+        for name in study.case.names_towards(requirement)
+    }
+    return tuple(
+        objective
+        for objective in study.objectives
+        if objective.name not in OBJECTIVES and objective.name not in untold
+    )
+
+
+def _holding(failure: FailureCase, under_way: Session) -> Fly:
+    """Return what flies variations of a failure case in Drake."""
+
+    def fly(
+        variations: Sequence[Mapping[str, float]],
+        on_progress: Callable[[int, int], None],
+    ) -> list[Run]:
+        rows = [{**failure.values, **values} for values in variations]
+        return under_way.pool.fly(rows, on_progress)
+
+    return fly
+
+
+def _searched(
+    study: Verification, failure: FailureCase, under_way: Session
+) -> Verification:
+    """Return a failure case with its worst cases, which an earlier study may have."""
+    evaluator = under_way.evaluator_of(study.case, failure, study.objectives)
+    problem = Problem(tolerances=study.case.tolerance_set, evaluator=evaluator)
+    names, settings = of_failure(under_way.effort.searches, under_way.settings)
+
+    def search() -> Sequence[Searched]:
+        done: list[Searched] = []
+        find_worst_cases(problem, names, settings, on_search=done.append)
+        return done
+
+    done = under_way.once(f"failure_{failure.name}", Searched, search)
+    worst = find_worst_cases(problem, names, settings, finished=done)
+    return replace(study, searched=tuple(done), worst=tuple(worst))

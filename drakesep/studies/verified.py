@@ -1,0 +1,210 @@
+"""What came of a verification: findings, verdict, growth of tolerances, failures."""
+
+from dataclasses import dataclass, field, replace
+
+import pandas as pd
+
+from drakesep.analysis.failure_cases import DESIGN, FailureCase
+from drakesep.analysis.metrics.requirements import (
+    Finding,
+    Requirement,
+    Verdict,
+    assess,
+    verdict_on_all,
+)
+from drakesep.plots.pictures import Pictures
+from drakesep.plots.shown_runs import bodies_shown_by
+from drakesep.results.folder import ResultsFolder
+from drakesep.studies.tolerance_growth import Growths, ways_out
+from drakesep.studies.worst_case.result import WorstCases
+from drakesep.tables.columns import write_csv
+from drakesep.tables.failure_tables import HELD, outcome_row, under_each_other
+from drakesep.tables.labelled_run import nominal_of
+from drakesep.tables.requirement_tables import requirements_table, tolerances_table
+from drakesep.tables.run_tables import runs_table
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verification(WorstCases):
+    """The worst cases held against the requirements."""
+
+    growths: Growths = field(default=())
+    """Of all tolerances together: the smallest of each requirement's directions."""
+    single_growths: Growths = field(default=())
+    """Of one tolerance, the others as they are: the smallest of the directions."""
+    failed_cases: tuple["FailedCase", ...] = ()
+    """The failure cases, each verified as the design is."""
+
+    @property
+    def findings(self) -> list[Finding]:
+        """How each requirement fares over all runs."""
+        runs = {
+            one.label: {**one.metrics, **one.of_functions}
+            for one in self.runs
+            if one.metrics
+        }
+        of_functions = (limit for f in self.functions for limit in f.limits)
+        required = [*self.case.requirements, *of_functions]
+        at_most = {one.label: one.at_most for one in self.runs}
+        findings = assess(required, runs, nominal_of(self.runs).label, at_most)
+        unsettled = self._unsettled
+        return [replace(f, settled=f.requirement not in unsettled) for f in findings]
+
+    @property
+    def _unsettled(self) -> set[Requirement]:
+        """What may be broken by a run that was not flown, or not as it was found.
+
+        A run that cannot be flown may break any; of a worst case that is not confirmed,
+        what it was searched for.
+        """
+        ways = ways_out(self.case, self.functions)
+        if self.failed_searches or any(one.run.motion is None for one in self.runs):
+            return {*self.case.requirements, *(requirement for requirement, _ in ways)}
+        unconfirmed = {one.objective for one in self.runs if one.outcome.failed}
+        return {requirement for requirement, name in ways if name in unconfirmed}
+
+    @property
+    def requirements(self) -> pd.DataFrame:
+        """A row for each requirement and axis, with its margins and verdict."""
+        return requirements_table(
+            self.findings,
+            self.growths,
+            self.single_growths,
+            self.case.box,
+            self._bodies,
+            self.functions,
+        )
+
+    @property
+    def tolerances(self) -> pd.DataFrame:
+        """For each requirement and parameter, the tolerance that would violate it."""
+        return tolerances_table(
+            self.single_growths, self.case.box, self._bodies, self.functions
+        )
+
+    @property
+    def _bodies(self) -> list[str]:
+        """Names of those that leave, the first first."""
+        return [pair.B for pair in self.case.separation.pairs]
+
+    def write_tables(self, results: ResultsFolder) -> None:
+        """Write the tables, as far as there are any, into a folder that is locked."""
+        super().write_tables(results)
+        folder = results.path
+        # No verdict before the worst cases are known.
+        if self.worst or (self.runs and not self.objectives):
+            write_csv(self.requirements, folder / "requirements.csv")
+            if self.looks_at_paper:
+                write_csv(self.table_4, folder / "table_4.csv")
+        if self.single_growths:
+            write_csv(self.tolerances, folder / "tolerances.csv")
+        if self.failed_cases:
+            write_csv(self.failure_cases, folder / "failure_cases.csv")
+            write_csv(self.failure_requirements, folder / "failure_requirements.csv")
+            write_csv(self.failure_runs, folder / "failure_runs.csv")
+
+    @property
+    def failure_cases(self) -> pd.DataFrame:
+        """A row for the design and each failure case, with what came of it."""
+        nominal = nominal_of(self.runs).run
+        verdict = self.design_verdict
+        rows = [outcome_row(DESIGN, {}, nominal, self.requirements, verdict)]
+        rows += [
+            outcome_row(
+                one.failure.name,
+                one.failure.values,
+                nominal_of(one.study.runs).run,
+                one.study.requirements,
+                one.verdict,
+            )
+            for one in self.failed_cases
+        ]
+        return pd.DataFrame(rows)
+
+    @property
+    def failure_requirements(self) -> pd.DataFrame:
+        """The requirements of the design, and of each failure case."""
+        cases = {DESIGN: self}
+        cases |= {one.failure.name: one.study for one in self.failed_cases}
+        return under_each_other({k: one.requirements for k, one in cases.items()})
+
+    @property
+    def failure_runs(self) -> pd.DataFrame:
+        """The runs of each failure case: its nominal, and its worst cases in Drake."""
+        names = [*self.case.box.names]
+        for one in self.failed_cases:
+            names += [name for name in one.failure.values if name not in names]
+        return under_each_other(
+            {
+                one.failure.name: runs_table(one.study.runs, names, self.functions)
+                for one in self.failed_cases
+            }
+        )
+
+    @property
+    def failure(self) -> str:
+        """What failed, of failure cases too; empty if the study is completed."""
+        of_cases = [
+            f"failure case {one.failure.name}: {one.study.failure}"
+            for one in self.failed_cases
+            if one.study.failure
+        ]
+        return "; ".join(filter(None, [super().failure, *of_cases]))
+
+    @property
+    def passed(self) -> bool:
+        """Whether every requirement is met, with no run and no search failed.
+
+        In every failure case, too, if they were looked at.
+        """
+        return self.verdict == Verdict.MET.value
+
+    @property
+    def design_verdict(self) -> str | None:
+        """Of the design alone: ``met``, ``not met`` or ``not looked at``.
+
+        What a run is beyond stays so, whatever else failed; without it, a study that is
+        not completed has no verdict: None.
+        """
+        found = verdict_on_all(self.findings)
+        if found is Verdict.NOT_MET or not super().failure:
+            return found.value
+        return None
+
+    @property
+    def verdict(self) -> str | None:
+        """Of the design and of all failure cases that were looked at: the worst."""
+        verdicts = [self.design_verdict, *(one.verdict for one in self.failed_cases)]
+        if {Verdict.NOT_MET.value, HELD} & {*verdicts}:
+            return Verdict.NOT_MET.value
+        if None in verdicts:
+            return None
+        return max(verdicts, key=[v.value for v in Verdict].index)
+
+    @property
+    def pictures(self) -> Pictures:
+        """What shows the runs, and their motions."""
+        motions = {}
+        for one in self.runs:
+            if one.run.motion is not None:
+                for body in bodies_shown_by(one):
+                    first = body == one.run.separation.B
+                    name = one.label if first else f"{one.label}_{body}"
+                    motions[name] = one.run, body
+        return replace(super().pictures, motions=motions)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FailedCase:
+    """A failure case, verified as the design is."""
+
+    failure: FailureCase
+    study: Verification
+    """Of the case in which it has failed."""
+    held: tuple[str, ...] = ()
+    """Bodies that leave in the design, and do not here: something never lets go."""
+
+    @property
+    def verdict(self) -> str | None:
+        """Of it, as of a design; ``does not separate`` if a body is held for ever."""
+        return HELD if self.held else self.study.design_verdict

@@ -1,0 +1,85 @@
+"""Tables of failure cases: what came of each, side by side with the design."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from drakesep.analysis.metrics.requirements import Verdict
+from drakesep.systems.equations.loads_of_run import joint_loads
+from drakesep.systems.model.run import Run
+from drakesep.tables.columns import in_units
+
+
+CASE = "failure_case"
+HELD = "does not separate"
+"""The verdict where a body is never let go that leaves in the design."""
+
+
+def outcome_row(
+    name: str,
+    changed: Mapping[str, float],
+    run: Run,
+    requirements: pd.DataFrame,
+    verdict: str | None,
+) -> dict[str, object]:
+    """Return what came of the design or of a failure case, in a row.
+
+    Args:
+        name: of it.
+        changed: parameters that have failed, in SI.
+        run: its nominal one.
+        requirements: as `requirements_table` has them.
+        verdict: on all of them; None: there is none.
+    """
+    not_met = requirements[requirements["verdict"] == Verdict.NOT_MET.value]
+    return {
+        CASE: name,
+        "changed": ", ".join(
+            f"{key} {'never' if math.isinf(value) else f'{value:.10g}'}"
+            for key, value in in_units(changed).items()
+        ),
+        "verdict": verdict or "failed",
+        "not_met": len(not_met),
+        "requirements": len(requirements),
+        **_nearest(requirements),
+        **_largest_loads(run),
+    }
+
+
+def _nearest(requirements: pd.DataFrame) -> dict[str, object]:
+    """Return the requirement of the least margin, as a share of its limit."""
+    columns = ("requirement", "axis", "pair", "limit", "worst", "unit")
+    told = requirements[requirements["margin"].notna()]
+    if told.empty:
+        return {f"nearest_{name}": "" for name in ("requirement", "axis", "pair")} | {
+            "nearest_limit": math.nan,
+            "nearest_worst": math.nan,
+            "nearest_unit": "",
+        }
+    with np.errstate(divide="ignore"):
+        share = told["margin"] / told["limit"].abs()
+    row = told.loc[share.fillna(0.0).idxmin()]
+    return {f"nearest_{name}": row[name] for name in columns}
+
+
+def _largest_loads(run: Run) -> dict[str, float]:
+    """Return the largest force and torque of any joint."""
+    if run.trajectory is None:
+        return {"joint_force_N": math.nan, "joint_torque_N_m": math.nan}
+    loads = [*joint_loads(run).values()]
+    force = max(float(np.linalg.norm(one[:, 3:], axis=1).max()) for one in loads)
+    torque = max(float(np.linalg.norm(one[:, :3], axis=1).max()) for one in loads)
+    return {"joint_force_N": force, "joint_torque_N_m": torque}
+
+
+def under_each_other(frames: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return tables of the design and of failure cases as one.
+
+    Args:
+        frames: by the names of the cases, which become the first column.
+    """
+    named = [frame.assign(**{CASE: name}) for name, frame in frames.items()]
+    whole = pd.concat(named, ignore_index=True)
+    return whole[[CASE, *(column for column in whole if column != CASE)]]
