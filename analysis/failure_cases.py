@@ -42,8 +42,8 @@ class FailureCase:
             )
         if self.name == DESIGN:
             raise InputError(
-                f"failure_cases: name must not be {DESIGN!r}, which tables name what "
-                "has not failed"
+                f"failure_cases: name must not be {DESIGN!r}: so tables name what has "
+                "not failed"
             )
         if not self.values:
             raise InputError(

@@ -203,8 +203,8 @@ def words(hint: Any, *metadata: Any) -> str:
     if origin is Annotated:
         return words(arguments[0], *hint.__metadata__, *metadata)
     if origin in (Union, types.UnionType):
-        [only] = [each for each in arguments if each is not type(None)]
-        return words(only, *metadata)
+        given = [each for each in arguments if each is not type(None)]
+        return " or ".join(words(each, *metadata) for each in given)
     if origin is Literal:
         return _any_of(arguments)
     if origin is dict:

@@ -42,7 +42,7 @@ def find_breaks(
         releases: when each attachment let go, s, by its name.
         stroke_ends: when each spring reached its stroke, s, by its name.
     """
-    kinks = [*releases.values(), *stroke_ends.values()]
+    kinks = [*releases.values(), *stroke_ends.values()]  # infinite: never
     for load in separation.loads:
         begin = 0.0 if load.after is None else releases.get(load.after, math.inf)
         kinks += [begin + load.start + kink for kink in load.kinks]

@@ -406,9 +406,29 @@ class Metric:
         It goes on for as long as it looks, and its samples follow what rings.
         """
         rings = self.signal is not None and self.signal.rings
-        return self.reached(separation.duration) and (
-            not rings or tells_loads(separation)
-        )
+        return self.comes_about(separation) and (not rings or tells_loads(separation))
+
+    def comes_about(self, separation: Separation) -> bool:
+        """Return whether that at which it looks comes about in runs of a separation.
+
+        They go on for as long as it looks, and its body lets go, or separates.
+        """
+        if not self.reached(separation.duration):
+            return False
+        times = self.when[:2] if isinstance(self.when, Window) else (self.when,)
+        body = self.pair or separation.B
+        if self.owner is not Owner.PAIR:
+            held = separation.owners_of_forces(springs=self.owner is Owner.SPRING)
+            part = held.get(self.pair)
+            if part is None:
+                return True  # of no separation like this
+            own = self.owner is Owner.SPRING or self.when is Moment.RELEASE
+            if own and Moment.RELEASE in times and not part.lets_go:
+                return False
+            body = separation.leaving_at(part)
+        if Moment.SEPARATION in times and not separation.separates(body):
+            return False
+        return Moment.RELEASE not in times or separation.lets_go_of(body)
 
     @property
     def of_steps(self) -> bool:

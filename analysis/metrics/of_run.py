@@ -231,9 +231,7 @@ def _found(separation: Separation, owner: Owner, name: str) -> tuple[str, str]:
     parts = separation.owners_of_forces(springs=owner is Owner.SPRING)
     if name not in parts:
         raise InputError(unknown(owner.value, name, parts))
-    held = parts[name]
-    leaving = [body for body in bodies if body in (held.A, held.B)]
-    return (leaving or bodies)[0], name
+    return separation.leaving_at(parts[name]), name
 
 
 class _Samples:

@@ -184,7 +184,7 @@ class AttachmentSection(Section):
         Annotated[SerializeAsAny[SpringSection], PlainValidator(_read_spring)] | None
     ) = None
     """What pushes from the release on; none if left out."""
-    release_time_s: float | None = None
+    release_time_s: float | Literal["never"] | None = None
     """At which it lets go, 0 or later; by default 0, or never if there is an angle."""
     release_angle_deg: float | None = None
     """Of its joint about x, either way, at which it lets go: above 0, below 180."""
@@ -194,6 +194,8 @@ class AttachmentSection(Section):
         time, angle = self.release_time_s, self.release_angle_deg
         if time is None:
             time = 0.0 if angle is None else math.inf
+        elif time == "never":
+            time = math.inf
         with named(name):
             joint = self.joint.in_si()
         return Attachment(

@@ -4,13 +4,13 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Discriminator, Tag
 
 from drakesep.analysis.failure_cases import FailureCase
 from drakesep.analysis.standard_failure_cases import standard_failure_cases
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.case_file.dispersions import names_fitting
-from drakesep.case_file.errors import CaseError, shown
+from drakesep.case_file.errors import UNNAMED, CaseError, shown
 from drakesep.case_file.section import Name
 from drakesep.systems.checks import named
 from drakesep.systems.model.parameters import parameters
@@ -35,6 +35,12 @@ def _check_value(value: Any) -> Any:
     return value
 
 
+def _check_some(value: Any) -> Any:
+    if isinstance(value, Mapping) and not value:
+        raise ValueError("must change a parameter, got none")
+    return value
+
+
 def _check_all(value: Any) -> Any:
     if value != STANDARD and not isinstance(value, Mapping):
         raise ValueError(
@@ -46,9 +52,11 @@ def _check_all(value: Any) -> Any:
 Changed: TypeAlias = Annotated[float | str, BeforeValidator(_check_value)]
 """A number in the unit of the key; ``min`` or ``max``, an end of its tolerance; or of a
 time of release ``never``."""
+_Changes: TypeAlias = Annotated[dict[str, Changed], BeforeValidator(_check_some)]
 FailureCases: TypeAlias = Annotated[
-    Literal["standard"]
-    | dict[Name, Annotated[dict[str, Changed], Field(min_length=1)]],
+    Annotated[Literal["standard"], Tag(STANDARD)]
+    | Annotated[dict[Name, _Changes], Tag(UNNAMED)],
+    Discriminator(lambda value: STANDARD if value == STANDARD else UNNAMED),
     BeforeValidator(_check_all),
 ]
 """By name, what is changed: parameters with units, or patterns; or ``standard``."""

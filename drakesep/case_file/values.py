@@ -1,5 +1,6 @@
 """Parameter values by the names that carry their units."""
 
+import math
 from collections.abc import Mapping
 
 from drakesep.case_file.errors import CaseError
@@ -20,13 +21,14 @@ def values_in_si(
 
     Raises:
         CaseError: a name is unknown.
-        ValueError: a value is not finite.
+        ValueError: a value is not a number.
     """
     known = _names(separation)
     in_si = {}
     for key, value in values.items():
         name = _known(key, known)
-        check_finite(key, value)
+        if value != math.inf:  # never, of a time of release
+            check_finite(key, value)
         in_si[name] = unit_of(name).to_si(value)
     return in_si
 

@@ -157,7 +157,7 @@ def _attachments(case: Case) -> pd.DataFrame:
                 "to": attachment.B,
                 "position (mm)": _listed("position", attachment.p_AoPad_A),
                 "joint": attachment.joint.type,
-                "release": " or ".join(releases),
+                "release": " or ".join(releases) or "never",
                 "spring": spring.name if spring else "",
                 "driven by": law_name(spring) if spring else "",
             }

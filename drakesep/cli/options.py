@@ -1,5 +1,6 @@
 """Arguments and options that several commands have."""
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -64,11 +65,13 @@ def parse_changes(texts: list[str]) -> dict[str, float]:
 
 
 def number(what: str, text: str) -> float:
-    """Return the number that a text says.
+    """Return the number that a text says; ``never`` is an infinite time.
 
     Raises:
         ValueError: it says none.
     """
+    if text == "never":
+        return math.inf
     try:
         return float(text)
     except ValueError:

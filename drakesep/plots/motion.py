@@ -101,7 +101,8 @@ def motion_figure(topic: Topic, shown: ShownRuns, pair: Pair) -> Figure:
         for axes in both:
             _draw(axes, panel, drawn, pair)
             _fit(axes)
-            axes.axvline(run.end_of(pair.B), **_END)
+            if math.isfinite(end := run.end_of(pair.B)):
+                axes.axvline(end, **_END)
         layout.write(k, [drawn[decided.run.label].colour for decided in panel.decided])
     return layout.figure
 

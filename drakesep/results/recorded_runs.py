@@ -9,6 +9,7 @@ springs do. What is read from them draws and measures as the run did.
 import contextlib
 import dataclasses
 import json
+import math
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -86,8 +87,9 @@ def _fields(record: Any, without: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _changed(flown: Separation, nominal: Separation) -> dict[str, float]:
-    before = parameters(nominal)
-    return {k: x for k, x in parameters(flown).items() if x != before.get(k)}
+    before, after = parameters(nominal), parameters(flown)
+    changed = {k: x for k, x in after.items() if x != before.get(k)}
+    return changed | {k: math.inf for k in before if k not in after}
 
 
 def _table(run: Run) -> pd.DataFrame:

@@ -59,9 +59,12 @@ def _never_judged(case: AnalysisCase) -> list[str]:
 
 
 def _why_not(case: AnalysisCase, requirement: Requirement) -> str:
-    duration = case.separation.duration
-    if not metric_named(requirement.judged_by).reached(duration):
+    duration, metric = case.separation.duration, metric_named(requirement.judged_by)
+    if not metric.reached(duration):
         return f"it looks beyond the end of the run, {duration:g} s"
+    if not metric.comes_about(case.separation):
+        held = [a.name for a in case.separation.attachments if not a.lets_go]
+        return f"{', '.join(held)} never lets go"
     return "joints ring for more periods than samples of a run follow"
 
 

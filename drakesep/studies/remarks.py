@@ -1,7 +1,7 @@
 """What a user should be told of a study's runs, although nothing in them has failed."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -105,6 +105,24 @@ def _of_angles(run: Run, told: set[str]) -> _Told:
             )
 
 
+def _of_held(run: Run, told: set[str]) -> _Told:
+    """Yield which attachments never let go; see below."""
+    held = [a for a in run.separation.attachments if a.name in run.held]
+    names = [a.name for a in held if a.name not in told]
+    if names:
+        kept = dict.fromkeys(run.separation.leaving_at(a) for a in held)
+        holds, does = _verbs(names, "holds", "hold"), _verbs(kept, "does", "do")
+        yield (
+            tuple(names),
+            f"{_listed(names)} {holds} to the end: {_listed([*kept])} {does} not "
+            "separate.",
+        )
+
+
+def _verbs(names: Collection[str], one: str, several: str) -> str:
+    return one if len(names) == 1 else several
+
+
 def _of_directions(run: Run, told: set[str]) -> _Told:
     """Yield which bodies do not leave in their direction, or not away from the other.
 
@@ -113,7 +131,8 @@ def _of_directions(run: Run, told: set[str]) -> _Told:
         told: names of what has been told of.
     """
     for pair in run.separation.pairs:
-        text = "" if pair.B in told else _of_direction(run, pair)
+        leaves = run.separation.separates(pair.B) and pair.B not in told
+        text = _of_direction(run, pair) if leaves else ""
         if text:
             yield (pair.B,), text
 
@@ -170,7 +189,8 @@ def _of_springs(run: Run, told: set[str]) -> _Told:
     """Yield which springs of Eq. 5 give another energy than they store; see above."""
     pushes = []
     for attachment, spring in run.separation.pushing:
-        if isinstance(spring, Spring) and spring.name not in told:
+        spent = run.stroke_ends[spring.name] < math.inf
+        if isinstance(spring, Spring) and spring.name not in told and spent:
             push = _push(run, attachment, spring)
             if abs(push.given - push.stored) > _OFF * push.stored:
                 pushes.append(push)
@@ -219,6 +239,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 _SUBJECTS: Mapping[str, Callable[[Run, set[str]], _Told]] = {
+    "held": _of_held,
     "direction": _of_directions,
     "angles": _of_angles,
     "energy": _of_springs,

@@ -142,7 +142,7 @@ class OnBatch:
         """
         self._case, self._clearances = case, clearances
         told = metrics_of(case.separation, case.metrics)
-        reached = [m for m in told if m.reached(case.separation.duration)]
+        reached = [m for m in told if m.comes_about(case.separation)]
         self._names = [name for metric in told for name in metric.names]
         self._batch = Batch(
             case.separation,

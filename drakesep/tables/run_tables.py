@@ -86,7 +86,7 @@ def runs_table(
             {
                 "label": one.label,
                 "role": role_in_tables(one.role),
-                **in_units({name: values[name] for name in names}),
+                **in_units({name: values.get(name, math.inf) for name in names}),
                 **in_units(one.metrics),
                 **_nearest_pair(one.nearest),
                 **{f.column: one.of_functions.get(f.name, math.nan) for f in functions},

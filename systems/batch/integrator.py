@@ -18,6 +18,7 @@ import enum
 from typing import Any, NamedTuple, Protocol
 
 import jax.numpy as jnp
+import numpy as np
 from jax import lax
 
 from drakesep.systems.batch import runge_kutta, step_control
@@ -173,6 +174,11 @@ class BatchIntegrator:
         self._max_steps = max_steps
         self._events = Events(equations, one_by_one=one_by_one)
         self._control = StepControl(equations, tolerance)
+        attachments = self._separation.attachments
+        self._lets_go = np.array([[a.lets_go] for a in attachments], bool)
+        pushing = [attachment for attachment, _ in self._separation.pushing]
+        parts = [self._separation.parts(attachment) for attachment in pushing]
+        self._parts = np.array(parts, bool)[:, None]
 
     def fly(self, params: BatchParameters, fold: Fold) -> FinalState:
         """Fly a batch.
@@ -324,8 +330,8 @@ class BatchIntegrator:
     ) -> Lanes:
         """Return (n,) the status of lanes after a step; those that ended keep it."""
         flying = status == LaneStatus.FLYING
-        held = jnp.isinf(mode.released).any(axis=0)
-        stroke_left = ~mode.spent.all(axis=0)
+        held = (jnp.isinf(mode.released) & self._lets_go).any(axis=0)
+        stroke_left = (~mode.spent & self._parts).any(axis=0)
         ended = t >= self._separation.duration
         # The first that holds.
         return jnp.select(

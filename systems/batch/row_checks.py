@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drakesep.systems.arrays import Array
+from drakesep.systems.checks import check_finite
 from drakesep.systems.equations.pushers import values_of
 from drakesep.systems.equations.springs import law_of
 from drakesep.systems.model.inertia import physical_margin
@@ -49,6 +50,7 @@ def check_rows(
     for row in np.flatnonzero(doubtful).tolist():
         try:
             with_values(separation, dict(zip(names, values[row].tolist(), strict=True)))
+            check_finite(f"row {row} of a batch", *values[row].tolist())
         except ValueError as error:
             failures[row] = str(error)
     return failures

@@ -43,8 +43,8 @@ def spring_force_over(run: Run, attachment: Attachment) -> Array:
         attachment: of its separation, with a spring.
 
     Returns:
-        (n,) N along its axis, on B; zero before the release, and from the end of the
-        stroke on.
+        (n,) N along its axis, on B; zero before the release, if there is one, and from
+        the end of the stroke on.
 
     Raises:
         RuntimeError: the run failed.
@@ -81,7 +81,9 @@ def spring_work(run: Run, attachment: Attachment) -> float:
 
 def _force(run: Run, attachment: Attachment) -> Array:
     A, B = (states_of(run, name) for name in (attachment.A, attachment.B))
-    age = run.completed_trajectory.time - run.releases[attachment.name]
+    time, release = run.completed_trajectory.time, run.releases[attachment.name]
+    # Of one that is never released, some number.
+    age = time - min(release, time[-1])
     return force_within_stroke(run.separation, attachment, A, B, age)
 
 

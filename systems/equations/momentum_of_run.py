@@ -1,5 +1,6 @@
 """The momentum that springs give over a run, summed from the motion of its bodies."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
@@ -33,8 +34,8 @@ def momentum_given(
         times: (n,) sample times, s, with every release and end of a stroke.
         steps: times of the integration's steps, s.
         bodies_at: returns the bodies' motion, in their order, at increasing times.
-        releases: when each attachment let go, s, by its name.
-        stroke_ends: when each spring reached its stroke, s, by its name.
+        releases: when each attachment let go, s, by its name; infinite if never.
+        stroke_ends: when each spring reached its stroke, s, by its name, or infinity.
 
     Returns:
         By the bodies' names (n, 6): linear momentum, N s, and angular momentum about
@@ -44,7 +45,7 @@ def momentum_given(
     half = 0.5 * np.diff(edges)
     middle = edges[:-1] + half
     given = {pair.B: np.zeros((len(edges), 6)) for pair in separation.pairs}
-    for (a, b), pushing in _pushing_pairs(separation).items():
+    for (a, b), pushing in _pushing_pairs(separation, releases).items():
         spans = [(releases[x.name], stroke_ends[s.name]) for x, s in pushing]
         pushed = np.any([(t0 <= middle) & (middle < t1) for t0, t1 in spans], axis=0)
         nodes = (middle[pushed, None] + half[pushed, None] * _NODES).ravel()
@@ -72,11 +73,12 @@ def momentum_given(
 
 
 def _pushing_pairs(
-    separation: Separation,
+    separation: Separation, releases: Mapping[str, float]
 ) -> dict[tuple[int, int], list[tuple[Attachment, Pusher]]]:
-    """Return the attachments with springs between two bodies, by their indices."""
+    """Return the attachments whose springs push, by the indices of their bodies."""
     pairs: dict[tuple[int, int], list[tuple[Attachment, Pusher]]] = {}
     for attachment, spring in separation.pushing:
-        ends = separation.ends(attachment)
-        pairs.setdefault(ends, []).append((attachment, spring))
+        if math.isfinite(releases[attachment.name]):
+            ends = separation.ends(attachment)
+            pairs.setdefault(ends, []).append((attachment, spring))
     return pairs

@@ -147,14 +147,16 @@ def with_values(separation: Separation, values: Mapping[str, float]) -> Separati
 
     Raises:
         ValueError: a name is unknown, a value is not finite or not physical, or a part
-            would move that pushes others where it touches them.
+            would move that pushes others where it touches them. A time of release may
+            be infinite: never.
     """
-    known = parameters(separation)
+    known = declarations(separation)
     changes: dict[str, dict[str, float]] = {}
     for name, value in values.items():
         if name not in known:
             raise InputError(unknown("parameter", name, known))
-        check_finite(name, value)
+        if not (known[name].optional and value == math.inf):
+            check_finite(name, value)
         owner, _, quantity = name.rpartition(".")
         changes.setdefault(owner, {})[quantity] = float(value)
     _check_pushing_parts(separation, values)

@@ -1,6 +1,7 @@
 """What comes out of one simulated separation."""
 
 import enum
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -90,9 +91,10 @@ class Run:
     """Where the motion has a kink: start, releases, ends of strokes, edges of loads,
     end, s."""
     releases: Mapping[str, float] = field(default_factory=dict)
-    """When each attachment let go, s, by its name."""
+    """When each attachment let go, s, by its name; infinite if it never does."""
     stroke_ends: Mapping[str, float] = field(default_factory=dict)
-    """When each spring reached its stroke, s, by its name."""
+    """When each spring reached its stroke, s, by its name; infinite if it does not,
+    since its bodies stay together."""
     contacts: tuple[ContactForces, ...] = ()
     """Of parts that touch again, if the separation has recontact."""
     steps: int = 0
@@ -132,13 +134,21 @@ class Run:
         return self.trajectory
 
     @property
+    def held(self) -> tuple[str, ...]:
+        """The attachments that hold to the end: what they join does not separate."""
+        return tuple(name for name, t in self.releases.items() if math.isinf(t))
+
+    @property
     def separation_start(self) -> float:
         """When the first attachment of the measured body B let go, s."""
         return self.start_of(self.separation.B)
 
     @property
     def separation_end(self) -> float:
-        """When all attachments of B have let go and their strokes are reached, s."""
+        """When all attachments of B have let go and their strokes are reached, s.
+
+        Infinite if that does not come about.
+        """
         return self.end_of(self.separation.B)
 
     def start_of(self, body: str) -> float:
@@ -156,14 +166,16 @@ class Run:
         """Return from when to when B is pushed from A, s.
 
         Where nothing between them pushes: by whatever does; where nothing does: from
-        the first release of B to its end of separation.
+        the first release of B to its end of separation. Both are within the run.
 
         Args:
             pair: of the separation.
         """
         springs = [a for a in self.separation.attached_to(pair.B) if a.spring]
         springs = [a for a in springs if pair.A in (a.A, a.B)] or springs
-        if not springs:
-            return self.start_of(pair.B), self.end_of(pair.B)
-        ends = [self.stroke_ends[a.spring.name] for a in springs if a.spring]
-        return min(self.releases[a.name] for a in springs), max(ends)
+        start, end = self.start_of(pair.B), self.end_of(pair.B)
+        if springs:
+            start = min(self.releases[a.name] for a in springs)
+            end = max(self.stroke_ends[a.spring.name] for a in springs if a.spring)
+        last = self.separation.duration
+        return min(start, last), min(end, last)

@@ -110,7 +110,7 @@ class Attachment:
 
     It lets go at its release time, or once its joint has turned by its release angle,
     whichever comes first; a signal of the surrounding diagram takes the place of the
-    time (see `Release`). With neither it waits for such a signal.
+    time (see `Release`). With neither, and without such a signal, it never lets go.
 
     Raises:
         ValueError: a value is not finite, both bodies are the same, or it lets go at an
@@ -146,6 +146,11 @@ class Attachment:
             raise InputError(
                 f"{self.name}: must join two different bodies, got {self.A!r} twice"
             )
+
+    @property
+    def lets_go(self) -> bool:
+        """Whether it may let go by itself, at a time or at an angle."""
+        return math.isfinite(self.release_time) or math.isfinite(self.release_angle)
 
     def _check_hinge(self) -> None:
         constraints = self.joint.constraints
@@ -399,6 +404,29 @@ class Separation:
     def attached_to(self, body: str) -> list[Attachment]:
         """Return the attachments that hold a body."""
         return [a for a in self.attachments if body in (a.A, a.B)]
+
+    def lets_go_of(self, body: str) -> bool:
+        """Return whether any of the attachments that hold a body lets go."""
+        return any(a.lets_go for a in self.attached_to(body))
+
+    def separates(self, body: str) -> bool:
+        """Return whether all attachments that hold a body let go."""
+        return all(a.lets_go for a in self.attached_to(body))
+
+    def parts(self, attachment: Attachment) -> bool:
+        """Return whether nothing that never lets go joins an attachment's bodies."""
+        joined, reached = {attachment.A}, {attachment.A}
+        for_good = [a for a in self.attachments if not a.lets_go]
+        while reached:
+            near = [(a.A, a.B) for a in for_good if not reached.isdisjoint((a.A, a.B))]
+            reached = {name for ends in near for name in ends} - joined
+            joined |= reached
+        return attachment.B not in joined
+
+    def leaving_at(self, attachment: Attachment) -> str:
+        """Return the body that leaves at an attachment; the first if none does."""
+        bodies = [pair.B for pair in self.pairs]
+        return next((b for b in bodies if b in (attachment.A, attachment.B)), bodies[0])
 
     def ends(self, attachment: Attachment) -> tuple[int, int]:
         """Return the indices of an attachment's bodies A and B."""

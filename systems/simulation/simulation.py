@@ -187,13 +187,14 @@ class Simulation:
             simulator.AdvancePendingEvents()
         releases = _releases(separation, released.Eval(context))
         for attachment in separation.attachments:
-            if attachment.name not in releases:
-                why = "it waits for a command"
-                if math.isfinite(attachment.release_angle):
-                    angle = math.degrees(attachment.release_angle)
-                    why = f"its joint has not turned by {angle:g} deg"
-                raise RuntimeError(f"{attachment.name} has not let go: {why}")
-        return recorder, releases
+            if attachment.lets_go and attachment.name not in releases:
+                angle = math.degrees(attachment.release_angle)
+                raise RuntimeError(
+                    f"{attachment.name} has not let go: its joint has not turned by "
+                    f"{angle:g} deg"
+                )
+        names = [attachment.name for attachment in separation.attachments]
+        return recorder, dict.fromkeys(names, math.inf) | releases
 
 
 def _releases(separation: Separation, released: Array) -> dict[str, float]:
@@ -213,19 +214,20 @@ def _find_stroke_ends(
     """Return when each spring reached its stroke, s, by its name.
 
     Raises:
-        RuntimeError: one did not within the run.
+        RuntimeError: one did not within the run, although its bodies part.
     """
     ends = separation.timed_stroke_ends(releases)
-    for name, end in ends.items():
-        # The model knows when scheduled releases are; not those at an angle.
-        if end >= separation.duration:
-            raise RuntimeError(f"{name} has not reached its stroke")
     for attachment, spring in separation.pushing:
-        if not law_of(spring).by_time:
-            release = releases[attachment.name]
+        release = releases[attachment.name]
+        if not law_of(spring).by_time and math.isfinite(release):
             ends[spring.name] = _find_stroke_end(
                 separation, recorder, attachment, spring, release
             )
+        # The model knows when scheduled releases are; not those at an angle.
+        if ends.get(spring.name, math.inf) >= separation.duration:
+            if separation.parts(attachment):
+                raise RuntimeError(f"{spring.name} has not reached its stroke")
+            ends[spring.name] = math.inf
     return ends
 
 
@@ -236,11 +238,7 @@ def _find_stroke_end(
     spring: Pusher,
     release: float,
 ) -> float:
-    """Return when a spring driven by displacement reached its stroke, s.
-
-    Raises:
-        RuntimeError: it did not within the run.
-    """
+    """Return when a spring by displacement reached its stroke, s, or infinity."""
     a, b = separation.ends(attachment)
     place = push_place(separation, attachment, spring)
     stroke = law_of(spring).end(spring, math)
@@ -254,7 +252,7 @@ def _find_stroke_end(
     times = times[times >= release]
     beyond = np.flatnonzero(left(times) <= 0.0)
     if not beyond.size:
-        raise RuntimeError(f"{spring.name} has not reached its stroke")
+        return math.inf
     if beyond[0] == 0:
         return release  # it was past its stroke when it was let go
     t0, t1 = times[beyond[0] - 1 : beyond[0] + 1]

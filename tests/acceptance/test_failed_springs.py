@@ -155,6 +155,7 @@ ROWS = np.array(
 )
 
 
+@pytest.mark.slow
 def test_out_and_stuck_in_both_engines():
     pair = both_laws()
     result = Batch(pair, NAMES).run(ROWS)

@@ -31,7 +31,6 @@ from drakesep.analysis.engines.jax.batch_input import (
     check_free,
     check_limits,
     check_names,
-    check_released,
 )
 from drakesep.analysis.engines.jax.compiled import (
     Program,
@@ -166,7 +165,6 @@ class Batch:
         nominal = parameters(separation)
         check_names(names, nominal)
         check_limits(deviation_limits, separation.pairs)
-        check_released(separation)
         check_free(separation)
         check_positive("tolerance", tolerance)
         keep_programs()
@@ -410,10 +408,12 @@ class Batch:
 
     def _reason(self, final: FinalState) -> str:
         """Return why one row failed."""
-        attachments, springs = self.separation.attachments, self.separation.springs
+        separation = self.separation
+        late = [a.lets_go for a in separation.attachments] & np.isinf(final.released)
+        parts = [separation.parts(attachment) for attachment, _ in separation.pushing]
         return LaneStatus(int(final.status)).message.format(
-            held=_names(attachments, np.isinf(final.released)),
-            left=_names(springs, np.isinf(final.stroke_ends)),
+            held=_names(separation.attachments, late),
+            left=_names(separation.springs, parts & np.isinf(final.stroke_ends)),
             time=final.time,
             max_steps=self._max_steps,
         )

@@ -1,6 +1,5 @@
 """What a batch refuses when it is made."""
 
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -36,16 +35,6 @@ def check_limits(limits: Limits, pairs: Sequence[Pair]) -> None:
             check_limits(mine, pairs)
     elif not np.shape(limits) == (3,) or not all(limit >= 0.0 for limit in limits):
         raise InputError(f"deviation limits must be three, >= 0, in rad, got {limits}")
-
-
-def check_released(separation: Separation) -> None:
-    """Raise InputError if an attachment waits for a command."""
-    for a in separation.attachments:
-        if math.isinf(a.release_time) and math.isinf(a.release_angle):
-            raise InputError(
-                f"{a.name} must let go at a time or at an angle: it waits for a "
-                "command, which a batch does not have"
-            )
 
 
 def check_free(separation: Separation) -> None:

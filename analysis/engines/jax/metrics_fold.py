@@ -115,7 +115,7 @@ class MetricsFold:
             equations: of the separation.
             deviation_limits: of roll, pitch and yaw, rad; infinite for none.
             metrics: to be told; those that steps do not tell are left out, and those
-                that look at a time that no run reaches.
+                that look at what comes about in no run.
         """
         self._equations = equations
         self._duration = equations.separation.duration
@@ -134,7 +134,7 @@ class MetricsFold:
         self._metrics = [
             metric
             for metric in metrics
-            if metric.of_steps and metric.reached(self._duration)
+            if metric.of_steps and metric.comes_about(equations.separation)
         ]
         self.names = tuple(name for m in self._metrics for name in m.names)
         self._moments: list[tuple[str, Moment]] = list(
