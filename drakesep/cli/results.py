@@ -1,5 +1,6 @@
 """What the command line prints of a study: tables, what failed, the verdict."""
 
+import pandas as pd
 from rich.console import Console
 
 from drakesep.analysis.analysis_case import AnalysisCase
@@ -110,6 +111,38 @@ def print_requirements(console: Console, study: Verification) -> None:
     if study.growths:
         title = "How far tolerances may grow until a requirement is violated"
         print_frame(console, title, growth_lines(frame, bodies), whole=True)
+    print_failure_cases(console, study)
+
+
+_FAILURES = ("failure_case", "verdict", "not_met", "nearest", "worst", "limit")
+
+
+def print_failure_cases(console: Console, study: Verification) -> None:
+    """Print what came of the failure cases, beside the design."""
+    if not study.failed_cases:
+        return
+    frame = study.failure_cases
+    names = frame[["nearest_requirement", "nearest_axis", "nearest_pair"]]
+    bodies = _bodies(study.case)
+    shown = frame.assign(
+        nearest=[
+            " ".join(filter(None, (what, axis)))
+            + (f", {whose}" if whose and len(bodies) > 1 else "")
+            for what, axis, whose in names.itertuples(index=False)
+        ],
+        worst=[f"{x:.5g} {u}" for x, u in _with_units(frame, "nearest_worst")],
+        limit=[f"{x:.5g} {u}" for x, u in _with_units(frame, "nearest_limit")],
+        not_met=[
+            f"{n} of {m}"
+            for n, m in zip(frame["not_met"], frame["requirements"], strict=True)
+        ],
+    )
+    title = "Failure cases, with the requirement of the least margin in each"
+    print_frame(console, title, shown[[*_FAILURES]], whole=True)
+
+
+def _with_units(frame: pd.DataFrame, column: str) -> list[tuple[float, str]]:
+    return list(zip(frame[column], frame["nearest_unit"], strict=True))
 
 
 def _bodies(case: AnalysisCase) -> list[str]:
@@ -126,15 +159,18 @@ def print_verdict(console: Console, study: Verification) -> None:
         )
     if study.worst and not study.growths:
         console.print("How far tolerances may grow was not looked for: see --growth.")
+    if study.case.failure_cases and not study.failed_cases:
+        count = len(study.case.failure_cases)
+        console.print(f"Failure cases were not looked at: {count}; see --failures.")
     match study.verdict:
         case Verdict.MET.value:
             console.print(
                 "[bold green]Every requirement is met[/] in all "
                 f"{len(study.runs)} runs flown in Drake, the worst cases of each among "
-                "them."
+                f"them{_in_failures_too(study)}."
             )
         case Verdict.NOT_MET.value:
-            console.print("[bold red]Not every requirement is met.[/]")
+            console.print(f"[bold red]Not every requirement is met{_where(study)}.[/]")
         case Verdict.NOT_LOOKED_AT.value:
             console.print(
                 "[bold red]Not every requirement was looked at[/]: no run is beyond a "
@@ -145,3 +181,20 @@ def print_verdict(console: Console, study: Verification) -> None:
                 "[bold red]No verdict[/]: no run is beyond a limit, and not all could "
                 "be flown or confirmed."
             )
+
+
+def _in_failures_too(study: Verification) -> str:
+    count = len(study.failed_cases)
+    return f", and in all {count} failure cases" if count else ""
+
+
+def _where(study: Verification) -> str:
+    """Return where not, if failure cases were looked at."""
+    if not study.failed_cases:
+        return ""
+    broken = [one for one in study.failed_cases if one.verdict != Verdict.MET.value]
+    design = "met" if study.design_verdict == Verdict.MET.value else "not met"
+    return (
+        f": the design is {design}, and {len(broken)} of "
+        f"{len(study.failed_cases)} failure cases are not"
+    )

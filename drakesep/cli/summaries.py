@@ -132,6 +132,8 @@ class VerifySummary(WorstCaseSummary):
 
     requirements: list[Row]
     """Rows of requirements.csv."""
+    failure_cases: list[Row]
+    """Rows of failure_cases.csv; empty if they were not looked at."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -266,7 +268,9 @@ def of_worst_cases(study: WorstCases, folder: Path) -> WorstCaseSummary:
 def of_verification(study: Verification, folder: Path) -> VerifySummary:
     """Return the summary of a verdict."""
     return VerifySummary(
-        **vars(of_worst_cases(study, folder)), requirements=_rows(study.requirements)
+        **vars(of_worst_cases(study, folder)),
+        requirements=_rows(study.requirements),
+        failure_cases=_rows(study.failure_cases) if study.failed_cases else [],
     )
 
 

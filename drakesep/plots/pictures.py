@@ -28,6 +28,20 @@ class Tornado:
         save_tornado(self.sensitivities, folder)
 
 
+@dataclass(frozen=True)
+class OfFailures:
+    """What is required in failure cases, beside the design."""
+
+    requirements: pd.DataFrame
+    """As failure_requirements.csv has them."""
+
+    def save(self, folder: Path) -> None:
+        """Draw it into a folder."""
+        from drakesep.plots.failure_cases import save_failure_cases
+
+        save_failure_cases(self.requirements, folder)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Pictures:
     """Plots of a study's runs, and their motions, as they are written down."""

@@ -369,6 +369,46 @@ _REMARKS = FileKind(
     ),
 )
 
+_FAILURE = Column("failure_case", "", "Its name; `design`: nothing has failed.")
+_VERDICT = (
+    *_LIMIT,
+    Column("nominal", _SAME, "In the nominal run."),
+    Column(
+        "worst",
+        _SAME,
+        "Farthest beyond the limit; else nearest to it, and empty if a run "
+        "does not tell.",
+    ),
+    Column("which_run", "", "Label of the worst, or of that run."),
+    Column("margin", _SAME, "Of the worst; negative beyond the limit."),
+    Column(
+        "growth_factor",
+        "",
+        "On all tolerances together at which it is first violated.",
+    ),
+    Column(
+        "growth_by",
+        "",
+        "How that was looked for: `search`; `ray` to the worst case alone, to "
+        "0.01, of what takes long to tell; `not looked at`; or `failed` with "
+        "the reason.",
+    ),
+    Column("looked_up_to", "", "Largest factor that was looked at."),
+    Column(
+        "first_tolerance",
+        "",
+        "That alone violates it with least growth; or `not looked at`.",
+    ),
+    Column("its_growth_factor", "", "On that tolerance."),
+    Column(
+        "verdict",
+        "",
+        "`met`, `not met` or `not looked at`, which is also what may be broken "
+        "by a run that failed, or by a worst case that is not confirmed.",
+    ),
+    *_IDENTITY,
+)
+
 _SEARCHED = (WORST_CASE, VERIFY)
 _WORST_CASES = (
     FileKind(
@@ -528,44 +568,61 @@ _WORST_CASES = (
         studies=(VERIFY,),
         what="The verdict.",
         row="requirement and axis",
+        columns=_VERDICT,
+    ),
+    FileKind(
+        name="failure_cases.csv",
+        studies=(VERIFY,),
+        what="What came of the design and of each failure case, if they are verified.",
+        row="failure case",
         columns=(
-            *_LIMIT,
-            Column("nominal", _SAME, "In the nominal run."),
+            _FAILURE,
             Column(
-                "worst",
-                _SAME,
-                "Farthest beyond the limit; else nearest to it, and empty if a run "
-                "does not tell.",
+                "changed",
+                "in the text",
+                "Parameters that have failed; of the design none.",
             ),
-            Column("which_run", "", "Label of the worst, or of that run."),
-            Column("margin", _SAME, "Of the worst; negative beyond the limit."),
-            Column(
-                "growth_factor",
-                "",
-                "On all tolerances together at which it is first violated.",
-            ),
-            Column(
-                "growth_by",
-                "",
-                "How that was looked for: `search`; `ray` to the worst case alone, to "
-                "0.01, of what takes long to tell; `not looked at`; or `failed` with "
-                "the reason.",
-            ),
-            Column("looked_up_to", "", "Largest factor that was looked at."),
-            Column(
-                "first_tolerance",
-                "",
-                "That alone violates it with least growth; or `not looked at`.",
-            ),
-            Column("its_growth_factor", "", "On that tolerance."),
             Column(
                 "verdict",
                 "",
-                "`met`, `not met` or `not looked at`, which is also what may be broken "
-                "by a run that failed, or by a worst case that is not confirmed.",
+                "On all requirements: `met`, `not met`, `not looked "
+                "at`; `does not separate`, where a body is held for ever; or "
+                "`failed`, where a run was not flown or not confirmed.",
             ),
-            *_IDENTITY,
+            Column("not_met", "", "Rows of requirements that are not."),
+            Column("requirements", "", "Rows of requirements in all."),
+            Column(
+                "nearest_requirement",
+                "",
+                "Of the least margin, as a share of its limit.",
+            ),
+            Column("nearest_axis", "", "Its axis."),
+            Column("nearest_pair", "", "Its pair."),
+            Column("nearest_limit", "as `nearest_unit` says", "Its limit."),
+            Column("nearest_worst", "as `nearest_unit` says", "The worst of it."),
+            Column("nearest_unit", "", "Of both."),
+            Column(
+                "joint_force_N",
+                "N",
+                "The largest of any joint in the nominal run of the case.",
+            ),
+            Column("joint_torque_N_m", "N m", "The same of torques, about B's pad."),
         ),
+    ),
+    FileKind(
+        name="failure_requirements.csv",
+        studies=(VERIFY,),
+        what="requirements.csv of the design and of each failure case, in which "
+        "tolerances do not grow.",
+        row="failure case, requirement and axis",
+        columns=(_FAILURE, *_VERDICT),
+    ),
+    FileKind(
+        name="failure_runs.csv",
+        studies=(VERIFY,),
+        what="Runs of each failure case flown in Drake: its nominal and its worst.",
+        row="run",
+        columns=(_FAILURE, *_RUN),
     ),
     FileKind(
         name="tolerances.csv",
@@ -631,6 +688,11 @@ _PLOTS = (
         name="tornado.png",
         studies=_SEARCHED,
         what="What each tolerance does to each objective: sensitivities.csv as a plot.",
+    ),
+    FileKind(
+        name="failure_cases.png",
+        studies=(VERIFY,),
+        what="failure_requirements.csv as a plot: nominal and worst of each case.",
     ),
     FileKind(
         name="worst_clearance.png",

@@ -17,6 +17,7 @@ from drakesep.case_file.objectives import (
     clearances_of,
     listed,
 )
+from drakesep.plots.pictures import OfFailures
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import VERIFY
 from drakesep.results.folder import Output, results_folder
@@ -126,8 +127,9 @@ def verify(
                 )
                 study = replace(study, growths=growths, single_growths=single_growths)
             failed = failure_cases_verified(study, under_way)
-            study = replace(study, failed_cases=failed)
-            study = under_way.write_down(study)
+            study = under_way.write_down(replace(study, failed_cases=failed))
+            if failed:
+                under_way.draw(OfFailures(study.failure_requirements).save)
         return ended(study, folder)
 
 

@@ -1,6 +1,7 @@
 """What came of a verification: findings, verdict, growth of tolerances, failures."""
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import pandas as pd
 
@@ -12,7 +13,7 @@ from drakesep.analysis.metrics.requirements import (
     assess,
     verdict_on_all,
 )
-from drakesep.plots.pictures import Pictures
+from drakesep.plots.pictures import OfFailures, Pictures
 from drakesep.plots.shown_runs import bodies_shown_by
 from drakesep.results.folder import ResultsFolder
 from drakesep.studies.tolerance_growth import Growths, ways_out
@@ -180,6 +181,12 @@ class Verification(WorstCases):
         if None in verdicts:
             return None
         return max(verdicts, key=[v.value for v in Verdict].index)
+
+    def draw(self, folder: Path) -> None:
+        """Draw what shows it into a folder."""
+        super().draw(folder)
+        if self.failed_cases:
+            OfFailures(self.failure_requirements).save(folder)
 
     @property
     def pictures(self) -> Pictures:

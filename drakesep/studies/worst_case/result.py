@@ -232,10 +232,14 @@ class WorstCases:
             self.write_tables(results)
             save_runs(self.runs, self.case.separation, folder)
             results.keep([one.label for one in self.runs])
-            if self.worst:
-                Tornado(self.nearest_sensitivities).save(folder)
-            self.pictures.save(folder)
+            self.draw(folder)
             results.end(failed=self.failure, verdict=self.verdict)
+
+    def draw(self, folder: Path) -> None:
+        """Draw what shows it into a folder."""
+        if self.worst:
+            Tornado(self.nearest_sensitivities).save(folder)
+        self.pictures.save(folder)
 
     @property
     def pictures(self) -> Pictures:
