@@ -1,5 +1,7 @@
 """What the command line prints of a study: tables, what failed, the verdict."""
 
+import math
+
 import pandas as pd
 from rich.console import Console
 
@@ -130,8 +132,8 @@ def print_failure_cases(console: Console, study: Verification) -> None:
             + (f", {whose}" if whose and len(bodies) > 1 else "")
             for what, axis, whose in names.itertuples(index=False)
         ],
-        worst=[f"{x:.5g} {u}" for x, u in _with_units(frame, "nearest_worst")],
-        limit=[f"{x:.5g} {u}" for x, u in _with_units(frame, "nearest_limit")],
+        worst=_with_units(frame, "nearest_worst"),
+        limit=_with_units(frame, "nearest_limit"),
         not_met=[
             f"{n} of {m}"
             for n, m in zip(frame["not_met"], frame["requirements"], strict=True)
@@ -141,8 +143,10 @@ def print_failure_cases(console: Console, study: Verification) -> None:
     print_frame(console, title, shown[[*_FAILURES]], whole=True)
 
 
-def _with_units(frame: pd.DataFrame, column: str) -> list[tuple[float, str]]:
-    return list(zip(frame[column], frame["nearest_unit"], strict=True))
+def _with_units(frame: pd.DataFrame, column: str) -> list[str]:
+    """Return values with their units; nothing of none."""
+    values = zip(frame[column], frame["nearest_unit"], strict=True)
+    return ["" if math.isnan(x) else f"{x:.5g} {unit}".strip() for x, unit in values]
 
 
 def _bodies(case: AnalysisCase) -> list[str]:

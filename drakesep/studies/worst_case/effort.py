@@ -30,11 +30,10 @@ from drakesep.systems.checks import InputError, check_positive
 
 GROWTH, CONFIRMATION, FAILURES = "growth", "confirmation", "failure cases"
 """What follows the searches."""
-_OF_FAILURES = ("samples", FROM_NOMINAL, "multistart")
-"""Searches of a failure case: of the design's, those that cost least."""
+_OF_FAILURES = ("samples", "multistart")
+"""Searches of a failure case, of the design's: the nominal is one of the starts."""
 _FEWER = {"samples": 2048, "starts": 3}
-"""Of them, for a failure case: it is to cost a tenth of the design, and what is worst
-of that is known."""
+"""Of them, for a failure case, which is to cost a tenth of the design."""
 _GRADES = 8
 MINUTES = 10.0
 """That a study may take, unasked: beyond these, something is left out."""
@@ -214,8 +213,10 @@ def planned_effort(
         whole_runs=costs.whole_runs(names, settings, grows),
         drake_alone=wanted.drake_alone,
     )
-    if minutes is not None or wanted.names is None:
-        _check_granted(planned)
+    if minutes is not None:
+        _check_granted(planned, planned.total)
+    elif wanted.names is None:
+        _check_granted(planned, planned.total - planned.seconds.get(FAILURES, 0.0))
     return planned
 
 
@@ -254,6 +255,8 @@ def of_failure(
         settings: how hard they are.
     """
     few = tuple(name for name in _OF_FAILURES if name in searches)
+    if "multistart" not in few and FROM_NOMINAL in searches:
+        few += (FROM_NOMINAL,)
     least = {name: min(getattr(settings, name), most) for name, most in _FEWER.items()}
     return few or tuple(searches), replace(settings, **least)
 
@@ -274,8 +277,8 @@ def check_minutes(minutes: float | None) -> None:
         check_positive("minutes", minutes)
 
 
-def _check_granted(planned: StudyEffort) -> None:
-    takes = planned.total / 60.0
+def _check_granted(planned: StudyEffort, seconds: float) -> None:
+    takes = seconds / 60.0
     if takes <= planned.minutes:
         return
     enough = _GRANTED * takes
@@ -335,8 +338,9 @@ class _Costs:
     def minutes(
         self, names: Sequence[str], settings: SearchSettings, growth: bool, cores: int
     ) -> float:
-        """Return the minutes that all of it takes."""
-        return sum(self.of(names, settings, growth, cores).values()) / 60.0
+        """Return the minutes that the design takes: failure cases are asked for."""
+        seconds = self.of(names, settings, growth, cores)
+        return (sum(seconds.values()) - seconds.get(FAILURES, 0.0)) / 60.0
 
     def of(
         self, names: Sequence[str], settings: SearchSettings, growth: bool, cores: int
