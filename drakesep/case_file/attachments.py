@@ -185,15 +185,19 @@ class AttachmentSection(Section):
     ) = None
     """What pushes from the release on; none if left out."""
     release_time_s: float | Literal["never"] | None = None
-    """At which it lets go, 0 or later; by default 0, or never if there is an angle."""
+    """At which it lets go, 0 or later; by default 0, or never if there is an angle or a
+    travel."""
     release_angle_deg: float | None = None
     """Of its joint about x, either way, at which it lets go: above 0, below 180."""
+    release_travel_mm: Positive | None = None
+    """Of its joint along x, either way, after which it lets go."""
 
     def in_si(self, name: str) -> Attachment:
         """Return the attachment."""
         time, angle = self.release_time_s, self.release_angle_deg
+        travel = self.release_travel_mm
         if time is None:
-            time = 0.0 if angle is None else math.inf
+            time = 0.0 if angle is None and travel is None else math.inf
         elif time == "never":
             time = math.inf
         with named(name):
@@ -207,6 +211,9 @@ class AttachmentSection(Section):
             spring=None if self.spring is None else self.spring.in_si(),
             release_time=time,
             release_angle=math.inf if angle is None else math.radians(angle),
+            release_travel=math.inf
+            if travel is None
+            else unit_of_kind("length").to_si(travel),
         )
 
 

@@ -150,6 +150,8 @@ def _attachments(case: Case) -> pd.DataFrame:
             releases.append(f"{attachment.release_time:g} s")
         if math.isfinite(attachment.release_angle):
             releases.append(f"{math.degrees(attachment.release_angle):g} deg")
+        if math.isfinite(attachment.release_travel):
+            releases.append(f"{1e3 * attachment.release_travel:g} mm")
         rows.append(
             {
                 "attachment": attachment.name,

@@ -5,7 +5,6 @@ before it runs over bodies, attachments, springs or loads, so that the size of t
 traced program does not grow with the number of bodies.
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -80,12 +79,6 @@ class BatchEquations:
         self.phases = holding_phases(separation, rigid, varied)
         """Which attachments may hold: each phase is a program of its own."""
         self.ends = [separation.ends(a) for a in separation.attachments]
-        self.released_at_angle = [
-            i
-            for i, attachment in enumerate(separation.attachments)
-            if math.isfinite(attachment.release_angle)
-        ]
-        """Attachments that let go at an angle."""
         self.springs = BatchSprings(separation, varied)
         self.places = BatchPlaces(separation, varied)
         """Of the bodies while mated."""
@@ -145,6 +138,7 @@ class BatchEquations:
             p_BoPad_B=tuple(rows([pad[c] for pad in pads_B], n) for c in range(3)),
             release_time=reader.number(of_attachments, attachments, "release_time"),
             release_angle=reader.number(of_attachments, attachments, "release_angle"),
+            release_travel=reader.number(of_attachments, attachments, "release_travel"),
             springs=springs,
             push_axis_A=push_axis_A,
             push_time=self.springs.push_time(springs, n),

@@ -16,6 +16,8 @@ Found within steps     Watched while      Quantity that crosses zero  Latches   
 `LiftOffs`             its spring pushes  - force                     lifted      as is
 `ReleasesAtAngle`      it holds           twist to one side - angle   released    fresh
                                           of release
+`ReleasesAfterTravel`  it holds           slide to one side - travel  released    fresh
+                                          of release
 =====================  =================  ==========================  ==========  =====
 
 Every event ends a step: within one, all that acts is smooth, as if the event were not
@@ -24,6 +26,8 @@ fresh. The others are crossed in either direction, as often as it comes, and the
 control goes on: its steps are as good beyond a corner.
 """
 
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -34,7 +38,9 @@ from drakesep.systems.batch.equations import BatchEquations
 from drakesep.systems.batch.lanes import BatchParameters, Lanes, Mode, pick
 from drakesep.systems.batch.springs import BatchSprings
 from drakesep.systems.equations import joints as joint_laws
+from drakesep.systems.equations.pushers import push_displacement
 from drakesep.systems.equations.relative_motion import BodyState
+from drakesep.systems.vectors import Vector
 
 
 class Latched(NamedTuple):
@@ -260,28 +266,33 @@ class LiftOffs:
         return latched._replace(mode=mode._replace(lifted=lifted))
 
 
-class ReleasesAtAngle:
-    """Joints let go where they have turned far enough, either way."""
+class ReleasesByMotion(ABC):
+    """Joints let go where they have moved far enough, either way."""
 
     latches = True
 
-    def __init__(self, equations: BatchEquations):
+    def __init__(self, equations: BatchEquations, released: Sequence[int]):
         """Prepare.
 
         Args:
             equations: of the separation.
+            released: indices of the attachments that let go so.
         """
-        separation = equations.separation
-        self._joints = [
-            (i, way) for i in equations.released_at_angle for way in (1.0, -1.0)
-        ]
+        self._equations = equations
+        self._joints = [(i, way) for i in released for way in (1.0, -1.0)]
         self._index = np.array([i for i, _ in self._joints])
         self.count = len(self._joints)
-        self._ends = [equations.ends[i] for i, _ in self._joints]
-        self._places = equations.places
-        self._axes_A = [
-            separation.attachments[i].joint.x_axis_A for i, _ in self._joints
-        ]
+
+    @abstractmethod
+    def _past(self, i: int, way: float, bodies: BodyState, p: BatchParameters) -> Lanes:
+        """Return (..., n) how far an attachment's joint is past where it lets go.
+
+        Args:
+            i: its index.
+            way: to one side, or the other: 1 or -1.
+            bodies: of (..., m, n).
+            p: of the batch.
+        """
 
     def watched(self, mode: Mode) -> Lanes:
         """Return (e, n) which hold."""
@@ -294,15 +305,8 @@ class ReleasesAtAngle:
     def quantities(
         self, bodies: BodyState, params: BatchParameters, mode: Mode
     ) -> Lanes:
-        """Return (..., e, n) how far each has turned past its angle of release, rad."""
-        past = []
-        for (i, way), (a, b), axis_A in zip(
-            self._joints, self._ends, self._axes_A, strict=True
-        ):
-            q_AB = self._places.orientation(a, b, params)
-            q_WA, q_WB = pick(bodies, a).q_WB, pick(bodies, b).q_WB
-            angle = joint_laws.twist_angle(q_WA, q_WB, q_AB, axis_A, jnp)
-            past.append(way * angle - params.release_angle[i])
+        """Return (..., e, n) how far each is past where it lets go, rad or m."""
+        past = [self._past(i, way, bodies, params) for i, way in self._joints]
         return jnp.stack(past, axis=-2)
 
     def happen(self, latched: Latched, now: Lanes, t: Lanes) -> Latched:
@@ -311,3 +315,30 @@ class ReleasesAtAngle:
         for (i, _), here in zip(self._joints, now, strict=True):
             released = released.at[i].set(jnp.where(here, t, released[i]))
         return latched.release(released)
+
+    def _ends(self, i: int, bodies: BodyState) -> tuple[BodyState, BodyState]:
+        a, b = self._equations.ends[i]
+        return pick(bodies, a), pick(bodies, b)
+
+    def _axis_A(self, i: int) -> Vector:
+        """Return the x axis of a joint."""
+        return self._equations.separation.attachments[i].joint.x_axis_A
+
+
+class ReleasesAtAngle(ReleasesByMotion):
+    """Joints let go where they have turned far enough, either way."""
+
+    def _past(self, i: int, way: float, bodies: BodyState, p: BatchParameters) -> Lanes:
+        A, B = self._ends(i, bodies)
+        q_AB = self._equations.places.orientation(*self._equations.ends[i], p)
+        angle = joint_laws.twist_angle(A.q_WB, B.q_WB, q_AB, self._axis_A(i), jnp)
+        return way * angle - p.release_angle[i]
+
+
+class ReleasesAfterTravel(ReleasesByMotion):
+    """Joints let go where they have slid far enough, either way."""
+
+    def _past(self, i: int, way: float, bodies: BodyState, p: BatchParameters) -> Lanes:
+        pads = pick(p.p_AoPad_A, i), pick(p.p_BoPad_B, i)
+        travel, _ = push_displacement(*self._ends(i, bodies), *pads, self._axis_A(i))
+        return way * travel - p.release_travel[i]

@@ -7,6 +7,7 @@ follows in a step of no length. Where a step ends, the way that its quantities w
 foresees the next of them.
 """
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
@@ -22,6 +23,7 @@ from drakesep.systems.batch.event_kinds import (
     LiftOffs,
     LoadRows,
     ProfileCorners,
+    ReleasesAfterTravel,
     ReleasesAtAngle,
     StrokeEnds,
     TimedReleases,
@@ -254,6 +256,9 @@ def _crossings(equations: BatchEquations) -> list[Crossings]:
         crossings.append(StrokeEnds(springs))
     if springs.may_lift:
         crossings.append(LiftOffs(springs))
-    if equations.released_at_angle:
-        crossings.append(ReleasesAtAngle(equations))
+    attachments = [*enumerate(equations.separation.attachments)]
+    if at_angle := [i for i, a in attachments if math.isfinite(a.release_angle)]:
+        crossings.append(ReleasesAtAngle(equations, at_angle))
+    if after_travel := [i for i, a in attachments if math.isfinite(a.release_travel)]:
+        crossings.append(ReleasesAfterTravel(equations, after_travel))
     return crossings

@@ -48,7 +48,7 @@ class LaneStatus(enum.IntEnum):
 
     FLYING = 0, ""
     COMPLETED = 1, "a metric, or a derivative of one, is not finite"
-    STILL_HELD = 2, "{held[0]} has not let go: its joint has not turned far enough"
+    STILL_HELD = 2, "{held[0]} has not let go: its joint has not moved far enough"
     STROKE_LEFT = 3, "{left[0]} has not reached its stroke"
     STEP_COLLAPSED = 4, "the step size collapsed (at t = {time:g} s)"
     TOO_MANY_STEPS = 5, "more than {max_steps} integration steps (at t = {time:g} s)"

@@ -43,6 +43,8 @@ class BatchParameters(NamedTuple):
     """(a, n), s; infinite where there is none."""
     release_angle: Lanes
     """(a, n), rad; infinite where there is none."""
+    release_travel: Lanes
+    """(a, n), m; infinite where there is none."""
     springs: Sequence[Any]
     """Of each group of `BatchSprings` what its law reads, of (k_g, n)."""
     push_axis_A: Vector

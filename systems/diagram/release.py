@@ -9,7 +9,12 @@ from drakesep.systems.diagram.event_latch import LatchingSystem
 from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.equations import joints as joint_laws
-from drakesep.systems.equations.mated_stack import mated_ends, mated_orientation
+from drakesep.systems.equations.mated_stack import (
+    mated_ends,
+    mated_orientation,
+    pad_on_B,
+)
+from drakesep.systems.equations.pushers import push_displacement
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import Quaternion, Vector
@@ -26,18 +31,24 @@ class ReleaseRow(NamedTuple):
     """s; infinite: not by time."""
     release_angle: float
     """rad; infinite: not by angle."""
+    release_travel: float
+    """m; infinite: not by travel."""
     q_AB: Quaternion
     """Orientation of its B in its A while mated."""
     x_axis_A: Vector
-    """About which its joint turns."""
+    """About which its joint turns, and along which it slides."""
+    p_AoPad_A: Vector
+    """m."""
+    p_BoPad_B: Vector
+    """The pad on its B, m."""
 
 
 class Release(LatchingSystem):
-    """Lets go of each attachment at its time, at a command, or at its joint's angle.
+    """Lets go of each attachment at its time, at a command, or by its joint's motion.
 
     If one of the triggers is connected, an attachment lets go when its trigger rises
-    above 0.5, and the scheduled times are not used. An attachment with a release angle
-    lets go also when its joint has turned by it.
+    above 0.5, and the scheduled times are not used. An attachment with a release angle,
+    or travel, lets go also when its joint has turned, or slid, by it.
 
     Exact to event isolation, see `LatchingSystem`; the recorded time of a scheduled
     release is the scheduled.
@@ -61,10 +72,11 @@ class Release(LatchingSystem):
         n = len(separation.attachments)
         super().__init__([math.inf] * n)
         self._ends = [separation.ends(a) for a in separation.attachments]
-        self._hinged = [
-            i
-            for i, a in enumerate(separation.attachments)
-            if math.isfinite(a.release_angle)
+        self._by_motion = [
+            i for i, a in enumerate(separation.attachments) if a.released_by_motion
+        ]
+        self._by_angle = [
+            math.isfinite(a.release_angle) for a in separation.attachments
         ]
         self._layout = layout
         self._state = self.DeclareVectorInputPort("plant_state", layout.size)
@@ -82,12 +94,12 @@ class Release(LatchingSystem):
         """Return the names of the parameters that the rows are made of."""
         return {*names_of(separation.attachments, ReleaseRow._fields)}
 
-    def is_due_by_angle(self, context: Context) -> bool:
-        """Return whether an attachment holds that has turned by its release angle."""
+    def is_due_by_motion(self, context: Context) -> bool:
+        """Return whether an attachment holds that has turned or slid far enough."""
         released = self._get_latched(context)
         return any(
-            math.isinf(released[i]) and self._has_turned(context, i)
-            for i in self._hinged
+            math.isinf(released[i]) and self._has_moved(context, i)
+            for i in self._by_motion
         )
 
     def _get_command(self, context: Context) -> list[bool] | None:
@@ -103,11 +115,17 @@ class Release(LatchingSystem):
             up = [True] * n
         return up
 
-    def _has_turned(self, context: Context, i: int) -> bool:
-        """Return whether an attachment's joint has turned by its release angle."""
+    def _has_moved(self, context: Context, i: int) -> bool:
+        """Return whether an attachment's joint has turned, or slid, far enough."""
         row = self._rows.read(context)[i]
         x = self._state.Eval(context).tolist()
         A, B = (self._layout.read_one(x, body) for body in self._ends[i])
+        place = row.p_AoPad_A, row.p_BoPad_B, row.x_axis_A
+        travel, _ = push_displacement(A, B, *place)
+        if abs(travel) >= row.release_travel:
+            return True
+        if not self._by_angle[i]:
+            return False
         angle = joint_laws.twist_angle(A.q_WB, B.q_WB, row.q_AB, row.x_axis_A, math)
         return abs(angle) >= row.release_angle
 
@@ -132,19 +150,25 @@ class Release(LatchingSystem):
                     released[i] = t if self._is_starting(context) else scheduled
             elif command[i]:
                 released[i] = t
-            hinged = i in self._hinged and math.isinf(released[i])
-            if hinged and self._has_turned(context, i):
+            by_motion = i in self._by_motion and math.isinf(released[i])
+            if by_motion and self._has_moved(context, i):
                 released[i] = t
         return released
 
 
 def _rows_of(separation: Separation) -> list[ReleaseRow]:
-    return [
-        ReleaseRow(
-            a.release_time,
-            a.release_angle,
-            mated_orientation(*mated_ends(separation, a)),
-            a.joint.x_axis_A,
+    rows = []
+    for a in separation.attachments:
+        ends = mated_ends(separation, a)
+        rows.append(
+            ReleaseRow(
+                a.release_time,
+                a.release_angle,
+                a.release_travel,
+                mated_orientation(*ends),
+                a.joint.x_axis_A,
+                a.p_AoPad_A,
+                pad_on_B(*ends, a.p_AoPad_A),
+            )
         )
-        for a in separation.attachments
-    ]
+    return rows

@@ -258,12 +258,12 @@ class SeparationForces(Diagram):
         return names
 
     def is_release_due(self, context: Context) -> bool:
-        """Return whether an attachment holds that has turned by its release angle.
+        """Return whether an attachment holds that has turned or slid far enough.
 
         Args:
             context: of this diagram.
         """
-        return self._release.is_due_by_angle(
+        return self._release.is_due_by_motion(
             self.GetSubsystemContext(self._release, context)
         )
 
@@ -275,6 +275,9 @@ def _structure(separation: Separation) -> dict[str, object]:
         "bodies": tuple(body.name for body in separation.bodies),
         "attachments": tuple((a.name, a.A, a.B) for a in attachments),
         "releases by angle": tuple(math.isfinite(a.release_angle) for a in attachments),
+        "releases by travel": tuple(
+            math.isfinite(a.release_travel) for a in attachments
+        ),
         "joints": tuple(
             (a.joint.type, a.joint.rigid, a.joint.x_axis_A, a.joint.y_axis_A)
             for a in attachments

@@ -230,7 +230,7 @@ class SeparationSystem(Diagram):
             )
 
     def is_release_due(self, context: Context) -> bool:
-        """Return whether an attachment holds that has turned by its release angle."""
+        """Return whether an attachment holds that has turned or slid far enough."""
         return self.forces.is_release_due(
             self.GetSubsystemContext(self.forces, context)
         )

@@ -155,7 +155,8 @@ def with_values(separation: Separation, values: Mapping[str, float]) -> Separati
     for name, value in values.items():
         if name not in known:
             raise InputError(unknown("parameter", name, known))
-        if not (known[name].optional and value == math.inf):
+        never = known[name].optional and known[name].kind == "time"
+        if not (never and value == math.inf):
             check_finite(name, value)
         owner, _, quantity = name.rpartition(".")
         changes.setdefault(owner, {})[quantity] = float(value)

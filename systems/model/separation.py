@@ -108,13 +108,15 @@ class Body:
 class Attachment:
     """A place where B is held to A, and pushed from it by a spring after release.
 
-    It lets go at its release time, or once its joint has turned by its release angle,
-    whichever comes first; a signal of the surrounding diagram takes the place of the
-    time (see `Release`). With neither, and without such a signal, it never lets go.
+    It lets go at its release time, or once its joint has turned by its release angle or
+    slid by its release travel, whichever comes first; a signal of the surrounding
+    diagram takes the place of the time (see `Release`). With none of them, and without
+    such a signal, it never lets go.
 
     Raises:
         ValueError: a value is not finite, both bodies are the same, or it lets go at an
-            angle about which its joint does not turn.
+            angle about which its joint does not turn, or after a travel along which it
+            does not slide.
     """
 
     name: str
@@ -130,11 +132,14 @@ class Attachment:
     """s; infinite: not by time."""
     release_angle: float = math.inf
     """About the joint's x axis, either way, rad; infinite: not by angle."""
+    release_travel: float = math.inf
+    """Of B's pad along the joint's x axis, either way, m; infinite: not by travel."""
 
     PARAMETERS: ClassVar[ParameterTable] = ParameterTable(
         *vector("position", "p_AoPad_A", XYZ, "length"),
         scalar("release_time", "time", NOT_NEGATIVE, optional=True),
         scalar("release_angle", "angle", TURN, optional=True),
+        scalar("release_travel", "length", POSITIVE, optional=True),
     )
 
     def __post_init__(self) -> None:
@@ -142,6 +147,8 @@ class Attachment:
         self.PARAMETERS.check(f"{self.name}: ", self)
         if self.release_angle != math.inf:
             self._check_hinge()
+        if self.release_travel != math.inf:
+            self._check_rail()
         if self.A == self.B:
             raise InputError(
                 f"{self.name}: must join two different bodies, got {self.A!r} twice"
@@ -149,8 +156,14 @@ class Attachment:
 
     @property
     def lets_go(self) -> bool:
-        """Whether it may let go by itself, at a time or at an angle."""
-        return math.isfinite(self.release_time) or math.isfinite(self.release_angle)
+        """Whether it may let go by itself: at a time, an angle or after a travel."""
+        times_and_ways = self.release_time, self.release_angle, self.release_travel
+        return any(map(math.isfinite, times_and_ways))
+
+    @property
+    def released_by_motion(self) -> bool:
+        """Whether it may let go at an angle or after a travel."""
+        return math.isfinite(min(self.release_angle, self.release_travel))
 
     def _check_hinge(self) -> None:
         constraints = self.joint.constraints
@@ -158,6 +171,14 @@ class Attachment:
             raise InputError(
                 f"{self.name}: release angle needs a joint that turns about its x axis "
                 f"alone, got {self.joint.type}"
+            )
+
+    def _check_rail(self) -> None:
+        constraints = self.joint.constraints
+        if constraints.translation[0] or not constraints.translation[1]:
+            raise InputError(
+                f"{self.name}: release travel needs a joint that slides along its x "
+                f"axis alone, got {self.joint.type}"
             )
 
 

@@ -160,7 +160,7 @@ class Simulation:
             or any(not law_of(spring).by_time for spring in separation.springs),
         )
         steps = itertools.count(1)
-        by_angle = any(math.isfinite(a.release_angle) for a in separation.attachments)
+        by_motion = any(a.released_by_motion for a in separation.attachments)
 
         def monitor(_: Context) -> EventStatus:
             recorder.note()
@@ -168,8 +168,8 @@ class Simulation:
             if next(steps) > _MOST_STEPS:
                 # Not EventStatus.Failed, which ends the process with a crash.
                 raise RuntimeError(f"it takes more than {_MOST_STEPS} steps")
-            if by_angle and system.is_release_due(context):
-                return EventStatus.ReachedTermination(system, "release by angle")
+            if by_motion and system.is_release_due(context):
+                return EventStatus.ReachedTermination(system, "release by motion")
             return EventStatus.DidNothing()
 
         simulator.set_monitor(monitor)
@@ -188,13 +188,19 @@ class Simulation:
         releases = _releases(separation, released.Eval(context))
         for attachment in separation.attachments:
             if attachment.lets_go and attachment.name not in releases:
-                angle = math.degrees(attachment.release_angle)
                 raise RuntimeError(
-                    f"{attachment.name} has not let go: its joint has not turned by "
-                    f"{angle:g} deg"
+                    f"{attachment.name} has not let go: its joint has not "
+                    f"{_motion_to_release(attachment)}"
                 )
         names = [attachment.name for attachment in separation.attachments]
         return recorder, dict.fromkeys(names, math.inf) | releases
+
+
+def _motion_to_release(attachment: Attachment) -> str:
+    angle, travel = attachment.release_angle, attachment.release_travel
+    ways = [f"turned by {math.degrees(angle):g} deg"] * math.isfinite(angle)
+    ways += [f"slid by {1e3 * travel:g} mm"] * math.isfinite(travel)
+    return " or ".join(ways)
 
 
 def _releases(separation: Separation, released: Array) -> dict[str, float]:

@@ -60,7 +60,7 @@ def row(changes, number=0):
 
 
 SAID = {
-    LaneStatus.STILL_HELD: "attachment_2 has not let go: its joint has not turned far",
+    LaneStatus.STILL_HELD: "attachment_2 has not let go: its joint has not moved far",
     LaneStatus.STROKE_LEFT: "spring_1 has not reached its stroke",
     LaneStatus.STEP_COLLAPSED: "the step size collapsed (at t = 0 s)",
     LaneStatus.TOO_MANY_STEPS: f"more than {MAX_STEPS} integration steps (at t = ",

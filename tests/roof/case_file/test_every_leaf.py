@@ -103,7 +103,7 @@ attachments:
     B: craft
     position_mm: [23, 431, 211.5]
     joint:
-      type: revolute
+      type: cylindrical
       stiffness_N_m: [200001, 210001, 220001]
       damping_N_s_m: [2001, 2101, 2201]
       angular_stiffness_N_m_rad: [30001, 31001, 32001]
@@ -111,6 +111,7 @@ attachments:
       axes: {x: [0, 0.28, 0.96], y: [0.8, 0.576, -0.168]}
     release_time_s: 0.0625
     release_angle_deg: 37.5
+    release_travel_mm: 418.5
   bolt:
     A: carrier
     B: craft
@@ -312,7 +313,7 @@ def separation_of_main(folder) -> Separation:
         B="craft",
         p_AoPad_A=(0.023, 0.431, 0.2115),
         joint=Joint(
-            type="revolute",
+            type="cylindrical",
             K_F=(200001.0, 210001.0, 220001.0),
             D_F=(2001.0, 2101.0, 2201.0),
             K_T=(30001.0, 31001.0, 32001.0),
@@ -322,6 +323,7 @@ def separation_of_main(folder) -> Separation:
         ),
         release_time=0.0625,
         release_angle=37.5 * DEG,
+        release_travel=0.4185,
     )
     bolt = Attachment(
         name="bolt",
@@ -777,7 +779,8 @@ def test_no_key_is_left_out(folder):
 
 UNITS = {"mass": ("kg", 1.0), "cg": ("mm", 1e-3), "inertia": ("kg_m2", 1.0)}
 UNITS |= {"position": ("mm", 1e-3), "release_time": ("s", 1.0)}
-UNITS |= {"release_angle": ("deg", DEG), "force_max": ("N", 1.0)}
+UNITS |= {"release_travel": ("mm", 1e-3), "release_angle": ("deg", DEG)}
+UNITS |= {"force_max": ("N", 1.0)}
 UNITS |= {"stroke": ("mm", 1e-3), "tilt": ("deg", DEG), "design_mass": ("kg", 1.0)}
 UNITS |= {"damping": ("N_s_m", 1.0), "start": ("s", 1.0), "factor": ("", 1.0)}
 UNITS |= {"lost_stroke": ("", 1.0), "attitude": ("deg", DEG), "rate": ("deg_s", DEG)}
@@ -796,7 +799,12 @@ WOUND = [("force_max", [""]), ("stroke", [""]), ("damping", [""]), TILTS, LOST]
 PARAMETERS = {
     "carrier": BODY,  # in whose frame the stack is placed
     **dict.fromkeys(("craft", "tail"), BODY + SITTING),
-    "hinge": [("position", "xyz"), ("release_time", [""]), ("release_angle", [""])],
+    "hinge": [
+        ("position", "xyz"),
+        ("release_time", [""]),
+        ("release_angle", [""]),
+        ("release_travel", [""]),
+    ],
     **dict.fromkeys(("bolt", "latch", "strap"), TIMED),
     "timed": [
         ("force_max", [""]),

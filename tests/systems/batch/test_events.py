@@ -15,6 +15,7 @@ from drakesep.systems.batch.event_kinds import (
     LiftOffs,
     LoadRows,
     ProfileCorners,
+    ReleasesAfterTravel,
     ReleasesAtAngle,
     StrokeEnds,
     TimedReleases,
@@ -142,16 +143,26 @@ def test_every_kind_in_the_order_of_the_table():
     attachments[2] = dataclasses.replace(
         attachments[2], joint=hinge, release_time=math.inf, release_angle=0.3
     )
+    attachments[1] = dataclasses.replace(
+        attachments[1],
+        joint=dataclasses.replace(hinge, type="cylindrical"),
+        release_time=math.inf,
+        release_travel=0.3,
+    )
     separation = dataclasses.replace(separation, attachments=tuple(attachments))
     events = Events(BatchEquations(separation))
     assert which(events.known) == [
         kind.__name__ for kind in (TimedReleases, TimedStrokeEnds, LoadRows)
     ]
-    kinds = (ProfileCorners, StrokeEnds, LiftOffs, ReleasesAtAngle)
+    kinds = (
+        *(ProfileCorners, StrokeEnds, LiftOffs),
+        *(ReleasesAtAngle, ReleasesAfterTravel),
+    )
     assert which(events.crossings) == [kind.__name__ for kind in kinds]
-    assert [kind.latches for kind in events.crossings] == [False, True, False, True]
-    # three springs, with a corner each, and one joint, which may turn either way
-    assert [kind.count for kind in events.crossings] == [3, 3, 3, 2]
+    latches = [kind.latches for kind in events.crossings]
+    assert latches == [False, True, False, True, True]
+    # Three springs, with a corner each, and two joints, which may move either way.
+    assert [kind.count for kind in events.crossings] == [3, 3, 3, 2, 2]
 
 
 def test_a_release_starts_its_load_at_the_same_time():

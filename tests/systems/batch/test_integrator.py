@@ -14,7 +14,7 @@ from drakesep.systems.batch.integrator import LaneStatus
         (LaneStatus.COMPLETED, "a metric, or a derivative of one, is not finite"),
         (
             LaneStatus.STILL_HELD,
-            "hinge_2 has not let go: its joint has not turned far enough",
+            "hinge_2 has not let go: its joint has not moved far enough",
         ),
         (LaneStatus.STROKE_LEFT, "spring_3 has not reached its stroke"),
         (LaneStatus.STEP_COLLAPSED, "the step size collapsed (at t = 0.25 s)"),
