@@ -7,22 +7,22 @@ of time and memory.
 """
 
 import json
+import re
 import signal
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from typing import Any, NamedTuple
-from xml.etree import ElementTree
 
 from drakesep.systems.checks import InputError, unknown
+from drakesep.systems.design.model_text import bare_model
 
 
 _SECONDS = 60
 """That reading may take; a machine may be busy."""
 _BYTES = 8 << 30
 """Of memory, addressed; on Linux."""
-_ROOTS = ("sdf", "robot", "mujoco", "mujocoinclude")
-"""Of model files."""
 
 
 class ReadModel(NamedTuple):
@@ -79,40 +79,6 @@ def _why(done: "subprocess.CompletedProcess[bytes]") -> str:
     return said[-1] if said else f"exit code {done.returncode}"
 
 
-def _check_includes(file: Path, name: str, above: tuple[Path, ...] = ()) -> None:
-    """Raise InputError unless all that a file includes is there, a model, and not it.
-
-    Drake's parser leaves out without a word what is none.
-    """
-    try:
-        root = ElementTree.parse(file).getroot()
-    except (OSError, ElementTree.ParseError) as error:
-        if not above:
-            return  # the parser has more to say of it
-        raise InputError(
-            f"{name}: include {file.name} must be a model, got: {error}"
-        ) from error
-    if above and root.tag not in _ROOTS:
-        raise InputError(
-            f"{name}: include {file.name} must be a model, got <{root.tag}>"
-        )
-    for include in root.iter("include"):
-        uri = include.get("file") or include.findtext("uri") or ""
-        if "://" in uri:
-            continue  # refused by the parser, which knows no packages
-        if above and file.parent != above[0].parent:
-            # The parser would look beside the first file, and may find another there.
-            raise InputError(
-                f"{name}: include {file.name} must stand beside it to include others, "
-                f"got {uri.strip()} in {file.parent.name}"
-            )
-        target = (file.parent / uri.strip()).resolve()
-        if target in (*above, file.resolve()):
-            raise InputError(f"{name}: must not include itself, got {target.name}")
-        if target.is_file() or root.tag != "sdf":
-            _check_includes(target, name, (*above, file.resolve()))
-
-
 def _read(path: Path, frame: str) -> dict[str, Any]:
     from pydrake.multibody.parsing import Parser
     from pydrake.multibody.plant import MultibodyPlant
@@ -125,16 +91,24 @@ def _read(path: Path, frame: str) -> dict[str, Any]:
         packages.Remove(package)  # Drake's own would be downloaded
     # What the parser would mend with a warning, such as a negative mass, is an error.
     parser.SetStrictParsing()
-    try:
-        parser.AddModels(str(path))
-        plant.Finalize()
-    except RuntimeError as error:
-        message = str(error).splitlines()[0].replace(str(path), path.name)
-        raise InputError(f"{path.name}: must be a model, got: {message}") from error
+    with tempfile.TemporaryDirectory() as folder:
+        bare = bare_model(path, path.name, Path(folder))
+        try:
+            if bare is None:
+                parser.AddModels(str(path))
+            else:
+                parser.AddModelsFromString(bare.text, bare.suffix)
+            plant.Finalize()
+        except RuntimeError as error:
+            message = str(error).splitlines()[0].replace(str(path), path.name)
+            message = re.sub(r"<literal-string>\.\w+", path.name, message)
+            message = re.sub(rf"(file:)?/*{re.escape(folder)}/+\d+_", "", message)
+            raise InputError(f"{path.name}: must be a model, got: {message}") from error
     indices = [BodyIndex(i) for i in range(1, plant.num_bodies())]
     if not indices:
         raise InputError(f"{path.name}: must be a model, got no body")
     base = plant.get_body(indices[0]).body_frame()
+    frame = frame or (bare.first if bare is not None else "")
     if frame:
         frames = [plant.get_frame(FrameIndex(i)) for i in range(1, plant.num_frames())]
         names = [each.name() for each in frames]
@@ -160,7 +134,6 @@ def _main(file: str, frame: str) -> None:
             import resource
 
             resource.setrlimit(resource.RLIMIT_AS, (_BYTES, _BYTES))
-        _check_includes(path, path.name)
         told = _read(path, frame)
     except InputError as error:
         told = {"error": str(error)}
