@@ -118,7 +118,11 @@ class SolidSection(Section):
 
 
 class ModelSection(Section):
-    """A model in an SDF, URDF or MJCF file, taken as one rigid body."""
+    """A model in an SDF, URDF or MJCF file, taken as one rigid body.
+
+    Its joints stand as they are drawn. What it holds beside mass and places, such as
+    looks, sensors or contact, is not looked at.
+    """
 
     file: File
     """SDF, URDF or MJCF, from the folder of the case file."""

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drakesep.systems.checks import InputError, unknown
-from drakesep.systems.design.model_includes import text_with_includes
+from drakesep.systems.design.model_text import bare_model
 
 
 _SECONDS = 60
@@ -46,17 +46,15 @@ def read_apart(path: Path, frame: str | None) -> ReadModel:
     Raises:
         ValueError: it is no model, or reading it does not end.
     """
-    path = path.absolute()
-    command = [sys.executable, "-m", __spec__.name, str(path), frame or ""]
+    command = [sys.executable, "-m", __spec__.name, str(path.absolute()), frame or ""]
     try:
-        with tempfile.TemporaryDirectory() as copies:
-            done = subprocess.run(
-                [*command, copies],
-                cwd=path.parent,
-                stdin=subprocess.DEVNULL,
-                capture_output=True,
-                timeout=_SECONDS,
-            )
+        done = subprocess.run(
+            command,
+            cwd=path.absolute().parent,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=_SECONDS,
+        )
     except subprocess.TimeoutExpired as error:
         raise InputError(
             f"{path.name}: must be a model, got one that takes more than {_SECONDS} s "
@@ -81,7 +79,7 @@ def _why(done: "subprocess.CompletedProcess[bytes]") -> str:
     return said[-1] if said else f"exit code {done.returncode}"
 
 
-def _read(path: Path, frame: str, copies: Path) -> dict[str, Any]:
+def _read(path: Path, frame: str) -> dict[str, Any]:
     from pydrake.multibody.parsing import Parser
     from pydrake.multibody.plant import MultibodyPlant
     from pydrake.multibody.tree import BodyIndex, FrameIndex
@@ -93,22 +91,24 @@ def _read(path: Path, frame: str, copies: Path) -> dict[str, Any]:
         packages.Remove(package)  # Drake's own would be downloaded
     # What the parser would mend with a warning, such as a negative mass, is an error.
     parser.SetStrictParsing()
-    text = text_with_includes(path, copies)
-    try:
-        if text is None:
-            parser.AddModels(str(path))
-        else:
-            parser.AddModelsFromString(text, path.suffix[1:])
-        plant.Finalize()
-    except RuntimeError as error:
-        message = str(error).splitlines()[0].replace(str(path), path.name)
-        message = re.sub(r"<literal-string>\.\w+", path.name, message)
-        message = re.sub(rf"/*{re.escape(str(copies))}/\d+/", "", message)
-        raise InputError(f"{path.name}: must be a model, got: {message}") from error
+    with tempfile.TemporaryDirectory() as folder:
+        bare = bare_model(path, path.name, Path(folder))
+        try:
+            if bare is None:
+                parser.AddModels(str(path))
+            else:
+                parser.AddModelsFromString(bare.text, bare.suffix)
+            plant.Finalize()
+        except RuntimeError as error:
+            message = str(error).splitlines()[0].replace(str(path), path.name)
+            message = re.sub(r"<literal-string>\.\w+", path.name, message)
+            message = re.sub(rf"(file:)?/*{re.escape(folder)}/+\d+_", "", message)
+            raise InputError(f"{path.name}: must be a model, got: {message}") from error
     indices = [BodyIndex(i) for i in range(1, plant.num_bodies())]
     if not indices:
         raise InputError(f"{path.name}: must be a model, got no body")
     base = plant.get_body(indices[0]).body_frame()
+    frame = frame or (bare.first if bare is not None else "")
     if frame:
         frames = [plant.get_frame(FrameIndex(i)) for i in range(1, plant.num_frames())]
         names = [each.name() for each in frames]
@@ -127,14 +127,14 @@ def _read(path: Path, frame: str, copies: Path) -> dict[str, Any]:
     }
 
 
-def _main(file: str, frame: str, copies: str) -> None:
+def _main(file: str, frame: str) -> None:
     path = Path(file)
     try:
         if sys.platform == "linux":
             import resource
 
             resource.setrlimit(resource.RLIMIT_AS, (_BYTES, _BYTES))
-        told = _read(path, frame, Path(copies))
+        told = _read(path, frame)
     except InputError as error:
         told = {"error": str(error)}
     sys.stdout.write(json.dumps(told))
