@@ -76,11 +76,10 @@ def _draw(axes: Axes, mine: pd.DataFrame) -> None:
     axes.plot(nominal, y, "o", color=COLOURS[0], markerfacecolor="white", markersize=4)
     axes.plot(worst[~beyond], y[~beyond], "o", color=COLOURS[1], markersize=5)
     axes.plot(worst[beyond], y[beyond], "X", color=COLOURS[2], markersize=7)
+    beside = axes.get_yaxis_transform()
     for k in y[untold]:
-        place = {"xy": (0.02, k), "xycoords": ("axes fraction", "data")}
-        axes.annotate(
-            "not looked at", **place, fontsize=7, va="center", color="#555555"
-        )
+        words = axes.text(0.02, float(k), "not looked at", transform=beside)
+        words.set(fontsize=7, va="center", color="#555555")
     first = mine.iloc[0]
     axes.axvline(first["limit"], **LIMIT)
     axes.axhline(0.5, color="#cccccc", linewidth=0.8)

@@ -180,7 +180,9 @@ class Verification(WorstCases):
             return Verdict.NOT_MET.value
         if None in verdicts:
             return None
-        return max(verdicts, key=[v.value for v in Verdict].index)
+        if Verdict.NOT_LOOKED_AT.value in verdicts:
+            return Verdict.NOT_LOOKED_AT.value
+        return Verdict.MET.value
 
     def draw(self, folder: Path) -> None:
         """Draw what shows it into a folder."""

@@ -58,10 +58,9 @@ def _nearest(requirements: pd.DataFrame) -> dict[str, object]:
             "nearest_worst": math.nan,
             "nearest_unit": "",
         }
-    with np.errstate(divide="ignore"):
-        share = told["margin"] / told["limit"].abs()
-    row = told.loc[share.fillna(0.0).idxmin()]
-    return {f"nearest_{name}": row[name] for name in columns}
+    rows = told.to_dict("records")
+    nearest = min(rows, key=lambda row: row["margin"] / (abs(row["limit"]) or 1.0))
+    return {f"nearest_{name}": nearest[name] for name in columns}
 
 
 def _largest_loads(run: Run) -> dict[str, float]:

@@ -360,8 +360,8 @@ class _Costs:
         if growth:
             seconds[GROWTH] = self._growth(settings, cores)
         if self._failures:
-            few, fewer = of_failure(names, settings)
-            searched = sum(self._search(name, fewer, cores) for name in few)
+            few, less = of_failure(names, settings)
+            searched = sum(self._search(name, less, cores) for name in few)
             flown = self._speed.drake + seconds[CONFIRMATION]
             seconds[FAILURES] = self._failures * (searched + flown)
         return seconds
