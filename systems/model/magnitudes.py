@@ -15,6 +15,7 @@ from drakesep.systems.checks import InputError, check_finite, check_positive
 Kind: TypeAlias = Literal[
     "mass",
     "length",
+    "orbit_radius",
     "angle",
     "angular_rate",
     "inertia",
@@ -55,7 +56,8 @@ class Magnitude(NamedTuple):
 MAGNITUDES: Mapping[Kind, Magnitude] = MappingProxyType(
     {
         "mass": Magnitude(1e-6, 1e9, "kg"),
-        "length": Magnitude(1e-9, 1e9, "m"),
+        "length": Magnitude(1e-9, 1e5, "m"),
+        "orbit_radius": Magnitude(1e-9, 1e9, "m"),
         "angle": Magnitude(1e-9, 1e4, "rad"),
         "angular_rate": Magnitude(1e-9, 1e4, "rad/s"),
         "inertia": Magnitude(1e-15, 1e15, "kg m²"),

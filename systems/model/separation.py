@@ -198,7 +198,7 @@ class Orbit:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        check_size("length", "orbit: radius", self.radius)
+        check_size("orbit_radius", "orbit: radius", self.radius)
         check_positive("orbit: mu", self.mu)
 
     @property

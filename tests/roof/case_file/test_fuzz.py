@@ -1,6 +1,6 @@
 """Nearly right case files: read, shown and flown, or refused in words of ours.
 
-A few hundred of them, the same ones each time; many more, drawn anew, behind `slow`.
+A few hundred of them, the same ones each time; many more, drawn anew, behind `fuzz`.
 """
 
 import contextlib
@@ -11,7 +11,7 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, event, given, settings
+from hypothesis import HealthCheck, Phase, event, given, settings
 from mutations import as_text, mangled, mutated
 from rich.console import Console
 
@@ -80,7 +80,9 @@ FOLDER = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 """Each file is written where the one before was."""
 few = settings(max_examples=60, derandomize=True, suppress_health_check=FOLDER)
 fewer = settings(few, max_examples=25)
-many = settings(max_examples=5000, suppress_health_check=FOLDER)
+UNSHRUNK = [Phase.explicit, Phase.reuse, Phase.generate]
+"""To shrink what takes ten seconds to fail takes hours."""
+many = settings(max_examples=5000, phases=UNSHRUNK, suppress_health_check=FOLDER)
 
 
 @few
@@ -101,21 +103,21 @@ def test_a_few_are_flown_or_refused(data, tmp_path):
     check_flown(as_text(data), tmp_path)
 
 
-@pytest.mark.slow
+@pytest.mark.fuzz
 @many
 @given(data=mutated())
 def test_many_are_read_or_refused(data, tmp_path):
     check_read(as_text(data), tmp_path)
 
 
-@pytest.mark.slow
+@pytest.mark.fuzz
 @many
 @given(text=mangled())
 def test_many_texts_are_read_or_refused(text, tmp_path):
     check_read(text, tmp_path)
 
 
-@pytest.mark.slow
+@pytest.mark.fuzz
 @settings(many, max_examples=1000)
 @given(data=mutated())
 def test_many_are_flown_or_refused(data, tmp_path):
