@@ -100,6 +100,7 @@ _SMALL = {
         {"quantity": "deviation_at_separation_deg", "at_most": [2.1, 2.87, 4.0]},
     ],
     "objectives": "paper",
+    "failure_cases": {"s1_weak": {"s1.force_max_N": 900.0}},
     "run": {"duration_s": 0.8},
     "published": [
         {

@@ -330,7 +330,7 @@ def _batch_of(plan: StudyPlan) -> Batch:
     }
     batch = Batch(
         case.separation,
-        [*case.box.names, *fail],
+        (*case.box.names, *fail),
         deviation_limits=case.limits_of_pairs,
         metrics=read,
         without=() if asked else of_paper,

@@ -21,6 +21,7 @@ from drakesep.analysis.analysis_case import (
     PrintedResult,
     PublishedCase,
 )
+from drakesep.analysis.failure_cases import FailureCase
 from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
@@ -229,6 +230,8 @@ clearance:
   pairs: [[plate, skirt], [ball, nose]]
   touching: [[rod, block], [plate, nose]]
 recontact: {stiffness_N_m: 70001, dissipation_s_m: 0.7125, friction: 0.2125}
+failure_cases:
+  worn: {craft.mass_kg: max, carrier.mass_kg: 722.5}
 run:
   duration_s: 0.59
   integrator: bogacki_shampine3
@@ -513,6 +516,12 @@ def record_of_main(folder) -> AnalysisCase:
                     longitudinal_speed=0.405,
                     iterations=18,
                 ),
+            ),
+        ),
+        failure_cases=(
+            FailureCase(
+                name="worn",
+                values={"craft.mass": 1213.5 + 33.25, "carrier.mass": 722.5},
             ),
         ),
     )

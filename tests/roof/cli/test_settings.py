@@ -73,6 +73,7 @@ OPTIONS = {
         ),
         "--growth": (None, {"growth": True}),
         "--no-growth": (None, {"growth": False}),
+        "--failures": (None, {"failures": True}),
     },
 }
 """Of each command: an option, its value, and the same argument in Python."""

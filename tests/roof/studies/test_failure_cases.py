@@ -1,0 +1,132 @@
+"""Failure cases verified beside the design: each is what a case of its own would be."""
+
+import itertools
+import math
+
+import pandas as pd
+import pytest
+from small_case import small_case
+
+import drakesep
+from drakesep.analysis.metrics.of_run import metrics_of_run
+from drakesep.systems.checks import InputError
+from drakesep.systems.simulation.simulation import Simulation
+from drakesep.units import unit_of
+
+
+FAILURES = {
+    "s1_weak": {"s1.force_max_N": 900.0},
+    "heavy": {"upper.mass_kg": "max"},
+    "held": {"two.release_time_s": "never"},
+}
+HARD = {"samples": 100, "starts": 3, "vertices": 64, "growth": False, "workers": 1}
+
+
+def case(**sections):
+    return drakesep.Case.model_validate(small_case(**sections))
+
+
+SIMULATION = Simulation(case().separation)
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("failures")
+    study = drakesep.verify(
+        case(failure_cases=FAILURES), failures=True, output=folder, **HARD
+    )
+    return study, folder
+
+
+def test_the_tables_are_in_the_folder(study):
+    study, folder = study
+    for name in ("failure_cases", "failure_requirements", "failure_runs"):
+        left = pd.read_csv(folder / f"{name}.csv", keep_default_na=False)
+        assert len(left) == len(getattr(study, name))
+    assert (folder / "failure_cases.png").exists()
+
+
+def test_each_is_as_bad_as_a_grid_flown_in_drake(study):
+    """All ends and middles of what still varies: the worst are at ends.
+
+    Within what a search leaves at bounds, and Drake's accuracy, 1e-6 of a value.
+    """
+    mm = 1e-3
+    varying = {
+        "upper.mass": (1150.0, 1200.0, 1250.0),
+        "s1.force_max": (1140.0, 1200.0, 1260.0),
+        "upper.cg_y": (-28.0 * mm, -20.0 * mm, -12.0 * mm),
+    }
+    found = study[0].failure_requirements.set_index("failure_case")
+    requirements = study[0].case.requirements
+    for name, failed in (
+        ("s1_weak", {"s1.force_max": 900.0}),
+        ("heavy", {"upper.mass": 1250.0}),
+    ):
+        grid = {key: ends for key, ends in varying.items() if key not in failed}
+        runs = [
+            metrics_of_run(
+                SIMULATION.run({**failed, **dict(zip(grid, at, strict=True))}),
+                study[0].case.limits_of_pairs,
+            )
+            for at in itertools.product(*grid.values())
+        ]
+        for row, required in zip(
+            found.loc[name].to_dict("records"), requirements, strict=True
+        ):
+            values = [
+                unit_of(required.metric).from_si(r[required.judged_by]) for r in runs
+            ]
+            worst = max(values) if required.from_above else min(values)
+            assert row["worst"] == pytest.approx(worst, rel=1e-6)
+            assert row["nominal"] == pytest.approx(values[len(values) // 2], rel=1e-6)
+            assert (row["verdict"] == "met") == required.keeps(
+                required.margin(unit_of(required.metric).to_si(worst))
+            )
+
+
+def test_what_never_lets_go_does_not_separate(study):
+    study, _ = study
+    rows = study.failure_cases.set_index("failure_case")
+    assert rows.loc["held", "verdict"] == "does not separate"
+    assert rows.loc["held", "changed"] == "two.release_time_s never"
+    verdicts = study.failure_requirements.set_index("failure_case").loc["held"]
+    assert "met" not in [*verdicts["verdict"]]
+    held = [one for one in study.failed_cases if one.failure.name == "held"]
+    assert held[0].held == ("upper",)
+    # It is a result: one run, flown to its end, with what the joints carry.
+    [run] = held[0].study.runs
+    assert run.run.motion is not None
+    assert math.isfinite(rows.loc["held", "joint_force_N"])
+
+
+def test_what_has_failed_is_held_in_every_run(study):
+    runs = study[0].failure_runs
+    assert (runs.query("failure_case == 's1_weak'")["s1.force_max_N"] == 900.0).all()
+    heavy = runs.query("failure_case == 'heavy'")
+    assert (heavy["upper.mass_kg"] == 1250.0).all()
+    assert heavy["s1.force_max_N"].between(1140.0, 1260.0).all()
+    assert heavy["s1.force_max_N"].nunique() > 1  # what has not, varies
+
+
+def test_the_verdict_is_that_of_all(study):
+    study, folder = study
+    assert study.design_verdict == "met"
+    assert (study.requirements["verdict"] == "met").all()
+    assert study.verdict == "not met"  # of what does not separate
+    assert not study.passed
+    assert drakesep.read_results(folder).record.verdict == "not met"
+
+
+def test_it_is_asked_for_what_there_is():
+    with pytest.raises(InputError, match=r"failure_cases: .* must have some, got none"):
+        drakesep.verify(case(failure_cases=None), failures=True)
+
+
+def test_without_tolerances_there_are_nominal_runs():
+    few = {name: FAILURES[name] for name in ("s1_weak", "held")}
+    alone = case(failure_cases=few, dispersions=None, published=None, objectives=None)
+    study = drakesep.verify(alone, failures=True)
+    assert study.failure_cases["failure_case"].tolist() == ["design", *few]
+    assert study.failure_cases["verdict"].tolist()[-1] == "does not separate"
+    assert study.failure_runs["label"].tolist() == ["nominal", "nominal"]
