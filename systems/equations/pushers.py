@@ -86,6 +86,10 @@ class PushLaw(ABC):
             ops: module of the elementary functions.
         """
 
+    def preload(self, p: Any) -> float:
+        """Return the force with which it presses while its attachment holds, N."""
+        return 0.0
+
     def energy(self, p: Any, displacement: Scalar) -> Scalar:
         """Return what it stores before the end, J; 0 of a law by time."""
         return 0.0

@@ -46,6 +46,10 @@ class TimedSpringLaw(PushLaw):
         """Return the angular frequency of the force, rad/s."""
         return push_frequency(p, ops)
 
+    def preload(self, p: Any) -> float:
+        """Return the force at release, N."""
+        return float(p.force_max)
+
     def ends_in_jump(self, p: Any) -> bool:
         """Return whether the spring is stuck before its end."""
         return bool(p.lost_stroke > 0.0)
@@ -93,6 +97,10 @@ class DisplacementSpringLaw(PushLaw):
     def frequency(self, p: Any, count: int, lightness: Scalar, ops: Ops) -> Scalar:
         """Return that of both bodies on all springs, rad/s."""
         return ops.sqrt(count * (p.force_max / p.stroke) * lightness)
+
+    def preload(self, p: Any) -> float:
+        """Return the force with which the profile begins, N."""
+        return float(p.force_max * self.profile[0][1])
 
     def energy(self, p: Any, displacement: Scalar) -> Scalar:
         """Return what the spring can give until it ends, J."""
