@@ -43,9 +43,12 @@ class PushLaw(ABC):
     by_time: ClassVar[bool]
     """Whether the force depends on the time since release; if not, on how far, and how
     fast, the pad has moved along the axis."""
+    way: ClassVar[int] = 1
+    """1: it pushes and does not pull; -1: it pulls and does not push; of the other sign
+    the force does not act. By time it acts as it is."""
     dampers: ClassVar[tuple[str, ...]] = ()
-    """Parameters without which, all of them zero, the force is never negative before
-    the end, unless it `may_pull` even so."""
+    """Parameters without which, all of them zero, the force is never of the other sign
+    before the end, unless it `may_lift` even so."""
 
     @classmethod
     def of(cls, pusher: Any) -> "PushLaw":
@@ -64,8 +67,8 @@ class PushLaw(ABC):
 
         It is smooth: which of its pieces acts is told by the corners that are passed,
         and each piece goes on beyond its corners and beyond the end, where a step of an
-        integrator may look before it is cut. A pusher by displacement never pulls:
-        where this is negative, it has lifted off.
+        integrator may look before it is cut. One by displacement acts its `way` alone:
+        where this is of the other sign, the pad has lifted off.
 
         Args:
             p: the parameters.
@@ -107,9 +110,13 @@ class PushLaw(ABC):
         """Return whether each corner is passed at a displacement, m."""
         return [at / self.stroke(p, ops) >= corner for corner in self.corners]
 
+    def acting(self, force: Scalar) -> Scalar:
+        """Return what acts of a force by displacement: its own way alone."""
+        return self.way * positive_part(self.way * force)
+
     @property
-    def may_pull(self) -> bool:
-        """Whether the force may be negative before the end without a damper."""
+    def may_lift(self) -> bool:
+        """Whether the force may be of the other sign before the end without damper."""
         return False
 
     def ends_in_jump(self, p: Any) -> bool:
