@@ -107,7 +107,7 @@ class BatchSprings:
         self.may_lift = [
             i
             for i, k in enumerate(self.by_stroke)
-            if laws[k].may_lift or may_be(k, laws[k].dampers)
+            if laws[k].way and (laws[k].may_lift or may_be(k, laws[k].dampers))
         ]
         ways = [laws[self.by_stroke[i]].way for i in self.may_lift]
         self.ways = np.array(ways, float)[:, None]

@@ -43,9 +43,6 @@ class PushLaw(ABC):
     by_time: ClassVar[bool]
     """Whether the force depends on the time since release; if not, on how far, and how
     fast, the pad has moved along the axis."""
-    way: ClassVar[int] = 1
-    """1: it pushes and does not pull; -1: it pulls and does not push; of the other sign
-    the force does not act. By time it acts as it is."""
     dampers: ClassVar[tuple[str, ...]] = ()
     """Parameters without which, all of them zero, the force is never of the other sign
     before the end, unless it `may_lift` even so."""
@@ -110,9 +107,17 @@ class PushLaw(ABC):
         """Return whether each corner is passed at a displacement, m."""
         return [at / self.stroke(p, ops) >= corner for corner in self.corners]
 
+    @property
+    def way(self) -> int:
+        """1 if it pushes alone, -1 if it pulls alone, 0 if it does either.
+
+        Of the other sign the force does not act. By time it acts as it is.
+        """
+        return 1
+
     def acting(self, force: Scalar) -> Scalar:
         """Return what acts of a force by displacement: its own way alone."""
-        return self.way * positive_part(self.way * force)
+        return self.way * positive_part(self.way * force) if self.way else force
 
     @property
     def may_lift(self) -> bool:

@@ -18,6 +18,7 @@ from drakesep.systems.model.magnitudes import Kind
 from drakesep.systems.model.parameter_table import Parameter
 from drakesep.systems.model.profiles import Profile
 from drakesep.systems.model.pushers import Pusher
+from drakesep.systems.model.separation import Attachment, Separation
 from drakesep.systems.model.springs import (
     DisplacementSpring,
     Spring,
@@ -117,13 +118,18 @@ class DisplacementSpringLaw(PushLaw):
         return [u for u, _ in self.profile[1:-1]]
 
     @property
+    def way(self) -> int:
+        """0 if the profile is negative somewhere: what pulls there is not let go."""
+        return 0 if min(force for _, force in self.profile) < 0.0 else 1
+
+    @property
     def may_lift(self) -> bool:
         """Whether the profile rises at first: a pad pressed in far might be pulled."""
         return self.ramps[0][1] > 0.0
 
     def ends_in_jump(self, p: Any) -> bool:
-        """Return whether the profile ends above zero, or the spring is stuck before."""
-        return bool(self.profile[-1][1] > 0.0 or p.lost_stroke > 0.0)
+        """Return whether force is left at the end, or where the spring is stuck."""
+        return bool(self.profile[-1][1] != 0.0 or p.lost_stroke > 0.0)
 
 
 CREEP = 1e-3
@@ -153,7 +159,6 @@ class ConnectorLaw(PushLaw):
     """The profile: where each of its ramps begins, and its slope."""
 
     by_time: ClassVar[bool] = False
-    way: ClassVar[int] = -1
 
     @classmethod
     def of(cls, pusher: Connector) -> "ConnectorLaw":
@@ -179,6 +184,11 @@ class ConnectorLaw(PushLaw):
     def corners(self) -> Sequence[float]:
         """Where the profile has kinks."""
         return [u for u, _ in self.profile[1:-1]]
+
+    @property
+    def way(self) -> int:
+        """It only resists."""
+        return -1
 
     @property
     def may_lift(self) -> bool:
@@ -277,6 +287,19 @@ def law_name(pusher: Pusher) -> str:
     raise InputError(
         f"{pusher.name}: must be of a registered kind ({', '.join(PUSHERS)}), got a "
         f"{type(pusher).__name__}"
+    )
+
+
+def is_held_back(separation: Separation, attachment: Attachment) -> bool:
+    """Return whether something between an attachment's bodies pulls, or resists.
+
+    They need not part then, although all has let go.
+    """
+    ends = {attachment.A, attachment.B}
+    return any(
+        law_of(pusher).way < 1
+        for other, pusher in separation.pushing
+        if {other.A, other.B} == ends
     )
 
 

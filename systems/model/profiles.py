@@ -22,12 +22,16 @@ class Table(NamedTuple):
     stroke: float
     """m."""
     force_max: float
-    """The largest force, N."""
+    """The largest force, whichever way, N."""
     profile: Profile
 
 
 def read_table(
-    name: str, displacements: tuple[float, ...], forces: tuple[float, ...]
+    name: str,
+    displacements: tuple[float, ...],
+    forces: tuple[float, ...],
+    *,
+    signed: bool = False,
 ) -> Table:
     """Return what a table says.
 
@@ -35,6 +39,7 @@ def read_table(
         name: whose it is, for errors.
         displacements: (n,) of the rows, from 0, increasing, m.
         forces: (n,) at these displacements, N.
+        signed: whether some may be negative.
 
     Raises:
         ValueError: the columns differ in length, or do not make a profile.
@@ -52,20 +57,26 @@ def read_table(
             f"{name}: displacements must increase from 0, got "
             f"{', '.join(f'{s:g}' for s in displacements)} m"
         )
-    if min(forces) < 0.0 or max(forces) == 0.0:
+    stroke, force_max = displacements[-1], max(map(abs, forces))
+    if force_max == 0.0 or (min(forces) < 0.0 and not signed):
+        wanted = "not be 0 all" if signed else "be >= 0, with one above it"
         raise InputError(
-            f"{name}: forces must be >= 0, with one above it, got "
-            f"{', '.join(f'{f:g}' for f in forces)} N"
+            f"{name}: forces must {wanted}, got {', '.join(f'{f:g}' for f in forces)} N"
         )
-    stroke, force_max = displacements[-1], max(forces)
     profile = tuple(
         (s / stroke, f / force_max) for s, f in zip(displacements, forces, strict=True)
     )
     return Table(stroke, force_max, profile)
 
 
-def check_profile(name: str, profile: Profile) -> None:
-    """Raise InputError unless it goes from 0 to 1, with forces from 0 to 1."""
+def check_profile(name: str, profile: Profile, *, signed: bool = False) -> None:
+    """Raise InputError unless it goes from 0 to 1, with forces up to 1.
+
+    Args:
+        name: of the profile, for errors.
+        profile: in question.
+        signed: whether forces may be negative.
+    """
     if len(profile) < 2 or any(len(row) != 2 for row in profile):
         raise InputError(f"{name} must have two rows of two or more, got {profile}")
     check_finite(name, *(entry for row in profile for entry in row))
@@ -80,7 +91,7 @@ def check_profile(name: str, profile: Profile) -> None:
             f"got {', '.join(f'{s:g}' for s in fractions)} of the stroke"
         )
     forces = [f for _, f in profile]
-    if min(forces) < 0.0 or max(forces) != 1.0:
+    if max(map(abs, forces)) != 1.0 or (min(forces) < 0.0 and not signed):
         raise InputError(
             f"{name} must have forces from 0 to the largest, got "
             f"{', '.join(f'{f:g}' for f in forces)} of it"

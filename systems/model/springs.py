@@ -124,24 +124,24 @@ class Spring:
 class DisplacementSpring:
     """A separation spring driven by displacement, with a damper beside it.
 
-    Its force follows a profile over its stroke, less what the damper takes; it never
-    pulls, and is zero beyond the stroke.
+    Its force follows a profile over its stroke, less what the damper takes; it does not
+    pull unless its profile does, and is zero beyond the stroke.
 
     Raises:
         ValueError: the stroke is not positive, the force or the damping is negative,
             all of the stroke is lost, the profile does not run from 0 to 1 with forces
-            from 0 to 1, or a tilt is a right angle or more.
+            from -1 to 1, or a tilt is a right angle or more.
     """
 
     name: str
     force_max: float
-    """Largest force of the profile, N; 0: it does not push."""
+    """Largest force of the profile, whichever way, N; 0: it does not push."""
     stroke: float
     """Displacement at which the push ends, m."""
     damping: float = 0.0
     """Of a damper beside it, N s/m."""
     profile: Profile = LINEAR
-    """A part of the design: it does not vary. Straight lines join its rows."""
+    """A part of the design: it does not vary. Where it is negative it pulls."""
     axis_A: Vector3 = X_AXIS
     """Unit vector along which it pushes B, fixed in A: a part of the design."""
     tilt_y: float = 0.0
@@ -164,7 +164,7 @@ class DisplacementSpring:
         self.PARAMETERS.check(f"{self.name}: ", self)
         axis = unit_vector(f"{self.name}: axis", self.axis_A)
         object.__setattr__(self, "axis_A", axis)
-        check_profile(f"{self.name}: profile", self.profile)
+        check_profile(f"{self.name}: profile", self.profile, signed=True)
 
     @property
     def duration(self) -> None:
@@ -185,10 +185,12 @@ class DisplacementSpring:
     ) -> "DisplacementSpring":
         """Return the spring of a measured table of force over stroke.
 
+        One that pulls somewhere, as a captive spring or a harness, does so both ways.
+
         Args:
             name: of the spring.
             displacements: (n,) of the rows, from 0, increasing, m.
-            forces: (n,) at these displacements, N.
+            forces: (n,) at these displacements, N; negative where it pulls.
             damping: of a damper beside it, N s/m.
             axis_A: unit vector along which it pushes, fixed in A.
             tilt_y: of the push from its axis, about y, rad: a misalignment.
@@ -199,17 +201,17 @@ class DisplacementSpring:
         Raises:
             ValueError: the columns differ in length, or do not make a profile.
         """
-        stroke, force_max, profile = read_table(name, displacements, forces)
+        table = read_table(name, displacements, forces, signed=True)
         return cls(
             name=name,
-            force_max=force_max,
-            stroke=stroke,
+            force_max=table.force_max,
+            stroke=table.stroke,
             damping=damping,
             axis_A=axis_A,
             tilt_y=tilt_y,
             tilt_z=tilt_z,
             lost_stroke=lost_stroke,
-            profile=profile,
+            profile=table.profile,
         )
 
     @property
