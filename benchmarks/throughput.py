@@ -32,8 +32,9 @@ from drakesep.analysis.metrics.requirements import deviation_limits
 from drakesep.case_file.reader import load_case
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.profiles import LINEAR, Profile
 from drakesep.systems.model.separation import Separation
-from drakesep.systems.model.springs import LINEAR, DisplacementSpring, Profile
+from drakesep.systems.model.springs import DisplacementSpring
 
 
 ROUNDS = 5

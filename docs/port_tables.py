@@ -14,6 +14,7 @@ from drakesep.systems.diagram.gravity import Gravity
 from drakesep.systems.diagram.joints import CfeBushing
 from drakesep.systems.diagram.loads import Loads
 from drakesep.systems.diagram.motion_analysis import MotionAnalysis
+from drakesep.systems.diagram.preload import Preload
 from drakesep.systems.diagram.release import Release
 from drakesep.systems.diagram.separation_forces import SeparationForces
 from drakesep.systems.diagram.separation_system import SeparationSystem
@@ -26,6 +27,7 @@ SYSTEMS = (
     Release,
     Springs,
     CfeBushing,
+    Preload,
     Loads,
     Gravity,
     MotionAnalysis,

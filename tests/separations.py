@@ -9,6 +9,7 @@ from drakesep.case_file.reader import load_case
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.loads import Load
 from drakesep.systems.model.parameters import with_values
+from drakesep.systems.model.profiles import LINEAR
 from drakesep.systems.model.separation import (
     EARTH_RADIUS,
     Attachment,
@@ -17,7 +18,7 @@ from drakesep.systems.model.separation import (
     Orbit,
     Separation,
 )
-from drakesep.systems.model.springs import LINEAR, DisplacementSpring, Spring
+from drakesep.systems.model.springs import DisplacementSpring, Spring
 
 
 FREE = Joint(K_F=0.0, D_F=0.0, K_T=0.0, D_T=0.0)

@@ -20,6 +20,7 @@ from drakesep.systems.diagram.on_your_plant import (
     _OtherWrenches,
     _SpatialForces,
 )
+from drakesep.systems.diagram.preload import Preload
 from drakesep.systems.diagram.release import Release
 from drakesep.systems.diagram.separation_forces import SeparationForces
 from drakesep.systems.diagram.separation_system import (
@@ -55,6 +56,7 @@ EXPORTED = {
     "spring_forces": (Springs, "forces"),
     "spring_energy": (Springs, "energy"),
     "joint_loads": (CfeBushing, "loads"),
+    "preloads": (Preload, "loads"),
     "joint_energy": (CfeBushing, "energy"),
     "released": (Release, "released"),
     "wrenches": (Springs, "wrenches"),

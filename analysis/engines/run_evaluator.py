@@ -67,8 +67,8 @@ class RunEvaluator:
         for first in range(0, len(rows), size):
             part = rows[first : first + size]
             for i, run in enumerate(self._fly(part), first):
-                if run.status is RunStatus.FAILED:
-                    failures[i] = run.message
+                if why := _why_not(run):
+                    failures[i] = why
                 else:
                     values[i, asked] = [self._tell(k, run, rows[i]) for k in asked]
             if on_progress is not None:
@@ -81,8 +81,8 @@ class RunEvaluator:
         failures, unended = {}, set()
         self._flown.update(which)
         for i, run in enumerate(self._fly(rows)):
-            if run.status is RunStatus.FAILED:
-                failures[i] = run.message
+            if why := _why_not(run):
+                failures[i] = why
                 continue
             about = self._about(which[i], run, rows[i])
             values[i] = about.value
@@ -94,11 +94,7 @@ class RunEvaluator:
         """Return an objective at the first row, and about it at the others."""
         values = np.full(len(rows), np.nan)
         runs = self.runs(rows, k)
-        failures = {
-            i: run.message
-            for i, run in enumerate(runs)
-            if run.status is RunStatus.FAILED
-        }
+        failures = {i: why for i, run in enumerate(runs) if (why := _why_not(run))}
         if not failures:
             about = self._about(k, runs[0], rows[0])
             values[:] = [about.value, *map(about.near, runs[1:])]
@@ -149,6 +145,17 @@ class RunEvaluator:
             if len(self._last) > _KEPT:
                 self._last.popitem(last=False)
         return about
+
+
+def _why_not(run: Run) -> str:
+    """Return why a run tells no objective; empty if it does.
+
+    One whose bodies are held back does not separate, as the batch engine has it, too.
+    """
+    if run.status is RunStatus.FAILED:
+        return run.message
+    back = run.held_back
+    return f"{back[0]} has not reached its stroke" if back else ""
 
 
 _ROWS = 64

@@ -351,6 +351,9 @@ def _values(
     """Return the numbers of a metric, by name."""
     if not metric.told_by(samples.separation):
         return dict.fromkeys(metric.names, math.nan)
+    times = metric.when[:2] if isinstance(metric.when, Window) else (metric.when,)
+    if not all(math.isfinite(samples.time(time)) for time in times):
+        return dict.fromkeys(metric.names, math.nan)
     if isinstance(metric.when, Window):
         start, stop = map(samples.time, metric.when[:2])
         return _over_time(metric, samples, start, stop, deviation_limits)

@@ -117,6 +117,14 @@ def _of_held(run: Run, told: set[str]) -> _Told:
             f"{_listed(names)} {holds} to the end: {_listed([*kept])} {does} not "
             "separate.",
         )
+    back = [name for name in run.held_back if name not in told]
+    if back:
+        yield (
+            tuple(back),
+            f"{_listed(back)} {_verbs(back, 'is', 'are')} not through: the stroke is "
+            "not reached by the end, and what pulls or resists keeps the bodies "
+            "together.",
+        )
 
 
 def _verbs(names: Collection[str], one: str, several: str) -> str:

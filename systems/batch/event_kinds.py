@@ -13,7 +13,7 @@ Found within steps     Watched while      Quantity that crosses zero  Latches   
 `ProfileCorners`       its spring pushes  displacement - corner       corners     as is
 `StrokeEnds`           its spring pushes  displacement - stroke       spent, its  fresh
                                                                       time
-`LiftOffs`             its spring pushes  - force                     lifted      as is
+`LiftOffs`             its spring pushes  - force, its way          lifted      as is
 `ReleasesAtAngle`      it holds           twist to one side - angle   released    fresh
                                           of release
 `ReleasesAfterTravel`  it holds           slide to one side - travel  released    fresh
@@ -257,7 +257,7 @@ class LiftOffs:
     ) -> Lanes:
         """Return (..., e, n) what keeps the pads from their springs, N."""
         forces = self._springs.stroke_forces(bodies, params, mode)
-        return -forces[..., self._places, :]
+        return -self._springs.ways * forces[..., self._places, :]
 
     def happen(self, latched: Latched, now: Lanes, t: Lanes) -> Latched:
         """Let the pads off, or let them be met."""

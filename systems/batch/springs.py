@@ -62,6 +62,7 @@ class BatchSprings:
             by its place in `by_stroke`, and the part of its stroke.
         may_lift: springs whose pad may lift off before the end of the stroke, by their
             place in `by_stroke`.
+        ways: (e, 1) of those: 1 if they push, -1 if they pull.
     """
 
     def __init__(self, separation: Separation, varied: Sequence[str]):
@@ -106,8 +107,10 @@ class BatchSprings:
         self.may_lift = [
             i
             for i, k in enumerate(self.by_stroke)
-            if laws[k].may_pull or may_be(k, laws[k].dampers)
+            if laws[k].way and (laws[k].may_lift or may_be(k, laws[k].dampers))
         ]
+        ways = [laws[self.by_stroke[i]].way for i in self.may_lift]
+        self.ways = np.array(ways, float)[:, None]
 
     def _group(self) -> list[_Group]:
         alike: dict[Any, list[int]] = {}

@@ -14,6 +14,7 @@ from drakesep.systems.diagram.joints import CfeBushing
 from drakesep.systems.diagram.loads import Loads
 from drakesep.systems.diagram.mass_watch import MassWatch
 from drakesep.systems.diagram.motion_analysis import MotionAnalysis
+from drakesep.systems.diagram.preload import Preload
 from drakesep.systems.diagram.release import Release
 from drakesep.systems.diagram.rigid_joints import RigidJoints
 from drakesep.systems.diagram.springs import Springs
@@ -58,6 +59,8 @@ class SeparationForces(Diagram):
         spring_energy: (1,) J: energy that the springs driven by displacement store.
         joint_loads: (6 n,) N m and N in the joints' frames: torque and force of each
             joint on B at its pad; zero after release.
+        preloads: (6 n,) N m and N in the joints' frames: the part of `joint_loads` that
+            holds against springs that press; zero after release.
         joint_energy: (1,) J: elastic energy of the joints that hold.
         rate: (3,) rad/s in B: angular velocity of B in W.
         relative_rate: (3,) rad/s in B: angular velocity of B in A.
@@ -132,7 +135,8 @@ class SeparationForces(Diagram):
                 system.GetOutputPort("acting"), total.GetInputPort(f"acting_{i}")
             )
         wrenches = total.GetOutputPort("wrenches")
-        loads = self._bushing.GetOutputPort("loads")
+        self._preload = builder.AddNamedSystem("preload", Preload(separation))
+        loads_of_joints: list[System] = [self._preload, self._bushing]
         if external_wrenches:
             adder = builder.AddSystem(Adder(2, 6 * len(separation.bodies)))
             builder.Connect(wrenches, adder.get_input_port(0))
@@ -146,13 +150,16 @@ class SeparationForces(Diagram):
             )
             builder.Connect(wrenches, self._rigid.GetInputPort("other_wrenches"))
             wrenches = self._rigid.GetOutputPort("total")
-            both = builder.AddSystem(Adder(2, 6 * len(separation.attachments)))
-            builder.Connect(loads, both.get_input_port(0))
-            builder.Connect(self._rigid.GetOutputPort("loads"), both.get_input_port(1))
-            loads = both.get_output_port()
+            loads_of_joints.append(self._rigid)
+        loads = builder.AddSystem(
+            Adder(len(loads_of_joints), 6 * len(separation.attachments))
+        )
+        for i, system in enumerate(loads_of_joints):
+            builder.Connect(system.GetOutputPort("loads"), loads.get_input_port(i))
 
         released = self._release.GetOutputPort("released")
-        for system in (self._springs, self._bushing, self._loads, self._rigid):
+        reading = self._springs, self._bushing, self._loads, self._rigid, self._preload
+        for system in reading:
             if system is not None:
                 builder.Connect(released, system.GetInputPort("released"))
         motions = list(self._motions.values())
@@ -188,7 +195,8 @@ class SeparationForces(Diagram):
         for output, name in (
             (self._springs.GetOutputPort("forces"), "spring_forces"),
             (self._springs.GetOutputPort("energy"), "spring_energy"),
-            (loads, "joint_loads"),
+            (loads.get_output_port(), "joint_loads"),
+            (self._preload.GetOutputPort("loads"), "preloads"),
             (self._bushing.GetOutputPort("energy"), "joint_energy"),
         ):
             builder.ExportOutput(output, name)
@@ -227,6 +235,7 @@ class SeparationForces(Diagram):
         self._release.set_schedule(of(self._release), separation)
         self._springs.set_springs(of(self._springs), separation)
         self._bushing.set_joints(of(self._bushing), separation)
+        self._preload.set_pressed(of(self._preload), separation)
         for motion in self._motions.values():
             motion.set_measured(of(motion), separation)
         if self._rigid is not None:

@@ -61,6 +61,8 @@ class SeparationSystem(Diagram):
         spring_energy: (1,) J: energy that the springs driven by displacement store.
         joint_loads: (6 n,) N m and N in the joints' frames: torque and force of each
             joint on B at its pad; zero after release.
+        preloads: (6 n,) N m and N in the joints' frames: the part of `joint_loads` that
+            holds against springs that press; zero after release.
         joint_energy: (1,) J: elastic energy of the joints that hold.
         rate: (3,) rad/s in B: angular velocity of B in W.
         relative_rate: (3,) rad/s in B: angular velocity of B in A.

@@ -14,7 +14,6 @@ from drakesep.systems.diagram.wrenches import Forces, WrenchSum
 from drakesep.systems.equations.pushers import (
     AXIS,
     PushLaw,
-    positive_part,
     push_displacement,
     push_place,
     push_wrenches,
@@ -94,7 +93,8 @@ class _Push(NamedTuple):
         if at >= self.end:
             return 0.0
         force = law.force(values, at, speed, law.passed(values, at, math), math)
-        return positive_part(force)
+        force = law.acting(force)
+        return force
 
 
 class _Pushes(NamedTuple):

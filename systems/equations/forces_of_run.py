@@ -8,7 +8,6 @@ import numpy as np
 from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.equations.pushers import (
-    positive_part,
     push_displacement,
     push_place,
 )
@@ -114,7 +113,7 @@ def force_within_stroke(
     displacement, speed = push_displacement(A, B, *place)
     passed = law.passed(spring, displacement, np)
     force = law.force(spring, displacement, speed, passed, np)
-    return np.asarray(positive_part(force))
+    return np.asarray(law.acting(force))
 
 
 def states_of(run: Run, body: str) -> BodyState:

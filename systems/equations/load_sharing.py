@@ -31,6 +31,14 @@ _FREE = 1e-10
 """Part of the largest stiffness of all joints below which they are free."""
 
 
+def circle_of_pads(places: Sequence[Vector]) -> tuple[Vector, float]:
+    """Return the centre of pads, and the arm with which one takes torques, m."""
+    x, y, z = np.mean(places, axis=0).tolist()
+    centre = x, y, z
+    radius2 = np.mean([math.dist(place, centre) ** 2 for place in places])
+    return centre, _PAD * math.sqrt(radius2) or 1.0
+
+
 class Pad(NamedTuple):
     """A joint that holds, and where it is in its bodies."""
 
@@ -102,10 +110,7 @@ def shared_loads(
         add(end.p_WBo, rotate(end.R_WB, pad.p_BoPad_B))
         for pad, (_, end) in zip(pads, ends, strict=True)
     ]
-    x, y, z = np.mean(places, axis=0).tolist()
-    centre = x, y, z
-    radius2 = np.mean([math.dist(place, centre) ** 2 for place in places])
-    arm = _PAD * math.sqrt(radius2) or 1.0
+    centre, arm = circle_of_pads(places)
     equations = [
         joint_equations(
             pad.type,

@@ -20,6 +20,7 @@ from drakesep.systems.equations.mated_stack import (
     mated_ends,
     mated_orientation,
 )
+from drakesep.systems.equations.preload import preloads
 from drakesep.systems.equations.pushers import push_place, push_wrenches
 from drakesep.systems.equations.relative_motion import (
     BodyState,
@@ -45,8 +46,8 @@ def joint_loads(run: Run) -> dict[str, Array]:
 
     Returns:
         By the attachments' names (n, 6): torque about B's pad, N m, and force, N, on B,
-        in the joint's frame, fixed in A, as the port `joint_loads` has them; zero from
-        the release on.
+        in the joint's frame, fixed in A, as the port `joint_loads` has them: what the
+        motion asks of the joint, and its preload; zero from the release on.
 
     Raises:
         RuntimeError: the run failed.
@@ -56,7 +57,33 @@ def joint_loads(run: Run) -> dict[str, Array]:
     loads = {each.name: _load_of_spring(run, each) for each in springs}
     if len(springs) < len(attachments):
         loads |= _loads_of_rigid(run)
-    return {each.name: loads[each.name] for each in attachments}
+    pressed = preloads_of_run(run)
+    return {each.name: loads[each.name] + pressed[each.name] for each in attachments}
+
+
+@typed
+def preloads_of_run(run: Run) -> dict[str, Array]:
+    """Return what springs press each joint with while it holds; see `preload`.
+
+    Args:
+        run: a completed run.
+
+    Returns:
+        By the attachments' names (n, 6), as those of `joint_loads`, of which they are a
+        part that moves nothing.
+
+    Raises:
+        RuntimeError: the run failed.
+    """
+    attachments, time = run.separation.attachments, run.completed_trajectory.time
+    holds = np.array([time < run.releases[each.name] for each in attachments])
+    loads = {each.name: np.zeros((len(time), 6)) for each in attachments}
+    for together in np.unique(holds, axis=1).T:
+        now = (holds == together[:, None]).all(axis=0)
+        shares = preloads(run.separation, np.flatnonzero(together).tolist())
+        for i, (torque, force) in shares.items():
+            loads[attachments[i].name][now] = [*torque, *force]
+    return loads
 
 
 def _load_of_spring(run: Run, attachment: Attachment) -> Array:

@@ -44,8 +44,8 @@ class PushLaw(ABC):
     """Whether the force depends on the time since release; if not, on how far, and how
     fast, the pad has moved along the axis."""
     dampers: ClassVar[tuple[str, ...]] = ()
-    """Parameters without which, all of them zero, the force is never negative before
-    the end, unless it `may_pull` even so."""
+    """Parameters without which, all of them zero, the force is never of the other sign
+    before the end, unless it `may_lift` even so."""
 
     @classmethod
     def of(cls, pusher: Any) -> "PushLaw":
@@ -64,8 +64,8 @@ class PushLaw(ABC):
 
         It is smooth: which of its pieces acts is told by the corners that are passed,
         and each piece goes on beyond its corners and beyond the end, where a step of an
-        integrator may look before it is cut. A pusher by displacement never pulls:
-        where this is negative, it has lifted off.
+        integrator may look before it is cut. One by displacement acts its `way` alone:
+        where this is of the other sign, the pad has lifted off.
 
         Args:
             p: the parameters.
@@ -86,6 +86,10 @@ class PushLaw(ABC):
             ops: module of the elementary functions.
         """
 
+    def preload(self, p: Any) -> float:
+        """Return the force with which it presses while its attachment holds, N."""
+        return 0.0
+
     def energy(self, p: Any, displacement: Scalar) -> Scalar:
         """Return what it stores before the end, J; 0 of a law by time."""
         return 0.0
@@ -104,8 +108,20 @@ class PushLaw(ABC):
         return [at / self.stroke(p, ops) >= corner for corner in self.corners]
 
     @property
-    def may_pull(self) -> bool:
-        """Whether the force may be negative before the end without a damper."""
+    def way(self) -> int:
+        """1 if it pushes alone, -1 if it pulls alone, 0 if it does either.
+
+        Of the other sign the force does not act. By time it acts as it is.
+        """
+        return 1
+
+    def acting(self, force: Scalar) -> Scalar:
+        """Return what acts of a force by displacement: its own way alone."""
+        return self.way * positive_part(self.way * force) if self.way else force
+
+    @property
+    def may_lift(self) -> bool:
+        """Whether the force may be of the other sign before the end without damper."""
         return False
 
     def ends_in_jump(self, p: Any) -> bool:

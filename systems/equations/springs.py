@@ -13,12 +13,14 @@ from typing import Any, ClassVar
 
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.pushers import PushLaw, positive_part
+from drakesep.systems.model.connectors import Connector
 from drakesep.systems.model.magnitudes import Kind
 from drakesep.systems.model.parameter_table import Parameter
+from drakesep.systems.model.profiles import Profile
 from drakesep.systems.model.pushers import Pusher
+from drakesep.systems.model.separation import Attachment, Separation
 from drakesep.systems.model.springs import (
     DisplacementSpring,
-    Profile,
     Spring,
     push_duration,
     push_frequency,
@@ -45,6 +47,10 @@ class TimedSpringLaw(PushLaw):
     def frequency(self, p: Any, count: int, lightness: Scalar, ops: Ops) -> Scalar:
         """Return the angular frequency of the force, rad/s."""
         return push_frequency(p, ops)
+
+    def preload(self, p: Any) -> float:
+        """Return the force at release, N."""
+        return float(p.force_max)
 
     def ends_in_jump(self, p: Any) -> bool:
         """Return whether the spring is stuck before its end."""
@@ -83,16 +89,17 @@ class DisplacementSpringLaw(PushLaw):
         self, p: Any, at: Scalar, speed: Scalar, passed: Sequence[Any], ops: Ops
     ) -> Scalar:
         """Return the force, were it to pull, N."""
-        u = at / p.stroke
-        force: Scalar = self.profile[0][1]
         # The first ramp is a line: a pad pressed in further is pushed harder.
-        for (u_i, slope), acts in zip(self.ramps, (True, *passed), strict=True):
-            force = force + slope * (u - u_i) * acts
+        force = _along(self.profile, self.ramps, at / p.stroke, passed)
         return p.force_max * force - p.damping * speed
 
     def frequency(self, p: Any, count: int, lightness: Scalar, ops: Ops) -> Scalar:
         """Return that of both bodies on all springs, rad/s."""
         return ops.sqrt(count * (p.force_max / p.stroke) * lightness)
+
+    def preload(self, p: Any) -> float:
+        """Return the force with which the profile begins, N."""
+        return float(p.force_max * self.profile[0][1])
 
     def energy(self, p: Any, displacement: Scalar) -> Scalar:
         """Return what the spring can give until it ends, J."""
@@ -111,13 +118,99 @@ class DisplacementSpringLaw(PushLaw):
         return [u for u, _ in self.profile[1:-1]]
 
     @property
-    def may_pull(self) -> bool:
+    def way(self) -> int:
+        """0 if the profile is negative somewhere: what pulls there is not let go."""
+        return 0 if min(force for _, force in self.profile) < 0.0 else 1
+
+    @property
+    def may_lift(self) -> bool:
         """Whether the profile rises at first: a pad pressed in far might be pulled."""
         return self.ramps[0][1] > 0.0
 
     def ends_in_jump(self, p: Any) -> bool:
-        """Return whether the profile ends above zero, or the spring is stuck before."""
-        return bool(self.profile[-1][1] > 0.0 or p.lost_stroke > 0.0)
+        """Return whether force is left at the end, or where the spring is stuck."""
+        return bool(self.profile[-1][1] != 0.0 or p.lost_stroke > 0.0)
+
+
+CREEP = 1e-3
+"""Speed about which rubbing takes its full force, m/s: at rest it has no direction."""
+
+
+def rubbed(force: Scalar, speed: Scalar, ops: Ops) -> Scalar:
+    """Return the force of dry friction, N: against the motion, smooth through rest.
+
+    Less than the full force by half of (CREEP / speed)^2; where it should hold, it lets
+    creep, at speeds below `CREEP`.
+
+    Args:
+        force: that it takes to rub, N.
+        speed: of the motion, m/s.
+        ops: module of the elementary functions.
+    """
+    return -force * speed / ops.sqrt(speed * speed + CREEP * CREEP)
+
+
+@dataclass(frozen=True)
+class ConnectorLaw(PushLaw):
+    """What resists once over its travel, as pins and seals do: it only dissipates."""
+
+    profile: Profile
+    ramps: tuple[tuple[float, float], ...] = field(repr=False)
+    """The profile: where each of its ramps begins, and its slope."""
+
+    by_time: ClassVar[bool] = False
+
+    @classmethod
+    def of(cls, pusher: Connector) -> "ConnectorLaw":
+        """Return the law of a record."""
+        return cls(pusher.profile, tuple(_ramps(pusher.profile)))
+
+    def end(self, p: Any, ops: Ops) -> Scalar:
+        """Return the travel, m."""
+        return p.travel
+
+    def force(
+        self, p: Any, at: Scalar, speed: Scalar, passed: Sequence[Any], ops: Ops
+    ) -> Scalar:
+        """Return the force, were it to resist pads that come back, too."""
+        part = _along(self.profile, self.ramps, at / p.travel, passed)
+        return rubbed(p.force_max * part, speed, ops)
+
+    def frequency(self, p: Any, count: int, lightness: Scalar, ops: Ops) -> Scalar:
+        """Return that of both bodies on springs of such forces and strokes, rad/s."""
+        return ops.sqrt(count * (p.force_max / p.travel) * lightness)
+
+    @property
+    def corners(self) -> Sequence[float]:
+        """Where the profile has kinks."""
+        return [u for u, _ in self.profile[1:-1]]
+
+    @property
+    def way(self) -> int:
+        """It only resists."""
+        return -1
+
+    @property
+    def may_lift(self) -> bool:
+        """Whether a pad may come back, which it does not resist."""
+        return True
+
+    def ends_in_jump(self, p: Any) -> bool:
+        """Return whether the profile ends above zero."""
+        return self.profile[-1][1] > 0.0
+
+
+def _along(
+    profile: Profile,
+    ramps: Sequence[tuple[float, float]],
+    u: Scalar,
+    passed: Sequence[Any],
+) -> Scalar:
+    """Return a profile at a part of its stroke, of which some corners are passed."""
+    value: Scalar = profile[0][1]
+    for (u_i, slope), acts in zip(ramps, (True, *passed), strict=True):
+        value = value + slope * (u - u_i) * acts
+    return value
 
 
 def _ramps(profile: Profile) -> list[tuple[float, float]]:
@@ -171,6 +264,13 @@ PUSHERS: dict[str, PusherKind] = {
         DisplacementSpring.from_table,
         {"displacements": "length", "forces": "force"},
     ),
+    "connector": PusherKind(Connector, ConnectorLaw),
+    "connector_table": PusherKind(
+        Connector,
+        ConnectorLaw,
+        Connector.from_table,
+        {"displacements": "length", "forces": "force"},
+    ),
 }
 """All kinds, by the name of their law. A new kind is a record, a law and an entry."""
 
@@ -187,6 +287,19 @@ def law_name(pusher: Pusher) -> str:
     raise InputError(
         f"{pusher.name}: must be of a registered kind ({', '.join(PUSHERS)}), got a "
         f"{type(pusher).__name__}"
+    )
+
+
+def is_held_back(separation: Separation, attachment: Attachment) -> bool:
+    """Return whether something between an attachment's bodies pulls, or resists.
+
+    They need not part then, although all has let go.
+    """
+    ends = {attachment.A, attachment.B}
+    return any(
+        law_of(pusher).way < 1
+        for other, pusher in separation.pushing
+        if {other.A, other.B} == ends
     )
 
 

@@ -139,6 +139,19 @@ class Run:
         return tuple(name for name, t in self.releases.items() if math.isinf(t))
 
     @property
+    def held_back(self) -> tuple[str, ...]:
+        """Springs that have let go, and whose strokes are not reached.
+
+        What pulls, or resists, keeps their bodies together.
+        """
+        return tuple(
+            spring.name
+            for attachment, spring in self.separation.pushing
+            if math.isinf(self.stroke_ends.get(spring.name, 0.0))
+            and self.separation.parts(attachment)
+        )
+
+    @property
     def separation_start(self) -> float:
         """When the first attachment of the measured body B let go, s."""
         return self.start_of(self.separation.B)

@@ -2,19 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar
 
 import numpy as np
 
 from drakesep.systems.argument_types import typed
-from drakesep.systems.checks import (
-    X_AXIS,
-    InputError,
-    Vector3,
-    check_finite,
-    unit_vector,
-)
-from drakesep.systems.model.magnitudes import MAGNITUDES, check_within
+from drakesep.systems.checks import X_AXIS, Vector3, unit_vector
+from drakesep.systems.model.magnitudes import MAGNITUDES
 from drakesep.systems.model.parameter_table import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -22,15 +16,15 @@ from drakesep.systems.model.parameter_table import (
     ParameterTable,
     scalar,
 )
+from drakesep.systems.model.profiles import (
+    LINEAR,
+    Profile,
+    check_profile,
+    read_table,
+)
 from drakesep.systems.model.pushers import TILTS
 from drakesep.systems.vectors import Ops, Scalar
 
-
-Profile: TypeAlias = tuple[tuple[float, float], ...]
-"""Rows of displacement over the stroke and of force over the largest force."""
-
-LINEAR: Profile = ((0.0, 1.0), (1.0, 0.0))
-"""The force falls from its maximum to zero at the stroke."""
 
 _FORCE_MAX = scalar("force_max", "force", NOT_NEGATIVE, label="maximum force")
 _LEAST = MAGNITUDES["force"].least
@@ -130,24 +124,24 @@ class Spring:
 class DisplacementSpring:
     """A separation spring driven by displacement, with a damper beside it.
 
-    Its force follows a profile over its stroke, less what the damper takes; it never
-    pulls, and is zero beyond the stroke.
+    Its force follows a profile over its stroke, less what the damper takes; it does not
+    pull unless its profile does, and is zero beyond the stroke.
 
     Raises:
         ValueError: the stroke is not positive, the force or the damping is negative,
             all of the stroke is lost, the profile does not run from 0 to 1 with forces
-            from 0 to 1, or a tilt is a right angle or more.
+            from -1 to 1, or a tilt is a right angle or more.
     """
 
     name: str
     force_max: float
-    """Largest force of the profile, N; 0: it does not push."""
+    """Largest force of the profile, whichever way, N; 0: it does not push."""
     stroke: float
     """Displacement at which the push ends, m."""
     damping: float = 0.0
     """Of a damper beside it, N s/m."""
     profile: Profile = LINEAR
-    """A part of the design: it does not vary. Straight lines join its rows."""
+    """A part of the design: it does not vary. Where it is negative it pulls."""
     axis_A: Vector3 = X_AXIS
     """Unit vector along which it pushes B, fixed in A: a part of the design."""
     tilt_y: float = 0.0
@@ -170,7 +164,7 @@ class DisplacementSpring:
         self.PARAMETERS.check(f"{self.name}: ", self)
         axis = unit_vector(f"{self.name}: axis", self.axis_A)
         object.__setattr__(self, "axis_A", axis)
-        _check_profile(f"{self.name}: profile", self.profile)
+        check_profile(f"{self.name}: profile", self.profile, signed=True)
 
     @property
     def duration(self) -> None:
@@ -191,10 +185,12 @@ class DisplacementSpring:
     ) -> "DisplacementSpring":
         """Return the spring of a measured table of force over stroke.
 
+        One that pulls somewhere, as a captive spring or a harness, does so both ways.
+
         Args:
             name: of the spring.
             displacements: (n,) of the rows, from 0, increasing, m.
-            forces: (n,) at these displacements, N.
+            forces: (n,) at these displacements, N; negative where it pulls.
             damping: of a damper beside it, N s/m.
             axis_A: unit vector along which it pushes, fixed in A.
             tilt_y: of the push from its axis, about y, rad: a misalignment.
@@ -205,38 +201,17 @@ class DisplacementSpring:
         Raises:
             ValueError: the columns differ in length, or do not make a profile.
         """
-        if len(displacements) != len(forces) or len(forces) < 2:
-            raise InputError(
-                f"{name}: force-stroke table must have two rows or more with a force "
-                f"to each displacement, got {len(displacements)} displacements and "
-                f"{len(forces)} forces"
-            )
-        check_within("length", f"{name}: displacement", *displacements)
-        check_within("force", f"{name}: force", *forces)
-        if displacements[0] != 0.0 or list(displacements) != sorted(set(displacements)):
-            raise InputError(
-                f"{name}: displacements must increase from 0, got "
-                f"{', '.join(f'{s:g}' for s in displacements)} m"
-            )
-        if min(forces) < 0.0 or max(forces) == 0.0:
-            raise InputError(
-                f"{name}: forces must be >= 0, with one above it, got "
-                f"{', '.join(f'{f:g}' for f in forces)} N"
-            )
-        stroke, force_max = displacements[-1], max(forces)
+        table = read_table(name, displacements, forces, signed=True)
         return cls(
             name=name,
-            force_max=force_max,
-            stroke=stroke,
+            force_max=table.force_max,
+            stroke=table.stroke,
             damping=damping,
             axis_A=axis_A,
             tilt_y=tilt_y,
             tilt_z=tilt_z,
             lost_stroke=lost_stroke,
-            profile=tuple(
-                (s / stroke, f / force_max)
-                for s, f in zip(displacements, forces, strict=True)
-            ),
+            profile=table.profile,
         )
 
     @property
@@ -247,25 +222,3 @@ class DisplacementSpring:
         within = [*(s for s in places if s < end), end]
         area = np.trapezoid(np.interp(within, places, forces), within)
         return self.force_max * self.stroke * float(area)
-
-
-def _check_profile(name: str, profile: Profile) -> None:
-    if len(profile) < 2 or any(len(row) != 2 for row in profile):
-        raise InputError(f"{name} must have two rows of two or more, got {profile}")
-    check_finite(name, *(entry for row in profile for entry in row))
-    fractions = [s for s, _ in profile]
-    if (
-        fractions[0] != 0.0
-        or fractions[-1] != 1.0
-        or fractions != sorted(set(fractions))
-    ):
-        raise InputError(
-            f"{name} must have displacements that increase from 0 to the stroke, "
-            f"got {', '.join(f'{s:g}' for s in fractions)} of the stroke"
-        )
-    forces = [f for _, f in profile]
-    if min(forces) < 0.0 or max(forces) != 1.0:
-        raise InputError(
-            f"{name} must have forces from 0 to the largest, got "
-            f"{', '.join(f'{f:g}' for f in forces)} of it"
-        )

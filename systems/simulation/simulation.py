@@ -17,7 +17,7 @@ from drakesep.systems.equations.momentum_of_run import momentum_given
 from drakesep.systems.equations.motion_of_run import relative_motion_of
 from drakesep.systems.equations.pushers import push_displacement, push_place
 from drakesep.systems.equations.relative_motion import BodyState
-from drakesep.systems.equations.springs import law_of
+from drakesep.systems.equations.springs import is_held_back, law_of
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.parameters import check_read, with_values
 from drakesep.systems.model.pushers import Pusher
@@ -220,7 +220,7 @@ def _find_stroke_ends(
     """Return when each spring reached its stroke, s, by its name.
 
     Raises:
-        RuntimeError: one did not within the run, although its bodies part.
+        RuntimeError: one did not within the run, although nothing keeps its bodies.
     """
     ends = separation.timed_stroke_ends(releases)
     for attachment, spring in separation.pushing:
@@ -231,7 +231,8 @@ def _find_stroke_ends(
             )
         # The model knows when scheduled releases are; not those at an angle.
         if ends.get(spring.name, math.inf) >= separation.duration:
-            if separation.parts(attachment):
+            parts = separation.parts(attachment)
+            if parts and not is_held_back(separation, attachment):
                 raise RuntimeError(f"{spring.name} has not reached its stroke")
             ends[spring.name] = math.inf
     return ends

@@ -125,6 +125,7 @@ def rung_joints(duration, **changes):
     case = symmetric_design().model_dump(mode="json", exclude_none=True)
     for pad in case["attachments"].values():
         pad["release_time_s"] = duration - 0.5
+        del pad["spring"]  # whose preload they would carry too
         pad["joint"] = {
             "stiffness_N_m": 2.5e6,
             "damping_N_s_m": 0.0,
@@ -174,7 +175,10 @@ def test_joints_that_ring_for_more_periods_than_are_followed_have_no_verdict(
 
 
 def test_forces_of_joints_and_springs_have_limits():
-    """1000 N on 2500 kg: four joints carry 200 N to 500 kg until they let go."""
+    """1000 N on 2500 kg: four joints carry 200 N to 500 kg until they let go.
+
+    Against the 500 N with which each spring presses its pad.
+    """
     plain = symmetric_design().model_dump(mode="json", exclude_none=True)
     attachments = plain["attachments"]
     for pad in attachments.values():
@@ -192,7 +196,7 @@ def test_forces_of_joints_and_springs_have_limits():
         loads={"engine": thrust},
         dispersions={"sc.mass_kg": 50.0},
         requirements=[
-            {"quantity": "joint_force_N", "at_most": 51.0, "of": "a2"} | at,
+            {"quantity": "joint_force_N", "at_most": 451.0, "of": "a2"} | at,
             {"quantity": "joint_torque_N_m", "at_most": 1.0, "of": "a2"} | at,
             {"quantity": "spring_force_N", "at_most": 490.0, "of": "s3"},
             {"quantity": "acceleration_m_s2", "at_least": 0.1} | at,
@@ -202,12 +206,13 @@ def test_forces_of_joints_and_springs_have_limits():
     study = drakesep.verify(case, samples=50, starts=1, growth=False)
     force, torque, spring, acceleration = study.requirements.to_dict("records")
     # Joints swing at 100 rad/s with a quarter of critical damping: gone by e^-12.
-    assert force["nominal"] == pytest.approx(50.0, rel=1e-4)
-    assert force["worst"] == pytest.approx(1000.0 * 550.0 / 2550.0 / 4.0, rel=1e-4)
+    assert force["nominal"] == pytest.approx(500.0 - 50.0, abs=5e-3)
+    least, most = (1000.0 * m / (2000.0 + m) / 4.0 for m in (450.0, 550.0))
+    assert force["worst"] == pytest.approx(500.0 - least, abs=5e-3)
     assert (force["pair"], force["verdict"]) == ("a2", "not met")
     assert torque["worst"] == pytest.approx(0.0, abs=1e-3)
     # Joints give by 50 N / 1e6 N/m meanwhile, of a stroke of 80 mm.
-    pressed = 500.0 * (1.0 + force["worst"] / 1e6 / 0.08)
+    pressed = 500.0 * (1.0 + most / 1e6 / 0.08)
     assert spring["worst"] == pytest.approx(pressed, rel=1e-4)
     assert spring["verdict"] == "not met"
     assert acceleration["worst"] == pytest.approx(1000.0 / 2550.0, rel=1e-4)

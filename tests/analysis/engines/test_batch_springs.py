@@ -26,8 +26,9 @@ from drakesep.systems import sampling
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.loads import Load
 from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.profiles import LINEAR
 from drakesep.systems.model.separation import Separation
-from drakesep.systems.model.springs import LINEAR, DisplacementSpring
+from drakesep.systems.model.springs import DisplacementSpring
 from drakesep.systems.simulation.simulation import Simulation
 
 

@@ -32,6 +32,7 @@ from drakesep.case_file.reader import load_case
 from drakesep.case_file.section import Section
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.springs import PUSHERS
+from drakesep.systems.model.connectors import Connector
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.loads import Load
@@ -168,6 +169,32 @@ attachments:
       tilt_y_deg: 5.625
       tilt_z_deg: -6.625
       lost_stroke: 0.0925
+  plug:
+    A: carrier
+    B: craft
+    position_mm: [41, 81.5, 305]
+    joint: *slack
+    spring:
+      name: pin
+      axis: [0.6788, -0.1233, 0.723898]
+      law: connector
+      force_max_N: 61.75
+      travel_mm: 6.5
+      tilt_y_deg: 0.725
+      tilt_z_deg: -0.825
+  socket:
+    A: carrier
+    B: craft
+    position_mm: [46.5, 83.5, 315]
+    joint: *slack
+    spring:
+      name: seal
+      axis: [0.7895, -0.2346, 0.567144]
+      law: connector_table
+      displacements_mm: [0, 3.4375, 8.875]
+      forces_N: [71.25, 31.25, 11.25]
+      tilt_y_deg: 0.925
+      tilt_z_deg: -1.025
 loads:
   jet:
     body: craft
@@ -385,6 +412,37 @@ def separation_of_main(folder) -> Separation:
             ),
         ),
     )
+    plug = Attachment(
+        name="plug",
+        A="carrier",
+        B="craft",
+        p_AoPad_A=(0.041, 0.0815, 0.305),
+        joint=slack,
+        spring=Connector(
+            name="pin",
+            axis_A=(0.6788, -0.1233, 0.723898),
+            force_max=61.75,
+            travel=0.0065,
+            tilt_y=0.725 * DEG,
+            tilt_z=-0.825 * DEG,
+        ),
+    )
+    socket = Attachment(
+        name="socket",
+        A="carrier",
+        B="craft",
+        p_AoPad_A=(0.0465, 0.0835, 0.315),
+        joint=slack,
+        spring=Connector(
+            name="seal",
+            axis_A=(0.7895, -0.2346, 0.567144),
+            force_max=71.25,
+            travel=0.008875,
+            profile=((0.0, 1.0), (3.4375 / 8.875, 31.25 / 71.25), (1.0, 11.25 / 71.25)),
+            tilt_y=0.925 * DEG,
+            tilt_z=-1.025 * DEG,
+        ),
+    )
     jet = Load(
         name="jet",
         body="craft",
@@ -409,7 +467,7 @@ def separation_of_main(folder) -> Separation:
     )
     return Separation(
         bodies=(carrier, craft, tail),
-        attachments=(hinge, bolt, latch, strap),
+        attachments=(hinge, bolt, latch, strap, plug, socket),
         A="carrier",
         B="craft",
         direction=(0.7891, 0.5123, 0.338925),
@@ -681,7 +739,8 @@ def test_numbers_differ():
         if isinstance(leaf, int | float)
         and not path.endswith(":length")
         and ".ellipsoids" not in path  # a symmetric matrix
-        and ".strap.joint" not in path  # an alias
+        # aliases
+        and not any(f".{name}.joint" in path for name in ("strap", "plug", "socket"))
         and leaf != 0
     ]
     assert len(numbers) > 200
@@ -792,7 +851,12 @@ UNITS |= {"release_travel": ("mm", 1e-3), "release_angle": ("deg", DEG)}
 UNITS |= {"force_max": ("N", 1.0)}
 UNITS |= {"stroke": ("mm", 1e-3), "tilt": ("deg", DEG), "design_mass": ("kg", 1.0)}
 UNITS |= {"damping": ("N_s_m", 1.0), "start": ("s", 1.0), "factor": ("", 1.0)}
-UNITS |= {"lost_stroke": ("", 1.0), "attitude": ("deg", DEG), "rate": ("deg_s", DEG)}
+UNITS |= {
+    "lost_stroke": ("", 1.0),
+    "travel": ("mm", 1e-3),
+    "attitude": ("deg", DEG),
+    "rate": ("deg_s", DEG),
+}
 UNITS |= {"mated_offset": ("mm", 1e-3), "mated_misalignment": ("deg", DEG)}
 BODY = [
     ("mass", [""]),
@@ -805,6 +869,7 @@ TIMED = [("position", "xyz"), ("release_time", [""])]
 LOAD = [("position", "xyz"), ("start", [""]), ("factor", [""])]
 PART = [("position", "xyz"), ("attitude", ["roll", "pitch", "yaw"])]
 WOUND = [("force_max", [""]), ("stroke", [""]), ("damping", [""]), TILTS, LOST]
+RESISTING = [("force_max", [""]), ("travel", [""]), TILTS]
 PARAMETERS = {
     "carrier": BODY,  # in whose frame the stack is placed
     **dict.fromkeys(("craft", "tail"), BODY + SITTING),
@@ -815,6 +880,8 @@ PARAMETERS = {
         ("release_travel", [""]),
     ],
     **dict.fromkeys(("bolt", "latch", "strap"), TIMED),
+    **dict.fromkeys(("plug", "socket"), TIMED),
+    **dict.fromkeys(("pin", "seal"), RESISTING),
     "timed": [
         ("force_max", [""]),
         ("stroke", [""]),

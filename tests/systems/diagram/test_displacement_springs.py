@@ -189,12 +189,7 @@ def test_spring_that_has_let_go_does_not_push_again():
             "must increase from 0, got 0.01, 0.1 m",
         ),
         ((0.0, 0.2, 0.1), (5.0, 4.0, 0.0), "increase from 0, got 0, 0.2, 0.1 m"),
-        (
-            (0.0, 0.1),
-            (5.0, -1.0),
-            "forces must be >= 0, .*, got 5, -1 N",
-        ),
-        ((0.0, 0.1), (0.0, 0.0), "with one above it, got 0, 0 N"),
+        ((0.0, 0.1), (0.0, 0.0), "forces must not be 0 all, got 0, 0 N"),
         ((0.0, 0.0), (1.0, 0.0), "displacements must increase from 0, got 0, 0 m"),
         ((0.0, math.nan), (1.0, 0.0), "displacement must be finite"),
     ],

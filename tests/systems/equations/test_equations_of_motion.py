@@ -547,12 +547,17 @@ def batch_state(motion: Motion) -> np.ndarray:
 def test_loads_and_energy_of_joints_and_forces_of_springs(seed):
     """Held joints have the oracle's, and released ones none."""
     system, context, _, expected = random_case(seed)
-    loads = system.GetOutputPort("joint_loads").Eval(context).reshape(-1, 6)
+    loads, preloads = (
+        system.GetOutputPort(name).Eval(context).reshape(-1, 6)
+        for name in ("joint_loads", "preloads")
+    )
+    loads -= preloads
     energy = system.GetOutputPort("joint_energy").Eval(context)
     forces = system.GetOutputPort("spring_forces").Eval(context)
     # round-off, as above
     largest = np.abs(expected.joint_loads).max()
     assert loads == pytest.approx(np.array(expected.joint_loads), abs=1e-10 * largest)
+    assert np.abs(preloads).max() > 100.0
     assert energy == pytest.approx([expected.joint_energy], rel=1e-10)
     assert forces == pytest.approx(expected.spring_forces, rel=1e-10)
     released = [a.release_time <= NOW for a in SEPARATION.attachments]

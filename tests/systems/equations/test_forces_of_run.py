@@ -12,7 +12,7 @@ import pytest
 from separations import GENERIC, STIFF, generic_pair
 
 from drakesep.systems.equations.forces_of_run import spring_forces
-from drakesep.systems.equations.loads_of_run import joint_loads
+from drakesep.systems.equations.loads_of_run import joint_loads, preloads_of_run
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.separation import Attachment, InitialMotion
 from drakesep.systems.model.springs import DisplacementSpring
@@ -64,7 +64,9 @@ def test_loads_and_forces_are_what_changes_the_momentum_of_b(held):
     total = np.zeros((len(motion.time), 3))
     for attachment in separation.attachments:
         R_AJ = np.array(attachment.joint.R_AJ).reshape(3, 3)
-        force_J = joint_loads(held)[attachment.name][:, 3:]
+        # What springs press with while they are held moves nothing.
+        pressed = preloads_of_run(held)[attachment.name]
+        force_J = (joint_loads(held)[attachment.name] - pressed)[:, 3:]
         total += np.einsum("nij,jk,nk->ni", R_WA, R_AJ, force_J)
         push = spring_forces(held)[attachment.spring.name]
         total += push[:, None] * R_WA[:, :, 0]  # along A's x axis
