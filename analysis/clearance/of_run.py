@@ -111,12 +111,19 @@ class ClearanceAnalysis:
             if frozenset(parts.names) not in self._touching:
                 _check_apart(parts)
 
-    def of(self, run: Run, *, until: float | None = None) -> list[Clearance]:
+    def of(
+        self,
+        run: Run,
+        *,
+        until: float | None = None,
+        on_pair: Callable[[Names], None] | None = None,
+    ) -> list[Clearance]:
         """Return how near each pair comes in a run.
 
         Args:
             run: a completed run of the separation.
             until: to this time, s; to the end of the run if None.
+            on_pair: told of each pair before it is measured.
 
         Raises:
             ValueError: parts overlap at the start that are not said to touch.
@@ -124,7 +131,11 @@ class ClearanceAnalysis:
         """
         end = _end(run, until)
         along, moved = self._along_run(run), self._is_moved(run)
-        found = [self._below(math.inf, parts, end, moved) for parts in along]
+        found = []
+        for parts in along:
+            if on_pair is not None:
+                on_pair(parts.names)
+            found.append(self._below(math.inf, parts, end, moved))
         return [one for one in found if one is not None]
 
     def smallest(

@@ -43,9 +43,9 @@ class CapsuleSection(Section):
 
 
 class MeshSection(Section):
-    """A closed mesh."""
+    """A mesh: closed, if it is to have a mass."""
 
     file: File
-    """A closed OBJ or STL, from the folder of the case file."""
+    """OBJ, STL, PLY or glTF in one file, from the folder of the case file."""
     scale: Positive = 1.0
     """Metres in a unit of the file."""

@@ -52,6 +52,40 @@ def progress_bar(console: Console) -> Iterator[Tell]:
 
 
 @contextlib.contextmanager
+def steps(console: Console) -> Iterator[Callable[[str], None]]:
+    """Show the step at which a command is; give what is to be told of it.
+
+    Where there is no terminal, a line on standard error says so once ten seconds have
+    passed since the last; nothing on a quiet console.
+    """
+    if console.quiet:
+        yield lambda step: None
+    elif console.is_terminal:
+        with console.status("") as status:
+            yield status.update
+    else:
+        yield _Steps(lambda line: print(line, file=sys.stderr, flush=True))
+
+
+class _Steps:
+    """Lines that say at which step a command is, if that takes long."""
+
+    def __init__(
+        self,
+        say: Callable[[str], None],
+        clock: Callable[[], float] = time.monotonic,
+    ):
+        self._say, self._clock, self._when = say, clock, clock()
+
+    def __call__(self, step: str) -> None:
+        """Say it, if the last line is some time ago."""
+        now = self._clock()
+        if now >= self._when + _PACE:
+            self._say(step)
+            self._when = now
+
+
+@contextlib.contextmanager
 def _bar(console: Console) -> Iterator[Tell]:
     bar = rich_progress.Progress(
         rich_progress.TextColumn("{task.description}"),

@@ -59,15 +59,16 @@ def clearance(
     with Report("clearance", quiet=quiet, as_json=as_json) as report:
         values = parse_changes(changes or [])
         loaded = load(report, case)
+        from drakesep.cli.progress import steps
         from drakesep.cli.results import print_clearances
         from drakesep.cli.summaries import of_clearances
         from drakesep.studies import clearance
 
         with (
             results_folder(output, loaded.name, "clearance") as folder,
-            report.aside.status("flying and measuring"),
+            steps(report.aside) as tell,
         ):
-            study = clearance.clearance(loaded, values, output=folder)
+            study = clearance.clearance(loaded, values, output=folder, on_progress=tell)
         summary = of_clearances(study, folder.path)
         say(report, folder, summary, partial(print_clearances, study=study))
         if not study.clear:

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from drakesep.analysis.clearance.of_run import ClearanceAnalysis
 from drakesep.systems.arrays import Array
 from drakesep.systems.geometry.bounding_tree import (
-    leaves_of,
     support_point,
     tree_of,
 )
@@ -169,7 +168,7 @@ def _extent(bodies: Sequence[Body], *, mated: bool) -> tuple[Array, Array]:
         if mated:
             R = np.array(rotation_matrix(quaternion(body.rpy_AB, math))).reshape(3, 3)
             p = np.array(body.p_ABo)
-        for leaf in (x for part in body.parts for x in leaves_of(tree_of(part))):
+        for leaf in (x for part in body.parts for x in tree_of(part).leaves):
             points = [
                 R @ support_point(leaf, R.T @ n) for n in (*np.eye(3), *-np.eye(3))
             ]

@@ -1,5 +1,6 @@
 """The space that parts of B sweep, as seen from A."""
 
+import functools
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -8,13 +9,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
+from scipy.spatial import ConvexHull, QhullError
 
 from drakesep.plots.style import COLOURS, columns_of_legend, save_plot, wrapped
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import Vector3
 from drakesep.systems.geometry.bounding_tree import (
     Node,
-    leaves_of,
     support_point,
     tree_of,
 )
@@ -136,13 +137,11 @@ def _until_clear(
     """Return how far B must move in its direction to be beyond A's parts, m."""
     x = np.array(direction)
     R, p = _place(path, 0.0)
-    front = max(
-        float(support_point(n, x) @ x) for root in stays for n in leaves_of(root)
-    )
+    front = max(float(support_point(n, x) @ x) for root in stays for n in root.leaves)
     back = min(
         float((R @ support_point(n, -R.T @ x) + p) @ x)
         for root in moves
-        for n in leaves_of(root)
+        for n in root.leaves
     )
     return max(front - back, 1e-3)
 
@@ -164,12 +163,13 @@ def _outlines(
     turns = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
     directions = np.zeros((_DIRECTIONS, 3))
     directions[:, view[0]], directions[:, view[1]] = np.cos(turns), np.sin(turns)
-    leaves = leaves_of(root)
+    leaves = root.leaves
     if len(leaves) > _MANY and all(leaf.corners is not None for leaf in leaves):
-        corners = np.concatenate([leaf.corners for leaf in leaves])
         if moving:
+            corners = _extreme_corners(root)
             found = corners[(corners @ (R.T @ directions.T)).argmax(axis=0)]
             return [(found @ R.T + p)[:, list(view)]]
+        corners = np.concatenate([leaf.corners for leaf in leaves])
         if all(leaf.corners is not None and len(leaf.corners) == 3 for leaf in leaves):
             return list(corners.reshape(-1, 3, 3)[..., list(view)])
     return [
@@ -178,6 +178,17 @@ def _outlines(
         ]
         for leaf in leaves
     ]
+
+
+@functools.lru_cache(maxsize=16)
+def _extreme_corners(root: Node) -> Array:
+    """Return the corners (k, 3) of a part's pieces that may be its farthest ones, m."""
+    corners = np.unique(np.concatenate([leaf.corners for leaf in root.leaves]), axis=0)
+    try:
+        extreme: Array = corners[ConvexHull(corners).vertices]
+    except QhullError:  # flat
+        return corners
+    return extreme
 
 
 def _fill(axes: Axes, outlines: Sequence[Array], colour: object, level: int) -> None:

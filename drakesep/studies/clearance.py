@@ -1,7 +1,8 @@
 """The study of how near bodies come to each other: tables, plot, verdict."""
 
 import functools
-from collections.abc import Mapping
+import itertools
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -24,7 +25,7 @@ from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.parameters import with_values
-from drakesep.systems.model.part_pairs import owners_of
+from drakesep.systems.model.part_pairs import Names, owners_of
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Pair, Separation, leaving_among
 from drakesep.systems.simulation.shared_simulation import shared_simulation
@@ -200,6 +201,7 @@ def clearance(
     values: Mapping[str, float] | None = None,
     *,
     output: Output | None = None,
+    on_progress: Callable[[str], None] | None = None,
 ) -> Clearances:
     """Fly a case once, and measure how near its bodies' geometry comes.
 
@@ -208,6 +210,7 @@ def clearance(
             built-in case.
         values: new values by parameter name with unit, ``payload.mass_kg``.
         output: folder that receives tables and plots.
+        on_progress: told in words of each step before it is done.
 
     Raises:
         ValueError: the case or a value is wrong, no two bodies have geometry, some of
@@ -220,9 +223,20 @@ def clearance(
     changed = values_in_si(case.separation, values)
     flown = with_values(case.separation, changed)
     of = case.clearance
+    tell = on_progress or (lambda step: None)
+    tell("cutting parts into convex pieces")
     analysis = ClearanceAnalysis(flown, of.pairs, touching=of.touching)
+    tell("measuring parts while mated")
     analysis.check_apart()
+    measured_pairs = itertools.count(1)
+
+    def on_pair(names: Names) -> None:
+        first, second = names
+        which = f"pair {next(measured_pairs)} of {len(analysis.names)}"
+        tell(f"measuring {first} to {second}, {which}")
+
     with begun(output, asked) as folder:  # what is refused leaves it alone
+        tell("flying")
         run = shared_simulation(case.separation, case.integration).run(changed)
         if run.motion is None:
             raise RuntimeError(f"the run failed: {run.message}")
@@ -231,10 +245,11 @@ def clearance(
             labelled=measured(role, run, case),
             values=values,
             analysis=analysis,
-            found=tuple(analysis.of(run)),
+            found=tuple(analysis.of(run, on_pair=on_pair)),
             asked=asked.over(),
         )
         if folder is not None:
+            tell("measuring at the sample times of the run, and drawing")
             study._write(folder)
     return study
 

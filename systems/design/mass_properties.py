@@ -17,7 +17,7 @@ from drakesep.systems.checks import (
     unknown,
 )
 from drakesep.systems.design.model_reader import read_apart
-from drakesep.systems.geometry.meshes import read_mesh, readable, warn_of_solid
+from drakesep.systems.geometry.meshes import read_solid, readable, warn_of_solid
 from drakesep.systems.model.inertia import Inertia
 from drakesep.systems.model.magnitudes import check_size, check_within
 
@@ -122,7 +122,7 @@ def mass_properties_of_mesh(
     Where a mesh has several shells their volumes add up, also where they overlap.
 
     Args:
-        file: OBJ or STL.
+        file: OBJ, STL, PLY or glTF.
         mass: kg; this or `density`.
         density: kg/m^3.
         scale: metres in a unit of the file, such as 0.001 for one in millimetres.
@@ -134,7 +134,7 @@ def mass_properties_of_mesh(
             for a shape.
     """
     check_size("factor", "mesh: scale", scale)
-    mesh = read_mesh(file)
+    mesh = read_solid(file)
     volume = scale**3 * float(mesh.volume)
     m = _mass(str(file), mass, density, volume)
     warn_of_solid(Path(file).name, scale * float(mesh.scale), m, volume)

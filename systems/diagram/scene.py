@@ -23,7 +23,7 @@ def register_illustration(plant: MultibodyPlant, separation: Separation) -> None
         separation: whose bodies have parts.
 
     Raises:
-        ValueError: a mesh is missing, empty or not closed.
+        ValueError: a mesh is missing or empty.
     """
     for body in separation.bodies:
         link = plant.GetBodyByName(body.name)

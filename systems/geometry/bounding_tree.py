@@ -3,7 +3,9 @@
 What is farther off than the box around it need not be looked into.
 """
 
+import functools
 import math
+import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -21,7 +23,7 @@ _THICK = 1e-6
 """What boxes are larger by to each side, m: Drake makes no hull of what is flat."""
 
 
-@dataclass(slots=True, eq=False)
+@dataclass(eq=False)
 class Node:
     """A convex piece of a part, or a box around some of its pieces."""
 
@@ -29,14 +31,47 @@ class Node:
     """Drake's."""
     X_BG: RigidTransform
     """Pose of the shape in the part's body."""
-    centre: tuple[float, float, float]
-    """Of a ball around it, in its body, m."""
-    radius: float
-    """Of the ball, m."""
-    children: "tuple[Node, ...]"
-    """Empty for a piece."""
     corners: Array | None
     """(k, 3) of a polytope, in its body, m; None: the shape tells its own."""
+    pieces: Sequence[Piece]
+    """That it is or holds."""
+    halves: tuple[Array, ...]
+    """Which of the pieces each child holds; empty for a piece."""
+
+    @property
+    def centre(self) -> tuple[float, float, float]:
+        """Of a ball around it, in its body, m."""
+        return self._ball[0]
+
+    @property
+    def radius(self) -> float:
+        """Of the ball, m."""
+        return self._ball[1]
+
+    @functools.cached_property
+    def _ball(self) -> tuple[tuple[float, float, float], float]:
+        points = _points_of(self.pieces)
+        centre, _, _ = _box_around(points)
+        x, y, z = centre.tolist()
+        return (x, y, z), float(np.linalg.norm(points - centre, axis=1).max())
+
+    @functools.cached_property
+    def leaves(self) -> "tuple[Node, ...]":
+        """The pieces that it holds, each as a node of its own."""
+        return tuple(_node([piece]) for piece in self.pieces)
+
+    @functools.cached_property
+    def children(self) -> "tuple[Node, ...]":
+        """Made when they are asked for: most boxes are never opened."""
+        with _MAKING:  # the same ones for all threads
+            made: tuple[Node, ...] | None = self.__dict__.get("children")
+            if made is None:
+                made = tuple(_node([self.pieces[i] for i in h]) for h in self.halves)
+                self.__dict__["children"] = made
+            return made
+
+
+_MAKING = threading.Lock()
 
 
 def nodes_of(root: Node) -> Iterator[Node]:
@@ -44,11 +79,6 @@ def nodes_of(root: Node) -> Iterator[Node]:
     yield root
     for child in root.children:
         yield from nodes_of(child)
-
-
-def leaves_of(root: Node) -> list[Node]:
-    """Return the pieces that a node holds; itself if it is one."""
-    return [node for node in nodes_of(root) if not node.children]
 
 
 # Support functions.
@@ -92,32 +122,29 @@ def support(node: Node, n_B: Array) -> float:
 
 def tree_of(part: Part) -> Node:
     """Return the pieces of a part, with boxes around more and more of them."""
-    pieces = pieces_of(part)
-    return _tree(pieces, np.array([piece.points.mean(axis=0) for piece in pieces]))
+    return _node(pieces_of(part))
 
 
-def _tree(pieces: Sequence[Piece], centres: Array) -> Node:
-    points = np.concatenate([piece.points for piece in pieces])
-    centre, axes, half = _box_around(points)
-    radius = float(np.linalg.norm(points - centre, axis=1).max())
-    ball = tuple(centre.tolist())
+def _node(pieces: Sequence[Piece]) -> Node:
     if len(pieces) == 1:
-        shape, X_BS, _ = pieces[0]
+        shape, X_BS, points = pieces[0]
         corners = points if isinstance(shape, drake.Convex) else None
-        return Node(shape, X_BS, ball, radius, (), corners)
+        return Node(shape, X_BS, corners, pieces, ())
+    centre, axes, half = _box_around(_points_of(pieces))
     half += _THICK
+    centres = np.array([piece.points.mean(axis=0) for piece in pieces])
     order = np.argsort((centres - centre) @ axes[:, 0], kind="stable")
     return Node(
         shape=hull(CUBE * half),
         X_BG=RigidTransform(RotationMatrix(axes), centre),
-        centre=ball,
-        radius=radius,
-        children=tuple(
-            _tree([pieces[i] for i in indices], centres[indices])
-            for indices in np.array_split(order, 2)
-        ),
         corners=centre + CUBE * half @ axes.T,
+        pieces=pieces,
+        halves=tuple(np.array_split(order, 2)),
     )
+
+
+def _points_of(pieces: Sequence[Piece]) -> Array:
+    return np.concatenate([piece.points for piece in pieces])
 
 
 def _box_around(points: Array) -> tuple[Array, Array, Array]:
@@ -140,12 +167,12 @@ Pair: TypeAlias = tuple[Node, Node]
 
 def is_leaf(pair: Pair) -> bool:
     """Return whether both nodes are pieces."""
-    return not (pair[0].children or pair[1].children)
+    return not (pair[0].halves or pair[1].halves)
 
 
 def split(pair: Pair) -> list[Pair]:
     """Return the pairs that a pair of nodes holds, from the larger one's children."""
     a, b = pair
-    if a.children and (a.radius >= b.radius or not b.children):
+    if a.halves and (a.radius >= b.radius or not b.halves):
         return [(child, b) for child in a.children]
     return [(a, child) for child in b.children]

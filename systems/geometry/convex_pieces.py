@@ -18,7 +18,7 @@ from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
-from drakesep.systems.geometry.meshes import read_mesh
+from drakesep.systems.geometry.meshes import is_closed, read_mesh
 from drakesep.systems.model.parts import Box, Capsule, Cone, Mesh, Part, Sphere
 
 
@@ -51,7 +51,7 @@ def mesh_of(part: Part) -> "trimesh.Trimesh":
     """Return the mesh of a part that is one, in the units of its file.
 
     Raises:
-        ValueError: the file is missing, is no mesh, or one that is not closed.
+        ValueError: the file is missing or is no mesh.
     """
     assert isinstance(part.shape, Mesh)
     try:
@@ -154,8 +154,10 @@ def _is_convex(mesh: "trimesh.Trimesh") -> bool:
     """Return whether a mesh fills its hull.
 
     Not by the angles at its edges: those of a fine mesh of a shallow dish are all but
-    straight. A dent takes from the volume.
+    straight. A dent takes from the volume; one that is not closed has none.
     """
+    if not is_closed(mesh) or not mesh.volume > 0.0:
+        return False
     hull = mesh.convex_hull
     return bool(hull.volume - mesh.volume <= _DENT * hull.volume)
 

@@ -21,7 +21,7 @@ from drakesep.systems.geometry.bounding_tree import (
 )
 from drakesep.systems.geometry.convex_pieces import mesh_of, place_of
 from drakesep.systems.geometry.gjk import gjk
-from drakesep.systems.geometry.meshes import encloses
+from drakesep.systems.geometry.meshes import encloses, is_closed
 from drakesep.systems.geometry.proximity_scenes import ProximityScenes
 from drakesep.systems.geometry.relative_path import Pose
 from drakesep.systems.model.parts import Mesh, Part
@@ -75,7 +75,7 @@ class Proximity:
         """Cut parts into pieces.
 
         Raises:
-            ValueError: a mesh is missing, empty or not closed.
+            ValueError: a mesh is missing or empty.
         """
         self.parts = {part.name: part for part in (*on_A, *on_B)}
         self.roots = {name: tree_of(part) for name, part in self.parts.items()}
@@ -143,4 +143,6 @@ def is_inside(part: Part, p_BoQ_B: Array) -> bool:
     if not isinstance(part.shape, Mesh):
         return False
     p_GoQ_G = place_of(part).inverse() @ p_BoQ_B
-    return encloses(mesh_of(part), p_GoQ_G / part.shape.scale)
+    mesh = mesh_of(part)
+    # Nothing is inside of what is not closed.
+    return is_closed(mesh) and encloses(mesh, p_GoQ_G / part.shape.scale)

@@ -54,7 +54,7 @@ def illustration_of(part: Part) -> tuple[Any, RigidTransform]:
     """Return Drake's shape of a part as it is drawn, and its pose X_BG.
 
     Raises:
-        ValueError: a mesh is missing, empty or not closed.
+        ValueError: a mesh is missing or empty.
     """
     shape, X_BG = part.shape, place_of(part)
     match shape:

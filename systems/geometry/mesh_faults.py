@@ -15,12 +15,28 @@ def fault_of(path: Path) -> str:
     """Return what is wrong with a file; empty if it looks like what its name says.
 
     Args:
-        path: of an OBJ or STL.
+        path: of a mesh.
     """
     data = path.read_bytes()
     if not data.strip():
         return "an empty file"
-    return _of_obj(data) if path.suffix.lower() == ".obj" else _of_stl(data)
+    match path.suffix.lower():
+        case ".obj":
+            return _of_obj(data)
+        case ".stl":
+            return _of_stl(data)
+        case ".ply":
+            return "" if data[:3] == b"ply" else "a file without the header of a PLY"
+        case ".glb":
+            return _of_glb(data)
+    return ""
+
+
+def _of_glb(data: bytes) -> str:
+    if data[:4] != b"glTF":
+        return "a file without the header of a GLB"
+    said = int.from_bytes(data[8:12], "little")
+    return "" if said == len(data) else f"{len(data)} bytes where a GLB says {said}"
 
 
 def _of_stl(data: bytes) -> str:

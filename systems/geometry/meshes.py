@@ -1,6 +1,7 @@
-"""Closed meshes from files."""
+"""Meshes from files."""
 
 import functools
+import json
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,29 +17,73 @@ from drakesep.systems.geometry.mesh_faults import fault_of
 if TYPE_CHECKING:
     import trimesh
 
-MESH_SUFFIXES = (".obj", ".stl")
+MESH_SUFFIXES = (".obj", ".stl", ".ply", ".glb", ".gltf")
+_CONVERSIONS = {
+    ".dae": "COLLADA, which `assimp export FILE.dae FILE.glb` or Blender converts",
+    ".fbx": "FBX, which `assimp export FILE.fbx FILE.glb` or Blender converts",
+    ".3ds": "3DS, which `assimp export FILE.3ds FILE.glb` or Blender converts",
+    ".wrl": "VRML, which `assimp export FILE.wrl FILE.glb` or MeshLab converts",
+    ".blend": "a Blender file, which Blender exports as GLB",
+    ".step": "STEP, which has no triangles: gmsh or FreeCAD make an STL of it",
+    ".stp": "STEP, which has no triangles: gmsh or FreeCAD make an STL of it",
+    ".igs": "IGES, which has no triangles: gmsh or FreeCAD make an STL of it",
+    ".iges": "IGES, which has no triangles: gmsh or FreeCAD make an STL of it",
+    ".usd": "USD, which Blender exports as GLB",
+    ".usdz": "USD, which Blender exports as GLB",
+}
+"""What other formats are, and what makes a mesh of them that is read."""
+_LFS = b"version https://git-lfs"
+"""What stands in the place of a file that Git LFS keeps elsewhere."""
 
 
 def read_mesh(file: str | Path) -> "trimesh.Trimesh":
-    """Return the closed mesh in a file, whose triangles face outward.
+    """Return the mesh in a file, in its axes; if it is closed, it faces outward.
 
     Args:
-        file: OBJ or STL.
+        file: OBJ, STL, PLY or glTF, of which all that is shown makes one mesh.
 
     Raises:
-        ValueError: the file is missing, is no mesh, or one that is not closed.
+        ValueError: the file is missing or is no mesh.
     """
     path = readable(file, "mesh", MESH_SUFFIXES)
     return _read(path, path.stat().st_mtime_ns)
+
+
+def read_solid(file: str | Path) -> "trimesh.Trimesh":
+    """Return the closed mesh in a file, whose triangles face outward.
+
+    Args:
+        file: as of `read_mesh`.
+
+    Raises:
+        ValueError: the file is missing, is no mesh, or one that bounds no volume.
+    """
+    mesh = read_mesh(file)
+    name = Path(file).name
+    if not is_closed(mesh):
+        counts = np.unique(mesh.edges_sorted, axis=0, return_counts=True)[1]
+        broken = int((counts == 1).sum())
+        got = f"{broken} open edges" if broken else "triangles that face both ways"
+        raise InputError(f"{name}: mesh must be closed, got {got}")
+    with np.errstate(all="ignore"):  # of a volume of zero
+        check_positive(f"{name}: volume", abs(float(mesh.volume)))
+    return mesh
+
+
+def is_closed(mesh: "trimesh.Trimesh") -> bool:
+    """Return whether a mesh bounds a volume: else it is a surface."""
+    return bool(mesh.is_watertight and mesh.is_winding_consistent)
 
 
 @functools.lru_cache(maxsize=64)
 def _read(path: Path, _: int) -> "trimesh.Trimesh":
     import trimesh  # half a second, for the few cases that have meshes
 
+    if path.suffix.lower() == ".gltf":
+        _check_whole(path)
     try:
         with np.errstate(all="ignore"):  # of what is refused
-            mesh = trimesh.load_mesh(path)
+            mesh = trimesh.load_mesh(path, skip_materials=True)
     except Exception as error:  # trimesh raises whatever its readers do
         got = fault_of(path) or str(error)
         raise InputError(f"{path.name}: must be a mesh, got {got}") from error
@@ -47,19 +92,31 @@ def _read(path: Path, _: int) -> "trimesh.Trimesh":
         raise InputError(f"{path.name}: must be a mesh, got {got}")
     # Files give corners of their own to faces of other groups, textures and normals.
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
-    if not mesh.is_watertight or not mesh.is_winding_consistent:
-        if fault := fault_of(path):
-            raise InputError(f"{path.name}: must be a mesh, got {fault}")
-        counts = np.unique(mesh.edges_sorted, axis=0, return_counts=True)[1]
-        broken = int((counts == 1).sum())
-        got = f"{broken} open edges" if broken else "triangles that face both ways"
-        raise InputError(f"{path.name}: mesh must be closed, got {got}")
+    closed = is_closed(mesh)
+    if not closed and (fault := fault_of(path)):
+        raise InputError(f"{path.name}: must be a mesh, got {fault}")
+    if not np.isfinite(mesh.vertices).all():
+        raise InputError(f"{path.name}: must be a mesh, got corners that are no number")
     with np.errstate(all="ignore"):  # of a volume of zero
-        volume = float(mesh.volume)
-    check_positive(f"{path.name}: volume", abs(volume))
-    if volume < 0.0:
-        mesh.invert()
+        if closed and float(mesh.volume) < 0.0:
+            mesh.invert()
     return mesh
+
+
+def _check_whole(path: Path) -> None:
+    """Raise InputError if a glTF names files beside it, which are not copied along."""
+    try:
+        content = json.loads(path.read_bytes())
+        uris = [buffer.get("uri", "") for buffer in content.get("buffers", ())]
+    except (ValueError, AttributeError):
+        got = "a file that is no glTF"
+        raise InputError(f"{path.name}: must be a mesh, got {got}") from None
+    others = [uri for uri in uris if not uri.startswith("data:")]
+    if others:
+        raise InputError(
+            f"{path.name}: must be one file, got a glTF with {others[0]!r} beside it: "
+            f"`assimp export {path.name} {path.stem}.glb` or Blender make one of them"
+        )
 
 
 class DoubtfulScale(DrakesepWarning):
@@ -119,12 +176,21 @@ def readable(file: str | Path, kind: str, suffixes: Sequence[str]) -> Path:
         ValueError: it is not there, or its name says that it is something else.
     """
     path = Path(file)
-    if path.suffix.lower() not in suffixes:
+    suffix = path.suffix.lower()
+    if suffix not in suffixes:
+        also = _CONVERSIONS.get(suffix, "") if kind == "mesh" else ""
         raise InputError(
             f"{kind} file must end in {', '.join(suffixes)}, got {str(file)!r}"
+            + (f": {also.replace('FILE', path.stem)}" if also else "")
         )
     if not path.is_file():
         raise InputError(f"{kind} file must exist, got {str(file)!r}")
+    with path.open("rb") as opened:
+        if opened.read(len(_LFS)) == _LFS:
+            raise InputError(
+                f"{path.name}: must be a {kind}, got a pointer of Git LFS to it: "
+                "`git lfs pull` fetches the file itself"
+            )
     target = path.resolve()
     # A link may lead to a file without a suffix, as stores of large files have them.
     return target if target.suffix.lower() in suffixes else path.absolute()

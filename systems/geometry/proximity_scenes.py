@@ -50,13 +50,11 @@ class ProximityScenes:
         # Of what has been measured: the many pieces that never come near cost nothing.
         self._scenes: list[_Scene] = []
         self._known: dict[Pair, _KnownPair] = {}
-        of_A, of_B = (
-            [node for root in roots for node in nodes_of(root)]
-            for roots in (on_A, on_B)
-        )
-        self._A_is_first = len(of_A) < len(of_B)
-        for node in of_A if self._A_is_first else of_B:
-            self._instance(node)
+        of_A, of_B = (sum(len(root.pieces) for root in roots) for roots in (on_A, on_B))
+        self._A_is_first = of_A < of_B
+        for root in on_A if self._A_is_first else on_B:
+            for node in nodes_of(root):
+                self._instance(node)
 
     def measure(self, pair: Pair, pose: Pose) -> SignedDistance:
         """Return what Drake tells of two nodes where B is at a pose in A."""

@@ -126,14 +126,14 @@ class Cone:
 @typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mesh:
-    """The solid that a closed mesh bounds, convex or not.
+    """The solid that a closed mesh bounds, convex or not; of an open one its surface.
 
     Raises:
         ValueError: the scale is not positive.
     """
 
     file: Path
-    """OBJ or STL."""
+    """OBJ, STL, PLY or glTF."""
     scale: float = 1.0
     """Metres in a unit of the file."""
 

@@ -215,17 +215,19 @@ def test_mesh_in_millimetres_that_is_read_in_metres(tube_mesh):
 
 
 def test_mesh_that_is_not_closed(tmp_path):
-    mesh = trimesh.creation.box()
-    mesh.update_faces(np.arange(12) > 0)
+    """A ball leaves a box through the end that is open, and another by its side."""
+    mesh = trimesh.creation.box((2.0, 2.0, 2.0))
+    mesh.update_faces(mesh.face_normals[:, 0] < 0.5)
     mesh.export(tmp_path / "open.stl")
-    motion = straight(COARSE, (5.0, 0.0, 0.0), (1.0, 0.0, 0.0))
-    for file, message in (
-        ("open.stl", "must be closed, got 3 open edges"),
-        ("missing.stl", "mesh file must exist"),
-    ):
-        hull = Part(name="hull", shape=Mesh(file=tmp_path / file))
-        with pytest.raises(InputError, match=message):
-            clearance(motion, hull, ball("payload_ball", 0.1))
+    hull = Part(name="hull", shape=Mesh(file=tmp_path / "open.stl"))
+    for side, expected in ((0.2, 0.7), (1.5, 0.4)):
+        motion = straight(COARSE, (0.0, side, 0.0), (1.0, 0.0, 0.0))
+        found = clearance(motion, hull, ball("payload_ball", 0.1))
+        assert found.minimum == pytest.approx(expected, abs=1e-5)
+        assert found.contact is None
+    missing = Part(name="hull", shape=Mesh(file=tmp_path / "missing.stl"))
+    with pytest.raises(InputError, match="mesh file must exist"):
+        clearance(motion, missing, ball("payload_ball", 0.1))
 
 
 def test_convex_mesh_is_taken_whole(tmp_path):

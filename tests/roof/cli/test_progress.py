@@ -8,7 +8,7 @@ from rich.console import Console
 from drakesep.analysis.metrics.objectives import OBJECTIVES
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import SearchProgress
-from drakesep.cli.progress import _Log, progress_bar
+from drakesep.cli.progress import _Log, _Steps, progress_bar, steps
 from drakesep.studies.worst_case.effort import StudyEffort
 from drakesep.studies.worst_case.pace import Remaining
 from drakesep.studies.worst_case.plan import Progress
@@ -83,3 +83,16 @@ def test_lines_are_few_whatever_the_pace(percent):
     for i in range(10_000):
         log(progress("samples", i, 10_000, share=percent / 100))
     assert len(lines) == 1
+
+
+def test_steps_that_take_long_are_said():
+    """Where there is no terminal, ten seconds after the last; on a quiet one, none."""
+    now, said = [0.0], []
+    tell = _Steps(said.append, lambda: now[0])
+    for step, seconds in (("cutting", 2.0), ("flying", 9.0), ("measuring", 4.0)):
+        tell(step)
+        now[0] += seconds
+    tell("drawing")
+    assert said == ["measuring"]
+    with steps(Console(quiet=True)) as tell:
+        tell("cutting")

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from pydrake.math import RollPitchYaw
 
 from drakesep.systems.geometry.bounding_tree import (
-    leaves_of,
     nodes_of,
     support,
     support_point,
@@ -171,7 +170,7 @@ def test_support_points_are_the_farthest_of_the_shape(name):
     part = Part(
         name="part", shape=SHAPES[name], rpy_BG=(0.4, -0.7, 1.1), p_BoGo_B=(1, 2, 3)
     )
-    [node] = leaves_of(Proximity([part], []).roots["part"])
+    [node] = Proximity([part], []).roots["part"].leaves
     rng = np.random.default_rng(1)
     R = RollPitchYaw(*part.rpy_BG).ToRotationMatrix().matrix()
     points = surface(part.shape, rng) @ R.T + np.array(part.p_BoGo_B)
@@ -189,9 +188,9 @@ def test_boxes_hold_the_pieces_below_them():
     root = Proximity([tube("tube", 0.3, 0.5)], []).roots["tube"]
     directions = np.random.default_rng(1).normal(size=(50, 3))
     for node in nodes_of(root):
-        for leaf in leaves_of(node):
+        for leaf in node.leaves:
             far = (leaf.corners @ directions.T).max(axis=0)
             assert (far <= [support(node, n) + 1e-12 for n in directions]).all()
             corners = leaf.corners - np.array(node.centre)
             assert (np.linalg.norm(corners, axis=1) <= node.radius + 1e-12).all()
-    assert len(leaves_of(root)) == len(pieces_of(tube("tube", 0.3, 0.5)))
+    assert len(root.leaves) == len(pieces_of(tube("tube", 0.3, 0.5)))

@@ -1,5 +1,6 @@
 """Files that should hold a mesh: told as what they are, and links followed."""
 
+import math
 import struct
 
 import numpy as np
@@ -7,8 +8,14 @@ import pytest
 import trimesh
 
 from drakesep.systems.checks import DrakesepWarning, InputError
-from drakesep.systems.design.mass_properties import mass_properties_of_mesh
-from drakesep.systems.geometry.meshes import DoubtfulScale, read_mesh
+from drakesep.systems.design.mass_properties import (
+    mass_properties_of_mesh,
+    mass_properties_of_model,
+)
+from drakesep.systems.geometry.distance import Proximity, is_inside
+from drakesep.systems.geometry.meshes import DoubtfulScale, read_mesh, read_solid
+from drakesep.systems.geometry.relative_path import Pose
+from drakesep.systems.model.parts import Mesh, Part, Sphere
 
 
 BOX = trimesh.creation.box()
@@ -46,6 +53,9 @@ BAD = {
     "nan.obj": (b"v 0 0 0\nv nan 0 0\nf 1 2 1\n", "finite numbers in line 2: v nan"),
     "two.obj": (b"v 0 0 0\nv 1 0\nf 1 2 1\n", "finite numbers in line 2: v 1 0"),
     "index.obj": (OBJ.replace("f 2", "f 999", 1).encode(), "corner 999 of 8 in line"),
+    "words.ply": (b"a mesh\n", "PLY"),
+    "words.glb": (b"a mesh\n", "GLB"),
+    "words.gltf": (b"a mesh\n", "a file that is no glTF"),
     "zero.obj": (OBJ.replace("f 2", "f 0", 1).encode(), "no triangle in line"),
 }
 
@@ -62,8 +72,94 @@ def test_what_is_wrong_is_said(name, tmp_path):
 def test_a_flat_mesh_has_no_volume(tmp_path):
     file = tmp_path / "flat.obj"
     file.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n")
+    assert len(read_mesh(file).faces) == 2
     with pytest.raises(InputError, match=r"^flat.obj: volume must be > 0"):
-        read_mesh(file)
+        read_solid(file)
+
+
+POINTER = b"""version https://git-lfs.github.com/spec/v1
+oid sha256:0000000000000000000000000000000000000000000000000000000000000000
+size 1000
+"""
+
+
+@pytest.mark.parametrize("name", ["part.stl", "part.glb", "part.urdf"])
+def test_a_pointer_to_a_large_file_is_told_as_such(name, tmp_path):
+    file = tmp_path / name
+    file.write_bytes(POINTER)
+    read = mass_properties_of_model if name.endswith("urdf") else read_mesh
+    with pytest.raises(InputError, match=rf"^{name}: .* got a pointer of Git LFS to i"):
+        read(file)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("part.dae", r"COLLADA, which `assimp export part.dae part.glb` or Blender"),
+        ("part.STEP", r"STEP, which has no triangles: gmsh or FreeCAD make an STL"),
+        ("part.txt", r"got '.*part.txt'$"),
+    ],
+)
+def test_other_formats_are_refused_with_what_converts_them(name, message, tmp_path):
+    with pytest.raises(InputError, match=rf"must end in .obj, .stl, .ply.*{message}"):
+        read_mesh(tmp_path / name)
+
+
+@pytest.mark.parametrize("form", ["ascii.ply", "binary.ply", "scene.glb", "scene.gltf"])
+def test_formats_hold_the_same(form, tmp_path):
+    """Two boxes, the second moved by its node where there are such."""
+    small, large = trimesh.creation.box((1, 2, 3)), trimesh.creation.box((2, 2, 2))
+    moved = trimesh.transformations.translation_matrix((5, 0, 0))
+    scene = trimesh.Scene([small])
+    scene.add_geometry(large, transform=moved)
+    file = tmp_path / form
+    if form.endswith("ply"):
+        encoding = form.removesuffix(".ply")
+        both = scene.to_mesh()
+        file.write_bytes(trimesh.exchange.ply.export_ply(both, encoding=encoding))
+    elif form.endswith("glb"):
+        file.write_bytes(scene.export(file_type="glb"))
+    else:
+        options = {"merge_buffers": True, "embed_buffers": True}
+        [data] = trimesh.exchange.gltf.export_gltf(scene, **options).values()
+        file.write_bytes(data)
+    got = mass_properties_of_mesh(file, density=100.0)
+    assert got.mass == pytest.approx(1400.0, rel=1e-6)  # single precision
+    assert got.p_BoBcm_B == pytest.approx((5.0 * 8.0 / 14.0, 0.0, 0.0), abs=1e-6)
+
+
+def test_a_gltf_of_several_files_is_refused(tmp_path):
+    for name, data in trimesh.Scene([BOX]).export(file_type="gltf").items():
+        (tmp_path / name).write_bytes(data)
+    with pytest.raises(InputError, match=r"got a glTF with 'gltf_buffer_0.bin' beside"):
+        read_mesh(tmp_path / "model.gltf")
+
+
+def test_an_open_mesh_is_a_surface(tmp_path):
+    """A box without a lid, and a ball above it, in it, and in the wall."""
+    box = trimesh.creation.box((2, 2, 2))
+    box.update_faces(box.face_normals[:, 2] < 0.5)
+    file = tmp_path / "box.stl"
+    box.export(file)
+    with pytest.raises(InputError, match=r"^box.stl: mesh must be closed, got 4 open"):
+        mass_properties_of_mesh(file, mass=1.0)
+    part = Part(name="box", shape=Mesh(file=file))
+    ball = Part(name="ball", shape=Sphere(radius=0.3))
+    proximity = Proximity([part], [ball])
+    for height, distance in (
+        (1.6, math.hypot(1.0, 0.6) - 0.3),
+        (0.0, 0.7),
+        (-0.8, -0.1),
+    ):
+        centre = np.array([0.0, 0.0, height])
+        none = np.zeros(3)
+        pose = Pose(np.array([1.0, 0.0, 0.0, 0.0]), np.eye(3), centre, none, none)
+        nearest = min(
+            proximity.measure((leaf, proximity.roots["ball"]), pose).distance
+            for leaf in proximity.roots["box"].leaves
+        )
+        assert nearest == pytest.approx(distance, abs=1e-5)  # as certain as Drake's
+        assert not is_inside(part, centre)
 
 
 @pytest.mark.parametrize("target", ["box.stl", "3f2a91"])
