@@ -224,6 +224,19 @@ class ResultsFolder:
         self._end(ended, message=failed, verdict=verdict)
         remove_parts(self.path)
 
+    def interrupted(self, wait: float = -1.0) -> None:
+        """Write down that the study was interrupted, if it has not ended.
+
+        Args:
+            wait: for a thread that is writing to end, s; forever if negative.
+        """
+        if self._writing.acquire(timeout=wait):
+            try:
+                if self._record is not None:
+                    self._end(Ended.INTERRUPTED)
+            finally:
+                self._writing.release()
+
     def _end(
         self, ended: Ended, *, message: str = "", verdict: str | None = None
     ) -> None:
@@ -247,12 +260,11 @@ class ResultsFolder:
     ) -> None:
         """Write down how it ended, if that has not been done, and unlock it."""
         try:
-            if self._record is not None:
-                if isinstance(error, KeyboardInterrupt | SystemExit):
-                    self._end(Ended.INTERRUPTED)
-                else:
-                    name = "left before its end" if kind is None else kind.__name__
-                    self._end(Ended.FAILED, message=str(error or "") or name)
+            if isinstance(error, KeyboardInterrupt | SystemExit):
+                self.interrupted()
+            elif self._record is not None:
+                name = "left before its end" if kind is None else kind.__name__
+                self._end(Ended.FAILED, message=str(error or "") or name)
         finally:
             self._unlock()
 

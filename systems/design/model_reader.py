@@ -19,8 +19,8 @@ from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.design.model_includes import text_with_includes
 
 
-_SECONDS = 60
-"""That reading may take; a machine may be busy."""
+_SECONDS = 30
+"""That reading may take, whether or not the caller still is; a machine may be busy."""
 _BYTES = 8 << 30
 """Of memory, addressed; on Linux."""
 
@@ -128,6 +128,7 @@ def _read(path: Path, frame: str, copies: Path) -> dict[str, Any]:
 
 
 def _main(file: str, frame: str, copies: str) -> None:
+    signal.alarm(_SECONDS)  # ends it whatever the parser is at
     path = Path(file)
     try:
         if sys.platform == "linux":
