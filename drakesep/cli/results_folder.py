@@ -40,7 +40,7 @@ def results_folder(
         return f"; what was done is in {folder.directory}" if folder.begun else ""
 
     def put_in_order() -> str:
-        folder.interrupted(wait=0.3)
+        folder.leave(wait=0.3)
         return done()
 
     ends_in_order_by(put_in_order)

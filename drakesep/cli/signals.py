@@ -1,11 +1,12 @@
 """Interrupts and other signals: a command ends within two seconds, whatever it is at.
 
-Before a command has begun, as it imports what it needs, there is nothing to put in
-order: it ends at once. From then on a signal raises what leaves the folder in order and
-says so. Where that is lost (in a destructor, or a callback of a library's) it is raised
-again; where it takes too long (a minute within a compiler, a library that catches
-everything) a thread leaves the folder in order, and ends the process. Nothing is
-imported here but what Python has at once.
+Before a command has begun there is nothing to put in order: it ends at once. From then
+on a signal raises what leaves the folder in order and says so. Where that is lost (in a
+destructor, or a callback of a library's) it is raised again; where it takes too long (a
+minute within a compiler, a library that catches everything) a thread leaves the folder
+in order, and ends the process. In the midst of an import nothing is raised, since
+libraries in C++ abort: the folder is left in order there. Nothing is imported here but
+what Python has at once.
 """
 
 import contextlib
@@ -58,8 +59,8 @@ def ends_in_order_by(put_in_order: Callable[[], str]) -> None:
     """Let a command that does not end by itself leave its results in order.
 
     Args:
-        put_in_order: called in another thread than the command's, whatever that is at;
-            returns what more is to be said.
+        put_in_order: called in any thread, whatever the command is at; returns what
+            more is to be said.
     """
     _State.put_in_order = put_in_order
 
@@ -76,8 +77,7 @@ def command_has_said() -> None:
 def heard() -> int | None:
     """Return the exit code of the signal that has come; None if none has.
 
-    An exception that is raised in the midst of a library's import may come out of it as
-    another.
+    What it raises in the midst of a library may come out of that as another exception.
     """
     return _State.heard
 
@@ -96,14 +96,23 @@ def listen() -> None:
             signal.signal(number, _handle)
 
 
-def _handle(number: int, _: FrameType | None) -> None:
+def _handle(number: int, frame: FrameType | None) -> None:
     code = _CODES[signal.Signals(number)]
     _State.heard = code
-    if not _State.begun:
-        _end(code)
+    if not _State.begun or _imports(frame):
+        _leave(code)
     if code == INTERRUPTED:
         raise KeyboardInterrupt
     raise SystemExit(code)
+
+
+def _imports(frame: FrameType | None) -> bool:
+    """Return whether an import is under way."""
+    while frame is not None:
+        if frame.f_globals.get("__name__") == "importlib._bootstrap":
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _unraisable(lost: "sys.UnraisableHookArgs") -> None:
@@ -120,10 +129,7 @@ def _watch(read: int) -> None:
         for number in os.read(read, 1):
             if number in _CODES:
                 _wait(number)
-                if _State.put_in_order is not None:
-                    with contextlib.suppress(Exception):  # it ends in any case
-                        _State.done = _State.put_in_order()
-                _end(_CODES[signal.Signals(number)])
+                _leave(_CODES[signal.Signals(number)])
 
 
 def _wait(number: int) -> None:
@@ -136,8 +142,11 @@ def _wait(number: int) -> None:
             signal.pthread_kill(threading.main_thread().ident or 0, number)
 
 
-def _end(code: int) -> NoReturn:
-    """Say what there is to say, and end the process at once."""
+def _leave(code: int) -> NoReturn:
+    """Put in order and say what there is to be, and end the process at once."""
+    if _State.put_in_order is not None:
+        with contextlib.suppress(Exception):  # it ends in any case
+            _State.done = _State.put_in_order()
     if not _State.said:
         word = f"{WORDS[code]}{_State.done}"
         _write(2, f"drakesep: {word}\n")

@@ -224,12 +224,17 @@ class ResultsFolder:
         self._end(ended, message=failed, verdict=verdict)
         remove_parts(self.path)
 
-    def interrupted(self, wait: float = -1.0) -> None:
-        """Write down that the study was interrupted, if it has not ended.
+    def leave(self, wait: float) -> None:
+        """Leave it in the midst of the study, as its process ends; any thread may.
 
         Args:
-            wait: for a thread that is writing to end, s; forever if negative.
+            wait: for a thread that is writing, s.
         """
+        self._interrupted(wait)
+        if self._lock is not None:
+            self._unlock()
+
+    def _interrupted(self, wait: float = -1.0) -> None:
         if self._writing.acquire(timeout=wait):
             try:
                 if self._record is not None:
@@ -261,7 +266,7 @@ class ResultsFolder:
         """Write down how it ended, if that has not been done, and unlock it."""
         try:
             if isinstance(error, KeyboardInterrupt | SystemExit):
-                self.interrupted()
+                self._interrupted()
             elif self._record is not None:
                 name = "left before its end" if kind is None else kind.__name__
                 self._end(Ended.FAILED, message=str(error or "") or name)
