@@ -5,9 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import TracebackType
 from typing import Self
 
-from loky import ProcessPoolExecutor
-
-from drakesep.analysis.engines.interrupts import end_with, interrupts_ignored
+from drakesep.analysis.engines.processes import start_processes
 from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.springs import PUSHERS, PusherKind
@@ -54,14 +52,9 @@ class DrakePool:
         shared_simulation(separation, integration)  # built, and refused if it is wrong
         self._pool = None
         if workers > 1:
-            self._pool = ProcessPoolExecutor(
-                max_workers=workers,
-                initializer=_prepare,
-                initargs=(os.getpid(), separation, integration, dict(PUSHERS)),
+            self._pool = start_processes(
+                workers, _prepare, separation, integration, dict(PUSHERS)
             )
-            with interrupts_ignored():  # by the workers, which inherit it
-                for _ in range(workers):
-                    self._pool.submit(_nothing)
 
     @typed
     def fly(
@@ -116,19 +109,13 @@ _simulation: Simulation | None = None
 
 
 def _prepare(
-    parent: int,
     separation: Separation,
     integration: Integration | None,
     pushers: Mapping[str, PusherKind],
 ) -> None:
     global _simulation
-    end_with(parent)
     PUSHERS.update(pushers)  # those that the caller has registered
     _simulation = Simulation(separation, integration)
-
-
-def _nothing() -> None:
-    pass
 
 
 def _fly(values: Mapping[str, float]) -> Run:

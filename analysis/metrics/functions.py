@@ -28,8 +28,8 @@ class FunctionRequirement:
     """Limits on a function of a run: from above, from below, or both.
 
     Raises:
-        ValueError: the name is that of a metric or cannot stand in one of a file, there
-            is no function, or no limit, or they leave nothing between them.
+        ValueError: the name is that of a metric or cannot stand in one of a file, or
+            there is no limit, or they leave nothing between them.
     """
 
     name: str
@@ -54,10 +54,6 @@ class FunctionRequirement:
             )
         if find_metric(self.name) is not None:
             raise InputError(f"requirements: {self.name!r} is the name of a metric")
-        if not callable(self.function):
-            raise InputError(
-                f"{self.name}: function must be one of a run, got {self.function!r}"
-            )
         for limit in self.limits:
             check_finite(f"{self.name}: limit", limit.limit)
         if not self.limits:

@@ -376,12 +376,7 @@ def of_run(function: Callable[[Run], float], name: str = "") -> Objective:
     Args:
         function: of a completed `Run`; it must give a finite number.
         name: in tables; that of the function if empty.
-
-    Raises:
-        ValueError: it is no function.
     """
-    if not callable(function):
-        raise InputError(f"objective: must be a function of a run, got {function!r}")
     return _OfRun(function, name or getattr(function, "__name__", "objective"))
 
 

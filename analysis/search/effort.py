@@ -52,7 +52,7 @@ class SearchSettings:
         """Check the values."""
         for name, least in _LEAST.items():
             value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int) or value < least:
+            if value < least:
                 raise InputError(
                     f"{name}: must be a whole number >= {least}, got {value}"
                 )

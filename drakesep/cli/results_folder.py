@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drakesep.cli.caches import fonts_kept
 from drakesep.cli.report import CommandError, Report
-from drakesep.cli.signals import INTERRUPTED, WORDS
+from drakesep.cli.signals import INTERRUPTED, WORDS, ends_in_order_by
 
 
 if TYPE_CHECKING:
@@ -17,8 +18,11 @@ if TYPE_CHECKING:
     from drakesep.results.folder import ResultsFolder
 
 
-def results_folder(output: Path | None, case: str, command: str) -> "ResultsFolder":
-    """Return the folder of a command.
+@contextlib.contextmanager
+def results_folder(
+    output: Path | None, case: str, command: str
+) -> "Iterator[ResultsFolder]":
+    """Give the folder of a command; if a signal ends the command, it does in one line.
 
     Args:
         output: that is asked for; None: results/CASE/COMMAND.
@@ -30,20 +34,24 @@ def results_folder(output: Path | None, case: str, command: str) -> "ResultsFold
     directory = output or Path("results") / case / command
     # Done again from its beginning, it is the same.
     words = [word for word in sys.argv[1:] if word != "--resume"]
-    return ResultsFolder(directory, command, command=words)
+    folder = ResultsFolder(directory, command, command=words)
 
+    def done() -> str:
+        return f"; what was done is in {folder.directory}" if folder.begun else ""
 
-@contextlib.contextmanager
-def interruptible(folder: "ResultsFolder") -> Iterator[None]:
-    """End in one line if a signal ends the command."""
+    def put_in_order() -> str:
+        folder.leave(wait=0.3)
+        return done()
+
+    ends_in_order_by(put_in_order)
     try:
-        yield
+        with fonts_kept(), folder:
+            yield folder
     except (KeyboardInterrupt, SystemExit) as end:
         code = INTERRUPTED if isinstance(end, KeyboardInterrupt) else end.code
         if not isinstance(code, int) or code not in WORDS:
             raise
-        done = f"; what was done is in {folder.directory}" if folder.begun else ""
-        raise CommandError(code, f"{WORDS[code]}{done}") from None
+        raise CommandError(code, f"{WORDS[code]}{done()}") from None
 
 
 def load(report: Report, case: str) -> "Case":

@@ -1,6 +1,5 @@
 """Commands that search worst cases: worst-case, verify."""
 
-import contextlib
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, cast
 
@@ -14,7 +13,7 @@ from drakesep.cli.options import (
     WorkersOption,
 )
 from drakesep.cli.report import Report
-from drakesep.cli.results_folder import interruptible, load, results_folder, say
+from drakesep.cli.results_folder import load, results_folder, say
 
 
 if TYPE_CHECKING:
@@ -99,10 +98,8 @@ def worst_case(
         from drakesep.cli.summaries import of_worst_cases
         from drakesep.studies.worst_case import procedure
 
-        folder = results_folder(output, loaded.name, "worst-case")
         with (
-            interruptible(folder),
-            folder,
+            results_folder(output, loaded.name, "worst-case") as folder,
             progress_bar(report.aside) as on_progress,
         ):
             study = procedure.worst_case(
@@ -178,16 +175,16 @@ def verify(
         from drakesep.studies.background_process import BackgroundProcess
         from drakesep.studies.worst_case.searches import WantedSearches
 
-        folder = results_folder(output, loaded.name, "verify")
         alone = WantedSearches.named(search).drake_alone or not loaded.dispersions
-        # Started now, to import what it draws with while we import the engines.
-        with BackgroundProcess(1 if alone else workers) as background:
+        with (
+            results_folder(output, loaded.name, "verify") as folder,
+            # Started now, to import what it draws with while we import the engines.
+            BackgroundProcess(1 if alone else workers) as background,
+        ):
             from drakesep.cli.progress import progress_bar
             from drakesep.studies import verification
 
-            with interruptible(folder), folder, contextlib.ExitStack() as stack:
-                stack.callback(background.end)  # before the folder is left
-                on_progress = stack.enter_context(progress_bar(report.aside))
+            with progress_bar(report.aside) as on_progress:
                 study = verification.verify(
                     loaded,
                     objectives=objectives or (),

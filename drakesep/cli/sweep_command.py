@@ -15,7 +15,7 @@ from drakesep.cli.options import (
     number,
 )
 from drakesep.cli.report import Report
-from drakesep.cli.results_folder import interruptible, load, results_folder, say
+from drakesep.cli.results_folder import load, results_folder, say
 from drakesep.systems.checks import InputError, check_finite
 
 
@@ -53,10 +53,8 @@ def sweep(
         from drakesep.cli.summaries import of_sweep
         from drakesep.studies import sweep
 
-        folder = results_folder(output, loaded.name, "sweep")
         with (
-            interruptible(folder),
-            folder,
+            results_folder(output, loaded.name, "sweep") as folder,
             progress_bar(report.aside) as on_progress,
         ):
             study = sweep.sweep(

@@ -224,6 +224,24 @@ class ResultsFolder:
         self._end(ended, message=failed, verdict=verdict)
         remove_parts(self.path)
 
+    def leave(self, wait: float) -> None:
+        """Leave it in the midst of the study, as its process ends; any thread may.
+
+        Args:
+            wait: for a thread that is writing, s.
+        """
+        self._interrupted(wait)
+        if self._lock is not None:
+            self._unlock()
+
+    def _interrupted(self, wait: float = -1.0) -> None:
+        if self._writing.acquire(timeout=wait):
+            try:
+                if self._record is not None:
+                    self._end(Ended.INTERRUPTED)
+            finally:
+                self._writing.release()
+
     def _end(
         self, ended: Ended, *, message: str = "", verdict: str | None = None
     ) -> None:
@@ -247,12 +265,11 @@ class ResultsFolder:
     ) -> None:
         """Write down how it ended, if that has not been done, and unlock it."""
         try:
-            if self._record is not None:
-                if isinstance(error, KeyboardInterrupt | SystemExit):
-                    self._end(Ended.INTERRUPTED)
-                else:
-                    name = "left before its end" if kind is None else kind.__name__
-                    self._end(Ended.FAILED, message=str(error or "") or name)
+            if isinstance(error, KeyboardInterrupt | SystemExit):
+                self._interrupted()
+            elif self._record is not None:
+                name = "left before its end" if kind is None else kind.__name__
+                self._end(Ended.FAILED, message=str(error or "") or name)
         finally:
             self._unlock()
 

@@ -10,7 +10,6 @@ takes seconds to import what it draws with: the sooner it is begun, the less is 
 
 import multiprocessing
 import os
-import signal
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
@@ -19,7 +18,7 @@ from typing import Any, Self, TypeVar
 
 from loky import ProcessPoolExecutor
 
-from drakesep.analysis.engines.interrupts import end_with, interrupts_ignored
+from drakesep.analysis.engines.processes import end_processes, start_processes
 from drakesep.analysis.metrics.metric import Metric
 from drakesep.analysis.metrics.registry import (
     find_metric,
@@ -53,17 +52,9 @@ class BackgroundProcess:
     def __enter__(self) -> Self:
         """Start it."""
         if self._wanted:
-            self._process = ProcessPoolExecutor(
-                max_workers=1,
-                initializer=_prepare,
-                initargs=(os.getpid(), registered_metrics(), dict(PUSHERS)),
+            self._process = start_processes(
+                1, _prepare, registered_metrics(), dict(PUSHERS)
             )
-            try:
-                with interrupts_ignored():  # by the process, which inherits it
-                    self._process.submit(_nothing)  # so that it starts
-            except BaseException:
-                self.end()
-                raise
         return self
 
     def __exit__(
@@ -79,7 +70,7 @@ class BackgroundProcess:
         """End it, in the midst of its work if need be."""
         process, self._process = self._process, None
         if process is not None:
-            process.shutdown(wait=True, kill_workers=True)
+            end_processes(process)
 
     @property
     def is_another(self) -> bool:
@@ -107,23 +98,15 @@ class BackgroundProcess:
         return called
 
 
-def _prepare(
-    parent: int, metrics: Sequence[Metric], pushers: Mapping[str, PusherKind]
-) -> None:
+def _prepare(metrics: Sequence[Metric], pushers: Mapping[str, PusherKind]) -> None:
     """Import what takes long, before it is needed; know what the caller registered."""
-    end_with(parent)
     PUSHERS.update(pushers)
     for metric in metrics:
         if find_metric(metric.stem) is None:
             register_metric(metric)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     from drakesep.plots import clearance_plots, motion, tornado  # noqa: F401
     from drakesep.systems.geometry.meshes import DoubtfulScale
     from drakesep.tables import run_tables  # noqa: F401
 
     # The caller prepares the same geometry, and warns of it.
     warnings.simplefilter("ignore", DoubtfulScale)
-
-
-def _nothing() -> None:
-    pass

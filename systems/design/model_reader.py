@@ -19,8 +19,8 @@ from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.design.model_text import bare_model
 
 
-_SECONDS = 60
-"""That reading may take; a machine may be busy."""
+_SECONDS = 30
+"""That reading may take, whether or not the caller still is; a machine may be busy."""
 _BYTES = 8 << 30
 """Of memory, addressed; on Linux."""
 
@@ -128,6 +128,7 @@ def _read(path: Path, frame: str) -> dict[str, Any]:
 
 
 def _main(file: str, frame: str) -> None:
+    signal.alarm(_SECONDS)  # ends it whatever the parser is at
     path = Path(file)
     try:
         if sys.platform == "linux":

@@ -177,7 +177,7 @@ class Batch:
             ("chunk", chunk),
             ("workers", workers),
         ):
-            if not isinstance(number, int) or number < 1:
+            if number < 1:
                 raise InputError(f"{what} must be a whole number >= 1, got {number}")
         self.separation = separation
         self.names = tuple(names)

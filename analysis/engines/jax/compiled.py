@@ -2,7 +2,9 @@
 
 import functools
 import os
+import tempfile
 import time
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,7 @@ from jax import lax
 
 from drakesep.systems.arrays import Array
 from drakesep.systems.batch.lanes import Lanes
+from drakesep.systems.checks import DrakesepWarning
 
 
 _CHUNKS, _LANES = 8, 1024
@@ -110,4 +113,22 @@ def keep_programs() -> None:
     if jax.config.values["jax_compilation_cache_dir"] is None:
         home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
         folder = Path(home) / "drakesep" / "jax"
-        jax.config.update("jax_compilation_cache_dir", str(folder))  # type: ignore[no-untyped-call]
+        if _is_writable(folder):
+            jax.config.update("jax_compilation_cache_dir", str(folder))  # type: ignore[no-untyped-call]
+
+
+@functools.cache
+def _is_writable(folder: Path) -> bool:
+    """Return whether programs can be kept in a folder; warn once if not."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        warnings.warn(
+            f"{folder}: {error.strerror}: programs are not kept, and compiled anew by "
+            "each process",
+            DrakesepWarning,
+            stacklevel=5,
+        )
+        return False
+    return True

@@ -37,7 +37,7 @@ LAST = {
     (OTHER_RUN_FAILED, "verify"): "drakesep: a run or a search failed; see status",
 }
 """With which the one line begins; a verdict is told on standard output."""
-BEGUN = ("sweep",)
+BEGUN = ("simulate", "sweep", "clearance")
 """Whose folder is begun when the first run is interrupted."""
 
 
