@@ -151,6 +151,9 @@ class BodySection(Section):
     """Reads mass, CG and inertia from a model file."""
     mated: MatedPlaceSection = MatedPlaceSection()
     """Where the body stands before separation; A stands at its own origin."""
+    spin_deg_s: float = 0.0
+    """At which it turns before separation, about the x axis of the joint that holds it:
+    of all its joints, that must turn about this axis."""
     geometry: dict[Name, PartSection] = Field(default_factory=dict)
     """Parts of it that may come near others."""
 
@@ -179,6 +182,7 @@ class BodySection(Section):
             I_BBcm_B=I_BBcm_B,
             p_ABo=to_si("position", self.mated.position_mm),
             rpy_AB=to_si("attitude", self.mated.attitude_deg),
+            spin=unit_of("spin").to_si(self.spin_deg_s),
             parts=parts,
         )
 

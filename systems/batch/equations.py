@@ -32,6 +32,7 @@ from drakesep.systems.equations import relative_motion as motion_laws
 from drakesep.systems.equations import rigid_body as newton_euler_laws
 from drakesep.systems.equations.mated_stack import (
     mated_motion,
+    mated_spin,
     pad_on_B,
     place_in_A,
 )
@@ -43,7 +44,7 @@ from drakesep.systems.equations.relative_motion import (
 )
 from drakesep.systems.equations.rigid_joints import rigid_joints
 from drakesep.systems.model.loads import Load
-from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.parameters import SPIN, parameters
 from drakesep.systems.model.separation import Attachment, Body, Pair, Separation
 from drakesep.systems.vectors import Vector
 
@@ -132,6 +133,7 @@ class BatchEquations:
             mass=reader.number(of_bodies, bodies, "mass"),
             p_BoBcm_B=reader.vector(of_bodies, bodies, "p_BoBcm_B"),
             I_BBcm_B=inertia,
+            spin=rows([self._read_spin(reader, body) for body in bodies], n),
             inverse_I_BBcm_B=newton_euler_laws.inverse(inertia),
             mated=self.places.lanes(places, n),
             p_AoPad_A=pads_A,
@@ -149,17 +151,27 @@ class BatchEquations:
             w_WA_A=tuple(reader.entries(initial, "w_WA_A")),
         )
 
+    def _read_spin(self, reader: ParameterReader, body: Body) -> Lanes:
+        spins = self.separation.spins_on(body) is not None
+        return reader.entries(body, SPIN)[0] if spins else 0.0
+
     def start(self, params: BatchParameters) -> tuple[Lanes, Mode]:
         """Return the state (13, m, n) of the mated stack, and that nothing happened."""
         separation = self.separation
         _, n = params.mass.shape
         A, _ = self.bodies_of(separation.pairs[0])
+        places = self.places.of(params)
+        pads = [pick(params.p_AoPad_A, i) for i in range(len(self.ends))]
         motions = mated_motion(
-            self.places.of(params),
+            places,
             params.rpy_WA,
             params.w_WA_A,
             pick(params.p_BoBcm_B, A),
             jnp,
+            [
+                mated_spin(separation, body, places, pads, spin)
+                for body, spin in zip(separation.bodies, params.spin, strict=True)
+            ],
         )
         flat = [[x for part in motion for x in part] for motion in motions]
         x = jnp.stack([rows(state, n) for state in zip(*flat, strict=True)])

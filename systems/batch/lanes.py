@@ -31,6 +31,8 @@ class BatchParameters(NamedTuple):
     """Of (m, n), m."""
     I_BBcm_B: Symmetric
     """Of (m, n), kg m^2."""
+    spin: Lanes
+    """(m, n) of the bodies in the mated stack, rad/s; 0 of those that cannot."""
     inverse_I_BBcm_B: Symmetric
     """Of (m, n), 1/(kg m^2)."""
     mated: Place

@@ -15,14 +15,18 @@ from drakesep.systems.checks import InputError
 from drakesep.systems.diagram.scene import register_contact, register_illustration
 from drakesep.systems.diagram.separation_forces import SeparationForces
 from drakesep.systems.diagram.state_layout import state_layout
-from drakesep.systems.equations.mated_stack import mated_motion, mated_places
-from drakesep.systems.model.parameters import MATED, names_of, places_of_parts
+from drakesep.systems.equations.mated_stack import (
+    mated_motion,
+    mated_places,
+    mated_spin,
+)
+from drakesep.systems.model.parameters import MATED, SPIN, names_of, places_of_parts
 from drakesep.systems.model.part_pairs import owners_of
 from drakesep.systems.model.separation import Body, Separation
 from drakesep.systems.vectors import Vector
 
 
-_OF_BODIES = ("mass", "p_BoBcm_B", "I_BBcm_B", *MATED)
+_OF_BODIES = ("mass", "p_BoBcm_B", "I_BBcm_B", *MATED, SPIN)
 """Fields of bodies that `spatial_inertia` reads, and `set_mated_motion`."""
 _OF_MOTION = ("rpy_WA", "w_WA_A")
 """Fields of the mated stack's motion that `set_mated_motion` reads."""
@@ -278,7 +282,8 @@ def set_mated_motion(
 ) -> None:
     """Write the motion of the mated stack into a plant's Context.
 
-    It moves as one rigid body, with A's origin at W's and A's CG at rest.
+    It moves as one rigid body, with A's origin at W's and A's CG at rest, but for what
+    spins in it.
 
     Args:
         plant: in which bodies of their names float.
@@ -287,8 +292,14 @@ def set_mated_motion(
     """
     initial = separation.initial
     c_A = separation.body(separation.A).p_BoBcm_B
-    places = mated_places(separation).values()
-    motions = mated_motion(places, initial.rpy_WA, initial.w_WA_A, c_A, math)
+    places = [*mated_places(separation).values()]
+    pads = [attachment.p_AoPad_A for attachment in separation.attachments]
+    spins = [
+        mated_spin(separation, body, places, pads, body.spin)
+        for body in separation.bodies
+    ]
+    motion = initial.rpy_WA, initial.w_WA_A
+    motions = mated_motion(places, *motion, c_A, math, spins)
     for body, (q_WB, p_WBo, w_WB, v_WBo) in zip(
         separation.bodies, motions, strict=True
     ):

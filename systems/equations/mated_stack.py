@@ -1,7 +1,8 @@
 """Places and orientations of the mated stack."""
 
+import itertools
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
 from drakesep.systems.equations.joints import HeldJoint
@@ -11,6 +12,7 @@ from drakesep.systems.model.separation import Attachment, Body, Separation
 from drakesep.systems.vectors import (
     Ops,
     Quaternion,
+    Scalar,
     Vector,
     add,
     conjugate,
@@ -19,6 +21,7 @@ from drakesep.systems.vectors import (
     quaternion,
     rotate,
     rotation_matrix,
+    scale,
     subtract,
     unrotate,
 )
@@ -140,6 +143,41 @@ def held_joint(separation: Separation, attachment: Attachment) -> HeldJoint:
     )
 
 
+class Spin(NamedTuple):
+    """How a body spins in the mated stack, whose frame is S."""
+
+    rate: Scalar
+    """rad/s."""
+    axis_S: Vector
+    p_SPad: Vector
+    """A point of the axis, m."""
+
+
+def mated_spin(
+    separation: Separation,
+    body: Body,
+    places: Sequence[Place],
+    pads_A: Sequence[Vector],
+    rate: Scalar,
+) -> Spin | None:
+    """Return how a body spins in the mated stack; None if its joints do not let it.
+
+    Args:
+        separation: with the body.
+        body: of it.
+        places: of all bodies in the stack, in their order.
+        pads_A: place of each attachment's pad in its A, m.
+        rate: of the spin, rad/s.
+    """
+    attachment = separation.spins_on(body)
+    if attachment is None:
+        return None
+    a, _ = separation.ends(attachment)
+    axis_S = rotate(rotation_matrix(places[a].q_SB), attachment.joint.x_axis_A)
+    pad_A = pads_A[separation.attachments.index(attachment)]
+    return Spin(rate, axis_S, place_in_stack(places[a], pad_A))
+
+
 class MatedMotion(NamedTuple):
     """Motion of a body in the mated stack, in W."""
 
@@ -158,10 +196,12 @@ def mated_motion(
     w_WA_A: Vector,
     p_AoAcm_A: Vector,
     ops: Ops,
+    spins: Iterable[Spin | None] = (),
 ) -> list[MatedMotion]:
     """Return the motion of bodies of the mated stack.
 
-    It moves as one rigid body, with A's origin at W's and A's CG at rest.
+    It moves as one rigid body, with A's origin at W's and A's CG at rest, but for what
+    spins in it.
 
     Args:
         places: of the bodies in the stack.
@@ -169,19 +209,17 @@ def mated_motion(
         w_WA_A: angular velocity of A in W, in A, rad/s.
         p_AoAcm_A: A's CG, m.
         ops: module of the elementary functions.
+        spins: of the bodies; none if empty.
     """
     q_WA = quaternion(rpy_WA, ops)
     R_WA = rotation_matrix(q_WA)
     w_W = rotate(R_WA, w_WA_A)
     motions = []
-    for q_SB, p_SBo in places:
-        p_AcmBo_W = rotate(R_WA, subtract(p_SBo, p_AoAcm_A))
-        motions.append(
-            MatedMotion(
-                multiply(q_WA, q_SB),
-                rotate(R_WA, p_SBo),
-                w_W,
-                cross(w_W, p_AcmBo_W),
-            )
-        )
+    for (q_SB, p_SBo), spin in itertools.zip_longest(places, spins):
+        w, v = w_W, cross(w_W, rotate(R_WA, subtract(p_SBo, p_AoAcm_A)))
+        if spin is not None:
+            own = rotate(R_WA, scale(spin.rate, spin.axis_S))
+            w = add(w, own)
+            v = add(v, cross(own, rotate(R_WA, subtract(p_SBo, spin.p_SPad))))
+        motions.append(MatedMotion(multiply(q_WA, q_SB), rotate(R_WA, p_SBo), w, v))
     return motions

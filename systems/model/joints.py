@@ -141,6 +141,11 @@ class Joint:
         return CONSTRAINTS[self.type]
 
     @property
+    def holds(self) -> bool:
+        """Whether it holds anything: it is rigid, or has stiffness or damping."""
+        return self.rigid or any(any(gains) for gains in self.held_gains())
+
+    @property
     def R_AJ(self) -> Rotation:
         """Orientation of the joint's frame in A."""
         x, y = self.x_axis_A, self.y_axis_A

@@ -92,8 +92,9 @@ def _declared(records: Iterable[Any]) -> Iterator[tuple[str, Parameter, Any]]:
 def declarations(separation: Separation) -> dict[str, Parameter]:
     """Return what is declared of each parameter of the separation, by name.
 
-    A release by time has no angle, and one by angle no time; and A, in whose frame the
-    stack is placed, sits where it does.
+    A release by time has no angle, and one by angle no time; A, in whose frame the
+    stack is placed, sits where it does; and a body whose joints do not let it has no
+    spin.
     """
     return {name: parameter for name, parameter, _ in _of(separation)}
 
@@ -104,10 +105,16 @@ def _of(separation: Separation) -> Iterator[tuple[str, Parameter, float]]:
     for name, parameter, record in _declared(_records(separation)):
         value = parameter.of(record)
         missing = parameter.optional and math.isinf(value)
-        if not missing and not (record is base and parameter.field in MATED):
+        if record is base and parameter.field in MATED:
+            missing = True
+        if parameter.field == SPIN and separation.spins_on(record) is None:
+            missing = True
+        if not missing:
             yield name, parameter, value
 
 
+SPIN = "spin"
+"""Field of bodies that says how they spin while mated."""
 MATED = ("mated_offset", "mated_misalignment")
 """Fields of bodies that say how they are displaced while mated."""
 

@@ -13,6 +13,7 @@ from typing import ClassVar
 
 from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import (
+    DECIMALS,
     X_AXIS,
     InputError,
     Vector3,
@@ -38,6 +39,7 @@ from drakesep.systems.model.parameter_table import (
 from drakesep.systems.model.parts import Part
 from drakesep.systems.model.pushers import Pusher
 from drakesep.systems.model.recontact import Recontact
+from drakesep.systems.vectors import cross, subtract
 
 
 STACK = "before_separation"
@@ -76,6 +78,9 @@ class Body:
     mated_misalignment: Vector3 = (0.0, 0.0, 0.0)
     """Roll, pitch and yaw by which it is turned from its attitude while mated, about
     its own origin and axes, rad. What hangs on it is displaced with it."""
+    spin: float = 0.0
+    """At which it turns in the mated stack, about the x axis of the joint that holds
+    it, rad/s; see `Separation.spins_on`."""
     parts: tuple[Part, ...] = ()
     """Parts of it that may come near others."""
 
@@ -91,6 +96,7 @@ class Body:
             "angle",
             label="mated misalignment",
         ),
+        scalar("spin", "angular_rate"),
     )
 
     def __post_init__(self) -> None:
@@ -312,6 +318,7 @@ class Separation:
         self._check_bodies_named()
         self._check_bodies_attached()
         self._check_recontact()
+        self._check_spins()
         base = self.body(self.A)
         if any((*base.p_ABo, *base.rpy_AB)):
             raise InputError(
@@ -402,6 +409,36 @@ class Separation:
                 f"recontact: {rigid[0]} must not be rigid, since rigid joints do not "
                 "see what contact does to their bodies; give it stiffness and damping"
             )
+
+    def _check_spins(self) -> None:
+        for body in self.bodies:
+            if body.spin != 0.0 and self.spins_on(body) is None:
+                raise InputError(
+                    f"{body.name}: spin must be 0, unless it is held by one other body "
+                    "alone, by joints that all turn about the same x axis; got "
+                    f"{math.degrees(body.spin):g} deg/s"
+                )
+
+    def spins_on(self, body: Body) -> Attachment | None:
+        """Return an attachment about whose joint's x axis a body may spin while mated.
+
+        None of the first A; nor of one with a joint that holds it otherwise. Joints
+        without gains hold nothing.
+        """
+        holding = [a for a in self.attached_to(body.name) if a.joint.holds]
+        if not holding or body.name == self.A:
+            return None
+        first = holding[0]
+        for a in holding:
+            apart = subtract(a.p_AoPad_A, first.p_AoPad_A)
+            beside = cross(first.joint.x_axis_A, apart)
+            turned = cross(first.joint.x_axis_A, a.joint.x_axis_A)
+            off = max(map(abs, (*beside, *turned)))
+            if (a.A, a.B) != (first.A, first.B) or off > DECIMALS:
+                return None
+            if a.joint.constraints.rotation[0]:
+                return None
+        return first
 
     def body(self, name: str) -> Body:
         """Return the body of this name."""

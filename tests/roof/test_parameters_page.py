@@ -29,5 +29,5 @@ def test_the_page_has_the_parameters_of_the_built_in_cases():
         for case in builtin_cases()
         for name in parameters(load_case(case).separation)
     }
-    # What no built-in case has: rails and connectors.
-    assert listed() == names | {"release_travel_mm", "travel_mm"}
+    # What no built-in case has: rails, connectors, and bodies that spin.
+    assert listed() == names | {"release_travel_mm", "travel_mm", "spin_deg_s"}

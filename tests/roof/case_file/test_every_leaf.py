@@ -614,6 +614,7 @@ bodies:
       mass_kg: 85
       position_mm: [43, 47, 53]
   slab:
+    spin_deg_s: -7.25
     solid:
       mesh: {file: block.stl, scale: 0.0023}
       density_kg_m3: 131
@@ -633,7 +634,7 @@ attachments:
   three: {A: base, B: orb, position_mm: [1, 2, 3], joint: *slack}
   four: {A: base, B: egg, position_mm: [1, 2, 3], joint: *slack}
   five: {A: base, B: pill, position_mm: [1, 2, 3], joint: *slack}
-  six: {A: base, B: slab, position_mm: [1, 2, 3], joint: {rigid: true}}
+  six: {A: base, B: slab, position_mm: [1, 2, 3], joint: {type: revolute, rigid: true}}
 run: {duration_s: 0.1}
 """
 """Bodies whose mass properties are computed; mesh of 200 x 300 x 500 units."""
@@ -805,13 +806,15 @@ def keys_there_are():
 
 
 def test_rigid_joint(folder):
-    rigid = [a.joint.rigid for a in read(folder, SOLIDS).separation.attachments]
-    assert rigid == [False] * 5 + [True]
+    separation = read(folder, SOLIDS).separation
+    assert [a.joint.rigid for a in separation.attachments] == [False] * 5 + [True]
+    spins = {body.name: body.spin for body in separation.bodies if body.spin}
+    assert spins == {"slab": pytest.approx(-7.25 * DEG, rel=ROUND_OFF)}
 
 
 @pytest.mark.parametrize("gain", ["stiffness_N_m", "angular_damping_N_m_s_rad"])
 def test_a_rigid_joint_has_no_gains_and_another_has_all(folder, gain):
-    given = SOLIDS.replace("joint: {rigid: true}", f"joint: {{rigid: true, {gain}: 0}}")
+    given = SOLIDS.replace("rigid: true}", f"rigid: true, {gain}: 0}}")
     with pytest.raises(InputError, match=f"{gain}: a rigid joint has none"):
         read(folder, given)
     missing = SOLIDS.replace(f"      {gain}: 0\n", "")
