@@ -18,6 +18,7 @@ from drakesep.systems.model.parameters import ParameterName, parameters
 from drakesep.systems.model.parts import Cone, Shape
 from drakesep.systems.model.separation import Pair
 from drakesep.tables.columns import tolerance_text
+from drakesep.tables.failure_tables import changed_text
 from drakesep.tables.requirement_tables import limits_table
 from drakesep.units import unit_of, with_unit
 
@@ -113,6 +114,10 @@ def print_case(console: Console, case: Case) -> None:
         bodies = [pair.B for pair in case.separation.pairs]
         lines = requirement_lines(limits_table(case.limits, bodies), bodies)
         print_frame(console, "Requirements", lines, whole=True)
+    if failures := case.in_si().failure_cases:
+        rows = [{"name": f.name, "changed": changed_text(f.values)} for f in failures]
+        title = "Failure cases, which `verify --failures` looks at"
+        print_frame(console, title, pd.DataFrame(rows), whole=True)
 
 
 def print_notes(console: Console, notes: Iterable[str]) -> None:

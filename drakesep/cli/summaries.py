@@ -21,6 +21,7 @@ from drakesep.studies.verified import Verification
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.systems.model.parameters import parameters
 from drakesep.tables.columns import in_units
+from drakesep.tables.failure_tables import changed_text
 from drakesep.tables.labelled_run import nominal_of
 from drakesep.units import unit_of, with_unit
 
@@ -65,6 +66,8 @@ class ShowSummary:
     tolerance of null: it is not dispersed."""
     requirements: list[Row]
     """`quantity`, `sense`, `limit` and `id` of each limit."""
+    failure_cases: list[Row]
+    """`failure_case` and `changed` of each."""
     notes: list[str]
     """What should be known of it."""
 
@@ -211,6 +214,10 @@ def of_case(case: Case) -> ShowSummary:
                 "id": one.id,
             }
             for one in case.limits
+        ],
+        failure_cases=[
+            {"failure_case": one.name, "changed": changed_text(one.values)}
+            for one in case.in_si().failure_cases
         ],
         notes=[],
     )

@@ -36,16 +36,25 @@ def outcome_row(
     not_met = requirements[requirements["verdict"] == Verdict.NOT_MET.value]
     return {
         CASE: name,
-        "changed": ", ".join(
-            f"{key} {'never' if math.isinf(value) else f'{value:.10g}'}"
-            for key, value in in_units(changed).items()
-        ),
+        "changed": changed_text(changed),
         "verdict": verdict or "failed",
         "not_met": len(not_met),
         "requirements": len(requirements),
         **_nearest(requirements),
         **_largest_loads(run),
     }
+
+
+def changed_text(values: Mapping[str, float]) -> str:
+    """Return which parameters have failed, and what they are now.
+
+    Args:
+        values: in SI, by name.
+    """
+    return ", ".join(
+        f"{key} {'never' if math.isinf(value) else f'{value:.10g}'}"
+        for key, value in in_units(values).items()
+    )
 
 
 def _nearest(requirements: pd.DataFrame) -> dict[str, object]:

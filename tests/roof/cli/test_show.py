@@ -181,3 +181,7 @@ def test_sides_of_a_tolerance_in_json(data, tmp_path, capsys, monkeypatch):
     assert rows["lower.cg_x_mm"]["tolerance"] == sides
     assert rows["two.release_time_s"]["tolerance"] == pytest.approx(0.004)
     assert rows["lower.mass_kg"]["tolerance"] is None
+
+
+def test_failure_cases(rows):
+    assert rows["s1_worn"] == [["s1.force_max_N 1180"]]
