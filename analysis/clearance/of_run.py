@@ -291,7 +291,7 @@ def _check_apart(parts: PartDistance) -> None:
     """Raise InputError if parts overlap at the start."""
     if parts.overlap(0.0):
         first, second = parts.names
-        distance = 1e3 * parts.at(0.0).distance
+        distance = round(1e3 * parts.at(0.0).distance, 3) + 0.0  # no minus zero
         raise InputError(
             f"geometry: {first} and {second} must be apart while mated, or be "
             f"listed as touching; got a distance of {distance:.3f} mm, or one "

@@ -130,3 +130,24 @@ def test_without_tolerances_there_are_nominal_runs():
     assert study.failure_cases["failure_case"].tolist() == ["design", *few]
     assert study.failure_cases["verdict"].tolist()[-1] == "does not separate"
     assert study.failure_runs["label"].tolist() == ["nominal", "nominal"]
+
+
+def test_an_interrupted_study_goes_on(study, tmp_path):
+    """In its second failure case: the first is not searched again."""
+    seen = []
+
+    def interrupt(progress):
+        if progress.search.search == "failure cases" and progress.search.done == 1:
+            raise KeyboardInterrupt
+
+    how = {"failures": True, "output": tmp_path, **HARD}
+    with pytest.raises(KeyboardInterrupt):
+        drakesep.verify(case(failure_cases=FAILURES), on_progress=interrupt, **how)
+    assert drakesep.read_results(tmp_path).record.ended.value == "interrupted"
+    drakesep.verify(
+        case(failure_cases=FAILURES), resume=True, on_progress=seen.append, **how
+    )
+    assert "samples" not in {one.search.search for one in seen}
+    for name in ("failure_cases", "failure_requirements", "failure_runs", "evidence"):
+        ours, theirs = tmp_path / f"{name}.csv", study[1] / f"{name}.csv"
+        assert ours.read_bytes() == theirs.read_bytes()
