@@ -14,6 +14,7 @@ from .diagram.separation_system import set_mated_motion as set_mated_motion
 from .equations.forces_of_run import spring_forces as spring_forces
 from .equations.loads_of_run import joint_loads as joint_loads
 from .model.connectors import Connector as Connector
+from .model.connectors import Guide as Guide
 from .model.integration import Integration as Integration
 from .model.joints import Joint as Joint
 from .model.loads import Load as Load

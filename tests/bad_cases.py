@@ -107,7 +107,7 @@ BAD = {
     ),
     "unknown law": (
         changed("attachments.attachment_1.spring.law", "force"),
-        "attachments.attachment_1.spring.law: must be 'time', 'displacement', ",
+        "attachments.attachment_1.spring.law: must be 'time', 'displacement', 't",
     ),
     "no such body": (
         changed("attachments.attachment_1.B", "payloud"),

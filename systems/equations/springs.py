@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.pushers import PushLaw, positive_part
-from drakesep.systems.model.connectors import Connector
+from drakesep.systems.model.connectors import Connector, Guide
 from drakesep.systems.model.magnitudes import Kind
 from drakesep.systems.model.parameter_table import Parameter
 from drakesep.systems.model.profiles import Profile
@@ -200,6 +200,21 @@ class ConnectorLaw(PushLaw):
         return self.profile[-1][1] > 0.0
 
 
+@dataclass(frozen=True)
+class GuideLaw(ConnectorLaw):
+    """Dry friction over a travel, either way."""
+
+    @property
+    def way(self) -> int:
+        """It resists either."""
+        return 0
+
+    @property
+    def may_lift(self) -> bool:
+        """Nothing lifts off."""
+        return False
+
+
 def _along(
     profile: Profile,
     ramps: Sequence[tuple[float, float]],
@@ -265,6 +280,7 @@ PUSHERS: dict[str, PusherKind] = {
         {"displacements": "length", "forces": "force"},
     ),
     "connector": PusherKind(Connector, ConnectorLaw),
+    "guide": PusherKind(Guide, GuideLaw),
     "connector_table": PusherKind(
         Connector,
         ConnectorLaw,

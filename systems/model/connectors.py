@@ -1,7 +1,7 @@
-"""Connectors: what resists once as B leaves, as pins and seals do."""
+"""Connectors and guides: what resists as B leaves, as pins, seals and rails do."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Self
 
 from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import X_AXIS, Vector3, unit_vector
@@ -76,8 +76,8 @@ class Connector:
         axis_A: Vector3 = X_AXIS,
         tilt_y: float = 0.0,
         tilt_z: float = 0.0,
-    ) -> "Connector":
-        """Return the connector of a measured table of force over travel.
+    ) -> Self:
+        """Return what a measured table of force over travel says.
 
         Args:
             name: of the connector.
@@ -100,3 +100,14 @@ class Connector:
             tilt_z=tilt_z,
             profile=profile,
         )
+
+
+@typed
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Guide(Connector):
+    """A guide that rubs over its travel with dry friction, whichever way B slides.
+
+    As a connector, but for what comes back: that it resists, too. It does not lead: a
+    joint does that, at an attachment of its own. Its force, mu N of a guide that is
+    pressed with N, is given.
+    """

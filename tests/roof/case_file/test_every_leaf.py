@@ -32,7 +32,7 @@ from drakesep.case_file.reader import load_case
 from drakesep.case_file.section import Section
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.springs import PUSHERS
-from drakesep.systems.model.connectors import Connector
+from drakesep.systems.model.connectors import Connector, Guide
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.loads import Load
@@ -195,6 +195,19 @@ attachments:
       forces_N: [71.25, 31.25, 11.25]
       tilt_y_deg: 0.925
       tilt_z_deg: -1.025
+  runner:
+    A: carrier
+    B: craft
+    position_mm: [48.5, 85.5, 325]
+    joint: *slack
+    spring:
+      name: rub
+      axis: [0.5555, -0.4444, 0.702769]
+      law: guide
+      force_max_N: 17.375
+      travel_mm: 19.25
+      tilt_y_deg: 1.375
+      tilt_z_deg: -1.4375
 loads:
   jet:
     body: craft
@@ -443,6 +456,21 @@ def separation_of_main(folder) -> Separation:
             tilt_z=-1.025 * DEG,
         ),
     )
+    runner = Attachment(
+        name="runner",
+        A="carrier",
+        B="craft",
+        p_AoPad_A=(0.0485, 0.0855, 0.325),
+        joint=slack,
+        spring=Guide(
+            name="rub",
+            axis_A=(0.5555, -0.4444, 0.702769),
+            force_max=17.375,
+            travel=0.01925,
+            tilt_y=1.375 * DEG,
+            tilt_z=-1.4375 * DEG,
+        ),
+    )
     jet = Load(
         name="jet",
         body="craft",
@@ -467,7 +495,7 @@ def separation_of_main(folder) -> Separation:
     )
     return Separation(
         bodies=(carrier, craft, tail),
-        attachments=(hinge, bolt, latch, strap, plug, socket),
+        attachments=(hinge, bolt, latch, strap, plug, socket, runner),
         A="carrier",
         B="craft",
         direction=(0.7891, 0.5123, 0.338925),
@@ -731,6 +759,10 @@ def assert_same(got, expected):
         assert got[path] == value, path
 
 
+_ALIASED = ("strap", "plug", "socket", "runner")
+"""Attachments whose joint is that of another."""
+
+
 def test_numbers_differ():
     """Else one that arrives in the place of another would not be seen."""
     data = YAML(typ="safe").load(MAIN)
@@ -741,7 +773,7 @@ def test_numbers_differ():
         and not path.endswith(":length")
         and ".ellipsoids" not in path  # a symmetric matrix
         # aliases
-        and not any(f".{name}.joint" in path for name in ("strap", "plug", "socket"))
+        and not any(f".{name}.joint" in path for name in _ALIASED)
         and leaf != 0
     ]
     assert len(numbers) > 200
@@ -883,8 +915,8 @@ PARAMETERS = {
         ("release_travel", [""]),
     ],
     **dict.fromkeys(("bolt", "latch", "strap"), TIMED),
-    **dict.fromkeys(("plug", "socket"), TIMED),
-    **dict.fromkeys(("pin", "seal"), RESISTING),
+    **dict.fromkeys(("plug", "socket", "runner"), TIMED),
+    **dict.fromkeys(("pin", "seal", "rub"), RESISTING),
     "timed": [
         ("force_max", [""]),
         ("stroke", [""]),
