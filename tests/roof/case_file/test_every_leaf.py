@@ -224,7 +224,11 @@ objectives: paper
 clearance:
   pairs: [[plate, skirt], [ball, nose]]
   touching: [[rod, block], [plate, nose]]
-recontact: {stiffness_N_m: 70001, dissipation_s_m: 0.7125, friction: 0.2125}
+recontact:
+  stiffness_N_m: 70001
+  face_stiffness_N_m3: 810001
+  dissipation_s_m: 0.7125
+  friction: 0.2125
 run:
   duration_s: 0.59
   integrator: bogacki_shampine3
@@ -410,6 +414,7 @@ def separation_of_main(folder) -> Separation:
         orbit=Orbit(radius=6378137.0 + 613000.0),
         recontact=Recontact(
             stiffness=70001.0,
+            face_stiffness=810001.0,
             dissipation=0.7125,
             friction=0.2125,
             without=(("rod", "block"), ("plate", "nose")),
