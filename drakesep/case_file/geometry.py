@@ -141,7 +141,10 @@ class RecontactSection(Section):
     """Forces between bodies that touch again after they have parted."""
 
     stiffness_N_m: Positive
-    """Of two pieces that touch: force over overlap."""
+    """Of two pieces that touch at a point: force over overlap."""
+    face_stiffness_N_m3: Positive | None = None
+    """Of two faces: pressure over overlap. If left out: the stiffness over the area of
+    the smallest part, that is of the largest face of the box around it."""
     dissipation_s_m: NotNegative = 0.0
     """Of Hunt and Crossley; 0: no energy is lost."""
     friction: NotNegative = 0.0
@@ -151,6 +154,7 @@ class RecontactSection(Section):
         """Return it, without the parts that touch while mated."""
         return Recontact(
             stiffness=self.stiffness_N_m,
+            face_stiffness=self.face_stiffness_N_m3,
             dissipation=self.dissipation_s_m,
             friction=self.friction,
             without=tuple(touching),

@@ -3,14 +3,17 @@
 from typing import Any
 
 import pydrake.geometry as drake
-from pydrake.multibody.plant import ContactModel, CoulombFriction, MultibodyPlant
+from pydrake.multibody.plant import ContactModel, MultibodyPlant
 
 from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
-from drakesep.systems.geometry.convex_pieces import pieces_of
+from drakesep.systems.diagram.pushing_pieces import (
+    properties_of,
+    pushing_pieces,
+    smallest_area,
+)
 from drakesep.systems.geometry.illustration import colour_of, illustration_of
 from drakesep.systems.model.part_pairs import part_pairs
-from drakesep.systems.model.parts import Mesh
 from drakesep.systems.model.separation import Separation
 
 
@@ -41,9 +44,9 @@ def register_contact(
 
     Parts are cut into the convex pieces of
     `drakesep.systems.geometry.convex_pieces`: Drake would take the hull of what is
-    hollow. The plant's contact model becomes that of points. On a plant of one's own,
-    `add_separation` then takes the separation without:
-    ``dataclasses.replace(separation, recontact=None)``.
+    hollow. The plant's contact model becomes the hydroelastic one, with points for what
+    has no faces. On a plant of one's own, `add_separation` then takes the separation
+    without: ``dataclasses.replace(separation, recontact=None)``.
 
     Args:
         plant: continuous, source of the scene, not finalized, with bodies of their
@@ -62,31 +65,22 @@ def register_contact(
     if contact is None:
         raise InputError("recontact: must be given, got none")
     without = part_pairs(separation, contact.without)
-    properties = drake.ProximityProperties()
-    drake.AddContactMaterial(
-        # Of two alike in series, each is twice as stiff as both together.
-        point_stiffness=2.0 * contact.stiffness,
-        dissipation=contact.dissipation,
-        friction=CoulombFriction(contact.friction, contact.friction),
-        properties=properties,
-    )
-    plant.set_contact_model(ContactModel.kPoint)
+    plant.set_contact_model(ContactModel.kHydroelasticWithFallback)
+    cut = pushing_pieces(separation)
+    face_stiffness = contact.face_stiffness or contact.stiffness / smallest_area(cut)
     mine: dict[str, list[Any]] = {}
     for body in separation.bodies:
         link = plant.GetBodyByName(body.name)
         for part in body.parts:
-            pieces = pieces_of(part)
-            if isinstance(part.shape, Mesh) and len(pieces) > 1:
-                # Drake's depth in a triangle is that of its plane's edges: no depth.
-                raise InputError(
-                    f"recontact: {part.name}: a mesh that pushes must be convex, "
-                    "got one that is not; make it of boxes, cones and convex meshes"
-                )
             mine[part.name] = [
                 plant.RegisterCollisionGeometry(
-                    link, piece.X_BS, piece.shape, f"{part.name}_{k}", properties
+                    link,
+                    piece.X_BS,
+                    piece.shape,
+                    f"{part.name}_{k}",
+                    properties_of(piece, contact, face_stiffness),
                 )
-                for k, piece in enumerate(pieces)
+                for k, piece in enumerate(cut[part])
             ]
     filters = scene.collision_filter_manager()
     for pair in without:

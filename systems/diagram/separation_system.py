@@ -1,16 +1,19 @@
 """One separation as a Drake diagram."""
 
 import math
+from collections.abc import Iterator
+from typing import Any
 
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.geometry import SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialVelocity
-from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.plant import ContactResults, MultibodyPlant
 from pydrake.multibody.tree import RotationalInertia, SpatialInertia
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 
 from drakesep.systems.argument_types import typed
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.diagram.scene import register_contact, register_illustration
 from drakesep.systems.diagram.separation_forces import SeparationForces
@@ -214,11 +217,8 @@ class SeparationSystem(Diagram):
             return {}
         results = self.GetOutputPort("contact_results").Eval(context)
         forces: dict[tuple[str, str], Vector] = {}
-        for k in range(results.num_point_pair_contacts()):
-            contact = results.point_pair_contact_info(k)
-            pair = contact.point_pair()
-            first, second = (self._part_of[x] for x in (pair.id_A, pair.id_B))
-            force = contact.contact_force()
+        for id_A, id_B, force in _pushes(results):
+            first, second = self._part_of[id_A], self._part_of[id_B]
             if self._order[first] > self._order[second]:
                 first, second, force = second, first, -force
             before = forces.get((first, second), (0.0, 0.0, 0.0))
@@ -240,6 +240,18 @@ class SeparationSystem(Diagram):
         return self.forces.is_release_due(
             self.GetSubsystemContext(self.forces, context)
         )
+
+
+def _pushes(results: ContactResults) -> Iterator[tuple[Any, Any, Array]]:
+    """Yield which two geometries push each other, and the force on the second in W."""
+    for k in range(results.num_point_pair_contacts()):
+        contact = results.point_pair_contact_info(k)
+        pair = contact.point_pair()
+        yield pair.id_A, pair.id_B, contact.contact_force()
+    for k in range(results.num_hydroelastic_contacts()):
+        pressed = results.hydroelastic_contact_info(k)
+        surface = pressed.contact_surface()
+        yield surface.id_M(), surface.id_N(), -pressed.F_Ac_W().translational()
 
 
 def spatial_inertia(body: Body) -> SpatialInertia:

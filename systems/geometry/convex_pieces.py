@@ -96,7 +96,7 @@ def _along_x(shape: Any, half: Sequence[float]) -> Piece:
     return _centred(shape, np.array(half), Z_TO_X)
 
 
-def _sides(radius: float) -> int:
+def sides(radius: float) -> int:
     """Return how many sides a polygon has that misses its circle by `FACET`."""
     return max(8, math.ceil(math.pi / math.acos(max(1.0 - FACET / radius, 0.0))))
 
@@ -124,7 +124,7 @@ def _solid_cone(cone: Cone) -> Piece:
     if cone.radius_aft == cone.radius_fore:
         half = [cone.length / 2.0, cone.radius_aft, cone.radius_aft]
         return _along_x(drake.Cylinder(cone.radius_aft, cone.length), half)
-    n = _sides(max(cone.radius_aft, cone.radius_fore))
+    n = sides(max(cone.radius_aft, cone.radius_fore))
     angles = 2.0 * np.pi * np.arange(n) / n
     ends = ((-0.5, cone.radius_aft), (0.5, cone.radius_fore))
     around = 1.0 / math.cos(math.pi / n)  # the circle is within the polygon
@@ -135,7 +135,7 @@ def _solid_cone(cone: Cone) -> Piece:
 def _staves(cone: Cone) -> list[Piece]:
     """Return the wall of a hollow cone, cut along its length."""
     assert cone.thickness is not None
-    n = _sides(max(cone.radius_aft, cone.radius_fore))
+    n = sides(max(cone.radius_aft, cone.radius_fore))
     angles = 2.0 * np.pi * np.arange(n + 1) / n
     around = 1.0 / math.cos(math.pi / n)
     # Inside, the corners are on the circle: the wall is never thinner than it is.

@@ -269,7 +269,11 @@ objectives: paper
 clearance:
   pairs: [[plate, skirt], [ball, nose]]
   touching: [[rod, block], [plate, nose]]
-recontact: {stiffness_N_m: 70001, dissipation_s_m: 0.7125, friction: 0.2125}
+recontact:
+  stiffness_N_m: 70001
+  face_stiffness_N_m3: 810001
+  dissipation_s_m: 0.7125
+  friction: 0.2125
 failure_cases:
   worn: {craft.mass_kg: max, carrier.mass_kg: 722.5}
 run:
@@ -507,6 +511,7 @@ def separation_of_main(folder) -> Separation:
         orbit=Orbit(radius=6378137.0 + 613000.0),
         recontact=Recontact(
             stiffness=70001.0,
+            face_stiffness=810001.0,
             dissipation=0.7125,
             friction=0.2125,
             without=(("rod", "block"), ("plate", "nose")),
