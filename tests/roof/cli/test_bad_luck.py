@@ -295,6 +295,7 @@ def test_a_worker_that_is_killed(tmp_path):
     assert "Traceback" not in err
     assert json.loads((tmp_path / "study.json").read_text())["ended"] == "failed"
     assert (tmp_path / ".parts").is_dir()
+    nothing_is_left_of(process)
 
 
 @pytest.mark.slow
