@@ -187,11 +187,33 @@ class BatchIntegrator:
             params: of the batch.
             fold: what is made of the steps.
         """
-        state = lax.while_loop(
-            lambda state: (state.status == LaneStatus.FLYING).any(),
-            lambda state: self._advance(state, params, fold),
-            self._start(params, fold),
+        most = jnp.asarray(self._max_steps + 1)  # by then all lanes have ended
+        state, _ = self.go_on(self.start(params, fold), params, fold, most)
+        return self.end(state)
+
+    def go_on(
+        self, state: LaneState, params: BatchParameters, fold: Fold, most: Lanes
+    ) -> tuple[LaneState, Lanes]:
+        """Return a batch after so many steps at most, and how many these were.
+
+        Args:
+            state: of the batch.
+            params: of the batch.
+            fold: what is made of the steps.
+            most: steps; what comes of lanes in the end does not depend on it.
+        """
+        return lax.while_loop(
+            lambda on: self.is_under_way(on[0]) & (on[1] < most),
+            lambda on: (self._advance(on[0], params, fold), on[1] + 1),
+            (state, jnp.zeros((), dtype=int)),
         )
+
+    def is_under_way(self, state: LaneState) -> Lanes:
+        """Return whether any lane of a batch flies."""
+        return (state.status == LaneStatus.FLYING).any()
+
+    def end(self, state: LaneState) -> FinalState:
+        """Return how the lanes of a batch ended."""
         return FinalState(
             status=state.status,
             time=state.t,
@@ -202,8 +224,13 @@ class BatchIntegrator:
             folded=state.folded,
         )
 
-    def _start(self, params: BatchParameters, fold: Fold) -> LaneState:
-        """Return the mated stack at the time zero, and what happens at once."""
+    def start(self, params: BatchParameters, fold: Fold) -> LaneState:
+        """Return the mated stack at the time zero, and what happens at once.
+
+        Args:
+            params: of the batch.
+            fold: what is made of the steps.
+        """
         x, mode = self._equations.start(params)
         t = jnp.zeros(x.shape[-1])
         none = self._events.start(mode)

@@ -9,6 +9,7 @@ import copy
 import functools
 import math
 import os
+import threading
 from collections.abc import (
     Callable,
     Collection,
@@ -19,10 +20,9 @@ from collections.abc import (
 )
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
@@ -38,6 +38,7 @@ from drakesep.analysis.engines.jax.compiled import (
     compiler_options,
     keep_programs,
 )
+from drakesep.analysis.engines.jax.flights import Flown, MetricsFlight, SlopesFlight
 from drakesep.analysis.engines.jax.metrics_fold import MetricsFold
 from drakesep.analysis.engines.jax.sampled_runs import SampledRun
 from drakesep.analysis.metrics.of_run import metric_named
@@ -97,16 +98,6 @@ class BatchResult:
     """(n,) integration steps tried for each row; 0 if it was not flown."""
     jacobian: Array | None = field(default=None, repr=False)
     """(n, n_m, n_p) derivatives of the metrics with the parameters, if asked for."""
-
-
-class _Flown(NamedTuple):
-    """What comes out of a compiled program, for some chunks."""
-
-    metrics: Lanes
-    """(n_m, n)."""
-    final: FinalState
-    slopes: Any
-    """(n_p, n_m, n), if asked for."""
 
 
 @typed
@@ -190,14 +181,10 @@ class Batch:
         self._equations = BatchEquations(separation, names)
         read = {*self._equations.read, *places_of_parts(separation)}
         check_read(names, read, "the batch engine")
-        state = functools.partial(
+        integrator = functools.partial(
             BatchIntegrator, self._equations, tolerance=tolerance, max_steps=max_steps
         )
-        self._integrator = state()
-        # Where times vary, those that coincide must be told apart.
-        declared = declarations(separation)
-        timed = any(declared[name].kind == "time" for name in names)
-        self._integrator_of_slopes = state(one_by_one=timed)
+        self._integrator = integrator()
         usual = [m for m in registered_metrics() if m.stem not in without]
         told = dict.fromkeys([*usual, *map(metric_named, metrics)])
         known = ["", *(pair.B for pair in separation.pairs)]
@@ -211,8 +198,13 @@ class Batch:
         )
         # Lanes of slopes carry twice as much, and a row has n_p.
         few = -(-chunk // (2 * len(names)))
-        self._metrics = Program(compiled, self._fly_metrics, chunk)
-        self._metrics_and_slopes = Program(compiled, self._fly_slopes, few)
+        flight = functools.partial(MetricsFlight, fold=self._fold, params=self._params)
+        # Where times vary, those that coincide must be told apart.
+        declared = declarations(separation)
+        timed = any(declared[name].kind == "time" for name in names)
+        slopes = SlopesFlight(flight(integrator(one_by_one=timed)))
+        self._metrics = Program(compiled, flight(self._integrator), chunk)
+        self._metrics_and_slopes = Program(compiled, slopes, few)
         self._motion = compiled(self._fly_motion)
 
     @typed
@@ -367,7 +359,7 @@ class Batch:
 
     def _fly_parts(
         self, program: Program, rows: Array
-    ) -> Iterator[tuple[slice, _Flown]]:
+    ) -> Iterator[tuple[slice, Flown]]:
         """Yield parts of the rows in order, of some chunks, with what came of them."""
         chunks = -(-len(rows) // program.chunk)
         most = min(chunks // self.workers, program.affordable)
@@ -377,17 +369,20 @@ class Batch:
             for start in range(0, len(rows), size)
         ]
 
-        def fly(part: slice) -> _Flown:
+        over = threading.Event()
+
+        def fly(part: slice) -> Flown:
             lanes = self._filled(rows[part], program.lanes)
-            flown: _Flown = program(lanes, len(rows[part]))
+            flown: Flown = program(lanes, len(rows[part]), lambda: not over.is_set())
             return flown
 
-        with ThreadPoolExecutor(self.workers) as pool:
-            try:
-                yield from zip(parts, pool.map(fly, parts), strict=True)
-            except BaseException:
-                pool.shutdown(wait=True, cancel_futures=True)
-                raise
+        pool = ThreadPoolExecutor(self.workers)
+        try:
+            yield from zip(parts, pool.map(fly, parts), strict=True)
+        finally:
+            # An interrupt does not wait: threads end after the call that they are in.
+            over.set()
+            pool.shutdown(wait=False, cancel_futures=True)
 
     def _filled(self, rows: Array, count: int) -> Array:
         """Return lanes (all, count) of fewer rows: every call has the same size."""
@@ -395,7 +390,7 @@ class Batch:
         lanes[self._free, : len(rows)] = rows.T
         return lanes
 
-    def _why_not(self, flown: _Flown) -> dict[int, str]:
+    def _why_not(self, flown: Flown) -> dict[int, str]:
         """Return why rows of a part failed."""
         final = flown.final
         finite = np.isfinite(flown.metrics).all(axis=0)
@@ -423,31 +418,6 @@ class Batch:
     def _params(self, values: Lanes) -> Any:
         p = {**self._nominal, **dict(zip(self._all_names, values, strict=True))}
         return self._equations.params(p, values.shape[1])
-
-    def _fly_metrics(self, values: Lanes) -> _Flown:
-        return self._flown(self._integrator, values)
-
-    def _flown(self, state: BatchIntegrator, values: Lanes) -> _Flown:
-        final = state.fly(self._params(values), self._fold)
-        metrics = self._fold.finish(final.folded)
-        return _Flown(metrics, final._replace(folded=None), None)
-
-    def _fly_slopes(self, values: Lanes) -> _Flown:
-        def fly(lanes: Lanes) -> tuple[Lanes, FinalState]:
-            flown = self._flown(self._integrator_of_slopes, lanes)
-            return flown.metrics, flown.final
-
-        # A lane for each row and parameter: a run costs less than what it takes to
-        # share it, and the program is smaller.
-        n_p, n = values.shape
-        lanes = jnp.repeat(values, n_p, axis=1)
-        directions = jnp.tile(jnp.eye(n_p), n)
-        metrics, slopes, final = jax.jvp(fly, (lanes,), (directions,), has_aux=True)
-        slopes = jnp.moveaxis(slopes.reshape(-1, n, n_p), 2, 0)
-        first: _Flown = jax.tree.map(
-            lambda x: x[..., ::n_p], _Flown(metrics, final, None)
-        )
-        return first._replace(slopes=slopes)
 
     def _fly_motion(self, values: Lanes, times: Lanes) -> Lanes:
         fold, params = MotionFold(self._equations, times), self._params(values)

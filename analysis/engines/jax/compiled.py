@@ -7,7 +7,7 @@ import time
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
@@ -23,7 +23,9 @@ _CHUNKS, _LANES = 8, 1024
 """In a call of a program, at most, but for one chunk: between calls threads wait for
 Python."""
 _CALL = 0.5
-"""Of a call that may be interrupted only at its end, at most, s."""
+"""Of a call, which may be interrupted only at its end, s."""
+_FIRST = 20
+"""Steps of the first call, of which nothing is known: many bodies take long."""
 _OPTIONS = {
     "cpu": {
         # As fast, and compiled in half the time.
@@ -35,56 +37,147 @@ _OPTIONS = {
 """For the compiler, as far as it knows them: they change speed alone."""
 
 
+class Flight(Protocol):
+    """What is flown of lanes (n_p, n) of parameter values, some steps at a time."""
+
+    def start(self, values: Lanes) -> Any:
+        """Return their state before the first step."""
+
+    def go_on(self, values: Lanes, state: Any, most: Lanes) -> tuple[Any, Lanes]:
+        """Return their state after so many steps at most, and how many these were."""
+
+    def is_under_way(self, state: Any) -> Lanes:
+        """Return whether any of them flies."""
+
+    def end(self, values: Lanes, state: Any) -> Any:
+        """Return what has come of them, of (..., n)."""
+
+
+class _UnderWay(NamedTuple):
+    """How far chunks are."""
+
+    chunk: Lanes
+    """That flies: those before it have flown."""
+    begun: Lanes
+    """Whether it has."""
+    left: Lanes
+    """Steps that may still be taken."""
+    state: Any
+    """Of its lanes."""
+    flown: Any
+    """What has come of all lanes."""
+
+
 class Program:
-    """Flies lanes, chunk after chunk, in a single call."""
+    """Flies lanes, chunk after chunk, in few calls."""
 
     def __init__(
         self,
         compiled: Callable[[Callable[..., Any]], Callable[..., Any]],
-        fly: Callable[[Lanes], Any],
+        flight: Flight,
         chunk: int,
     ):
         """Prepare.
 
         Args:
             compiled: makes programs of functions.
-            fly: flies the lanes (n_p, chunk) of one chunk.
+            flight: flies the lanes (n_p, chunk) of one chunk.
             chunk: lanes that are flown together.
         """
         self.chunk = chunk
         self.lanes = min(max(_LANES // chunk, 1), _CHUNKS) * chunk
-        self._seconds = _CALL  # of a chunk: first of all, slow ones are reckoned with
-        self._fly = jax.jit(fly)  # it is looked at twice, and traced once
-        self._program = compiled(self._fly_chunks)
+        self._of_chunk = _CALL  # seconds: first of all, slow ones are reckoned with
+        self._of_step = _CALL / _FIRST
+        # They are looked at twice, and traced once.
+        self._start, self._end = jax.jit(flight.start), jax.jit(flight.end)
+        self._flight = flight
+        self._program = compiled(self._fly)
+        self._nothing = functools.cache(self._nothing_of)
 
     @property
     def affordable(self) -> int:
-        """Chunks in a call, by how long the last one took."""
-        return min(self.lanes // self.chunk, int(_CALL / self._seconds))
+        """Chunks that are flown together, by how long the last ones took."""
+        return min(self.lanes // self.chunk, int(_CALL / self._of_chunk))
 
-    def __call__(self, values: Array, count: int) -> Any:
-        """Return what comes of the first lanes of values (n_p, lanes)."""
+    def __call__(
+        self, values: Array, count: int, is_wanted: Callable[[], bool] = lambda: True
+    ) -> Any:
+        """Return what comes of the first lanes of values (n_p, lanes).
+
+        Args:
+            values: of all lanes.
+            count: of those to be flown.
+            is_wanted: whether to go on; asked between calls.
+
+        Returns:
+            None if it is wanted no more.
+        """
         chunks = -(-count // self.chunk)
         begin = time.perf_counter()
-        flown = call(self._program, values, np.array(chunks))
-        self._seconds = (time.perf_counter() - begin) / max(chunks, 1)
-        return jax.tree.map(lambda x: x[..., :count], flown)
+        with jax.enable_x64(True):
+            lanes, chunk = jnp.asarray(values), 0
+            on = self._nothing(len(values))
+            while chunk < chunks and is_wanted():
+                called = time.perf_counter()
+                most = max(int(_CALL / self._of_step), 1)
+                on = self._program(lanes, np.array(chunks), np.array(most), on)
+                chunk, taken = int(on.chunk), most - int(on.left)
+                self._of_step = (time.perf_counter() - called) / max(taken, 1)
+            if chunk < chunks:
+                return None
+        self._of_chunk = (time.perf_counter() - begin) / max(chunks, 1)
+        return jax.tree.map(lambda x: np.asarray(x)[..., :count], on.flown)
 
-    def _fly_chunks(self, values: Lanes, chunks: Lanes) -> Any:
-        def chunk(i: int) -> Lanes:
-            return lax.dynamic_slice_in_dim(values, i * self.chunk, self.chunk, -1)
+    def _fly(
+        self, values: Lanes, chunks: Lanes, most: Lanes, under_way: _UnderWay
+    ) -> _UnderWay:
+        """Take so many steps at most, in as many chunks as they last for."""
 
-        def fly(i: int, flown: Any) -> Any:
+        def go_on(on: _UnderWay) -> _UnderWay:
+            i = on.chunk * self.chunk
+
             def put(x: Lanes, mine: Lanes) -> Lanes:
-                return lax.dynamic_update_slice_in_dim(x, mine, i * self.chunk, -1)
+                return lax.dynamic_update_slice_in_dim(x, mine, i, -1)
 
-            return jax.tree.map(put, flown, self._fly(chunk(i)))
+            mine = lax.dynamic_slice_in_dim(values, i, self.chunk, -1)
+            state = jax.tree.map(
+                lambda a, b: jnp.where(on.begun, a, b), on.state, self._start(mine)
+            )
+            state, taken = self._flight.go_on(mine, state, on.left)
+            flies = self._flight.is_under_way(state)
+            # Of lanes that fly, what is put is written over once they have flown.
+            flown = jax.tree.map(put, on.flown, self._end(mine, state))
+            return _UnderWay(on.chunk + ~flies, flies, on.left - taken, state, flown)
 
-        def nothing(x: Any) -> Lanes:
-            return jnp.zeros((*x.shape[:-1], self.lanes), x.dtype)
+        on = lax.while_loop(
+            lambda on: (on.chunk < chunks) & (on.left > 0),
+            go_on,
+            under_way._replace(left=most),
+        )
+        # Of the types that they come in with: else it would be compiled once more.
+        stepped: _UnderWay = jax.tree.map(lambda x: x.astype(x.dtype), on)
+        return stepped
 
-        shapes = jax.eval_shape(self._fly, chunk(0))
-        return lax.fori_loop(0, chunks, fly, jax.tree.map(nothing, shapes))
+    def _nothing_of(self, n_p: int) -> _UnderWay:
+        """Return what there is before the first step of the first chunk."""
+
+        def zeros(x: Any) -> Array:
+            return np.zeros(x.shape, x.dtype)
+
+        def of_all_lanes(x: Any) -> Array:
+            return np.zeros((*x.shape[:-1], self.lanes), x.dtype)
+
+        mine = np.zeros((n_p, self.chunk))
+        state = jax.eval_shape(self._start, mine)
+        flown = jax.eval_shape(self._end, mine, state)
+        none = np.zeros((), dtype=np.int64)
+        return _UnderWay(
+            chunk=none,
+            begun=np.zeros((), dtype=bool),
+            left=none,
+            state=jax.tree.map(zeros, state),
+            flown=jax.tree.map(of_all_lanes, flown),
+        )
 
 
 def call(program: Callable[..., Any], *arrays: Array) -> Any:

@@ -2,8 +2,12 @@
 
 import dataclasses
 import math
+import os
+import signal
 import subprocess
 import sys
+import threading
+import time
 
 import jax
 import numpy as np
@@ -20,6 +24,7 @@ from batches import (
 )
 from separations import generic_pair, on_axis
 
+from drakesep.analysis.engines.jax import compiled
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.analysis.metrics.registry import METRICS, registered_metrics
@@ -466,6 +471,44 @@ def test_progress_and_chunks(vega):
     result = batch.run(rows, on_progress=lambda done, n: seen.append((done, n)))
     assert seen == [(16, 40), (32, 40), (40, 40)]
     assert len(result.metrics) == len(result.steps) == 40
+
+
+def test_calls_that_are_cut_after_each_step(vega, vega_batch, monkeypatch):
+    """What comes of rows is the same to the last bit."""
+    rows = random_rows(vega, 20)
+    ways = (vega_batch.run, vega_batch.jacobian)
+    whole = [fly(rows) for fly in ways]
+    monkeypatch.setattr(compiled, "_CALL", 0.0)
+    for fly, expected in zip(ways, whole, strict=True):
+        got = fly(rows)
+        assert got.metrics.equals(expected.metrics)
+        assert np.array_equal(got.steps, expected.steps)
+        if expected.jacobian is not None:
+            assert np.array_equal(got.jacobian, expected.jacobian)
+
+
+@pytest.mark.parametrize("way", ["run", "jacobian"])
+def test_an_interrupt_waits_for_no_row(way, vega, vega_batch):
+    """Rows that take a minute, to the last of 20 000 steps; 2 s are promised."""
+    rows = np.tile(vega.box.nominal, (128, 1))
+    rows[:, vega.box.names.index("spring_1.force_max")] = np.geomspace(1e7, 1e12, 128)
+    getattr(vega_batch, way)(rows[:1] * 0.0 + vega.box.nominal)  # compiled
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    sent = []
+
+    def interrupt():
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(0.5, interrupt)
+    timer.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            getattr(vega_batch, way)(rows)
+    finally:
+        timer.cancel()
+        signal.signal(signal.SIGINT, before)
+    assert time.monotonic() - sent[0] < 2.0
 
 
 def test_no_rows(vega_batch):

@@ -92,7 +92,8 @@ def test_a_signal_in_the_midst_of_a_study(tmp_path):
     assert process.returncode == 143
     assert err.splitlines()[-1].startswith("drakesep: terminated")
     # In order, or in the midst of a minute within a compiler: never half.
-    assert json.loads((tmp_path / "study.json").read_text())["study"] == "verify"
+    record = json.loads((tmp_path / "study.json").read_text())
+    assert (record["study"], record["ended"]) == ("verify", "interrupted")
 
 
 def test_a_reader_who_has_seen_enough():
@@ -295,6 +296,7 @@ def test_a_worker_that_is_killed(tmp_path):
     assert "Traceback" not in err
     assert json.loads((tmp_path / "study.json").read_text())["ended"] == "failed"
     assert (tmp_path / ".parts").is_dir()
+    nothing_is_left_of(process)
 
 
 @pytest.mark.slow
