@@ -150,12 +150,9 @@ class RunEvaluator:
 def _why_not(run: Run) -> str:
     """Return why a run tells no objective; empty if it does.
 
-    One whose bodies are held back does not separate, as the batch engine has it, too.
+    One whose bodies do not separate does not, as the batch engine has it, too.
     """
-    if run.status is RunStatus.FAILED:
-        return run.message
-    back = run.held_back
-    return f"{back[0]} has not reached its stroke" if back else ""
+    return run.message if run.status is RunStatus.FAILED else run.not_separated
 
 
 _ROWS = 64

@@ -585,9 +585,9 @@ _WORST_CASES = (
             Column(
                 "verdict",
                 "",
-                "On all requirements: `met`, `not met`, `not looked "
-                "at`; `does not separate`, where a body is held for ever; or "
-                "`failed`, where a run was not flown or not confirmed.",
+                "On all requirements: `met`, `not met`, `not looked at`; `does not "
+                "separate`, where a body stays that leaves in the design; or `failed`, "
+                "where a run was not flown or not confirmed.",
             ),
             Column("not_met", "", "Rows of requirements that are not."),
             Column("requirements", "", "Rows of requirements in all."),

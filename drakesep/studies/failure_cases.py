@@ -5,6 +5,7 @@ hold. Fewer starts and samples do, since the design's worst cases are known; tol
 do not grow.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
@@ -47,9 +48,9 @@ def _verified(
 ) -> FailedCase:
     design = study.case
     case = design.in_failure(failure)
-    held = _held(design, case)
     fly = _holding(failure, under_way)
     [nominal] = fly([{}], lambda *_: None)
+    held = _held(design, nominal)
     # What is held for ever has no worst case: it does not separate whatever else is.
     objectives = () if held or not case.tolerances else _required(case, study)
     failed = replace(
@@ -69,13 +70,14 @@ def _verified(
     return FailedCase(failure=failure, study=failed, held=held)
 
 
-def _held(design: AnalysisCase, failed: AnalysisCase) -> tuple[str, ...]:
-    """Return the bodies that leave in the design, and are held for ever now."""
-    before, now = design.separation, failed.separation
+def _held(design: AnalysisCase, nominal: Run) -> tuple[str, ...]:
+    """Return the bodies that leave in the design, and do not in a nominal run."""
     return tuple(
         pair.B
-        for pair in before.pairs
-        if before.separates(pair.B) and not now.separates(pair.B)
+        for pair in design.separation.pairs
+        if design.separation.separates(pair.B)
+        and nominal.motion is not None
+        and math.isinf(nominal.end_of(pair.B))
     )
 
 

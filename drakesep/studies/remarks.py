@@ -121,9 +121,8 @@ def _of_held(run: Run, told: set[str]) -> _Told:
     if back:
         yield (
             tuple(back),
-            f"{_listed(back)} {_verbs(back, 'is', 'are')} not through: the stroke is "
-            "not reached by the end, and what pulls or resists keeps the bodies "
-            "together.",
+            f"{_listed(back)} {_verbs(back, 'has', 'have')} not reached the end of the "
+            "stroke when the run ends: the bodies do not separate.",
         )
 
 
@@ -139,7 +138,7 @@ def _of_directions(run: Run, told: set[str]) -> _Told:
         told: names of what has been told of.
     """
     for pair in run.separation.pairs:
-        leaves = run.separation.separates(pair.B) and pair.B not in told
+        leaves = math.isfinite(run.end_of(pair.B)) and pair.B not in told
         text = _of_direction(run, pair) if leaves else ""
         if text:
             yield (pair.B,), text

@@ -211,9 +211,9 @@ class FailedCase:
     study: Verification
     """Of the case in which it has failed."""
     held: tuple[str, ...] = ()
-    """Bodies that leave in the design, and do not here: something never lets go."""
+    """Bodies that leave in the design, and do not here, even nominally."""
 
     @property
     def verdict(self) -> str | None:
-        """Of it, as of a design; ``does not separate`` if a body is held for ever."""
+        """Of it, as of a design; ``does not separate`` if a body stays."""
         return HELD if self.held else self.study.design_verdict

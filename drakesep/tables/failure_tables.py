@@ -14,7 +14,7 @@ from drakesep.tables.columns import in_units
 
 CASE = "failure_case"
 HELD = "does not separate"
-"""The verdict where a body is never let go that leaves in the design."""
+"""The verdict where a body stays that leaves in the design."""
 
 
 def outcome_row(

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from drakesep.systems.arrays import Array
-from drakesep.systems.model.separation import Pair, Separation
+from drakesep.systems.model.separation import Attachment, Pair, Separation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -152,6 +152,18 @@ class Run:
         )
 
     @property
+    def not_separated(self) -> str:
+        """Why bodies that would leave have not by the end; empty if they have."""
+        for attachment in self.separation.attachments:
+            if attachment.lets_go and attachment.name in self.held:
+                return (
+                    f"{attachment.name} has not let go: its joint has not "
+                    f"{_motion_to_release(attachment)}"
+                )
+        back = self.held_back
+        return f"{back[0]} has not reached its stroke" if back else ""
+
+    @property
     def separation_start(self) -> float:
         """When the first attachment of the measured body B let go, s."""
         return self.start_of(self.separation.B)
@@ -192,3 +204,10 @@ class Run:
             end = max(self.stroke_ends[a.spring.name] for a in springs if a.spring)
         last = self.separation.duration
         return min(start, last), min(end, last)
+
+
+def _motion_to_release(attachment: Attachment) -> str:
+    angle, travel = attachment.release_angle, attachment.release_travel
+    ways = [f"turned by {math.degrees(angle):g} deg"] * math.isfinite(angle)
+    ways += [f"slid by {1e3 * travel:g} mm"] * math.isfinite(travel)
+    return " or ".join(ways)

@@ -58,7 +58,7 @@ def test_bodies_that_it_keeps_together():
     assert math.isnan(metrics["rate_after_separation_x"])
     assert metrics["longitudinal_speed_max"] == pytest.approx(0.04 * w, rel=1e-6)
     [remark] = [r for r in remarks({"": run}) if r.about == ("spring_1",)]
-    assert "keeps the bodies together" in remark.text
+    assert "do not separate" in remark.text
 
 
 def test_its_net_work_is_in_the_speed():
