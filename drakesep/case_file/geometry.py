@@ -144,7 +144,7 @@ class RecontactSection(Section):
     """Of two pieces that touch at a point: force over overlap."""
     face_stiffness_N_m3: Positive | None = None
     """Of two faces: pressure over overlap. If left out: the stiffness over the area of
-    the smallest part, that is of the largest face of the box around it."""
+    the smallest piece, a quarter of its surface."""
     dissipation_s_m: NotNegative = 0.0
     """Of Hunt and Crossley; 0: no energy is lost."""
     friction: NotNegative = 0.0

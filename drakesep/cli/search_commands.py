@@ -175,7 +175,8 @@ def verify(
         from drakesep.studies.background_process import BackgroundProcess
         from drakesep.studies.worst_case.searches import WantedSearches
 
-        alone = WantedSearches.named(search).drake_alone or not loaded.dispersions
+        wanted = WantedSearches.named(search, loaded.separation)
+        alone = wanted.drake_alone or not loaded.dispersions
         with (
             results_folder(output, loaded.name, "verify") as folder,
             # Started now, to import what it draws with while we import the engines.

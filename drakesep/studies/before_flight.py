@@ -45,6 +45,11 @@ def check_verifiable(case: Case) -> list[str]:
     if why and refusal(case, [DRAKE]):
         raise InputError(why)
     notes = [f"`verify` flies it with --search drake alone. {why}"] if why else []
+    if case.recontact is not None:
+        notes.append(
+            "Parts push each other where they touch (recontact), which Drake alone "
+            "knows: it flies all, run by run, and searches by SQP from the nominal."
+        )
     return notes + _never_judged(case.in_si()) + _left_out(case)
 
 

@@ -172,7 +172,7 @@ def planned(
         asked=asked,
         # Without dispersions, or objectives, there are the nominal and published runs.
         objectives=chosen if case.tolerances else (),
-        searches=WantedSearches.named(searches),
+        searches=WantedSearches.named(searches, case.separation),
         failures=case.failure_cases if failures else (),
         clearances=clearances_of(chosen),
     )

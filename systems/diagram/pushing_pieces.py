@@ -87,16 +87,14 @@ def _pushing(piece: Piece, part: Part, less: float) -> Piece:
 
 
 def smallest_area(cut: Mapping[Part, Sequence[Piece]]) -> float:
-    """Return the area of the smallest part, m^2: of its box, the largest face.
+    """Return how large the smallest piece with faces is across, m^2.
 
-    Of what has no faces, which never presses, too: there is an area always.
+    That is the area of its shadow, on the average over all directions: a quarter of its
+    surface, as it is convex (Cauchy). 1 if there is no such piece.
     """
-    areas = []
-    for part, pieces in cut.items():
-        points = np.concatenate([piece.points for piece in pieces])
-        edges = np.ptp(place_of(part).inverse() @ points.T, axis=1)
-        areas.append(float(np.prod(np.sort(edges)[1:])))
-    return min(areas)
+    pieces = [piece for each in cut.values() for piece in each]
+    areas = [0.25 * ConvexHull(p.points).area for p in pieces if _depth(p) is not None]
+    return float(min(areas, default=1.0))
 
 
 def properties_of(

@@ -27,7 +27,7 @@ class Recontact:
     """k, of one pair of pieces, N/m."""
     face_stiffness: float | None = None
     """Pressure of faces for each depth, N/m^3; None: the stiffness over the area of the
-    smallest part, that is of the largest face of the box around it."""
+    smallest piece, a quarter of its surface."""
     dissipation: float = 0.0
     """d, s/m; 0: no energy is lost."""
     friction: float = 0.0

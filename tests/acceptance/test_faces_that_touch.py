@@ -139,7 +139,8 @@ def planar_rails(stiffness, dissipation):
     An elastic foundation: pressure over depth, over the cube's width. Each of two
     boxes takes half of the depth, but near its end no more than it is far from there.
     """
-    kappa = stiffness / (0.34 * 0.1)
+    # By the smallest piece, a quarter of the surface of a wall.
+    kappa = stiffness / (0.25 * 2.0 * (0.34 * 0.1 + 0.34 * 0.01 + 0.1 * 0.01))
     nodes, weights = np.polynomial.legendre.leggauss(24)
     mass, inertia = np.array([1000.0, 1.8]), np.array([100.0, 0.01884])
     cg = np.array([[-0.5, 0.0], [0.12, -0.02]])
@@ -215,7 +216,7 @@ def test_a_cubesat_leaves_its_rails_without_roll(dissipation):
     # that is as long as the depth over some degrees.
     assert rate[2] == pytest.approx(expected, rel=0.015)
     assert velocity[0] == pytest.approx(v[0], rel=3e-3)
-    assert abs(rate[2]) < 0.1 * 365.0  # that without rails
+    assert abs(rate[2]) < 0.2 * 365.0  # that without rails
     # By symmetry, to the quadrature of dissipation over triangles of Drake's.
     assert np.abs(rate[:2]).max() < (2e-3 if dissipation else 1e-9)
     assert abs(velocity[2]) < 1e-9
@@ -237,7 +238,8 @@ def test_a_square_bump_does_not_turn():
     rate, velocity = fly(BUMP)
     assert np.abs(rate).max() < 1e-9
     assert np.abs(velocity[1:]).max() < 1e-9
-    stiffness = 1e5 * 300.0 * 300.0 / (400.0 * 300.0)
+    # By the smallest piece, a quarter of the surface of the base.
+    stiffness = 1e5 * 0.3 * 0.3 / (0.25 * 2.0 * (2.0 * 0.4 * 0.3 + 0.3 * 0.3))
 
     def rates(t, state):
         x, v = state

@@ -104,7 +104,7 @@ def worst_case(
         plan = StudyPlan(
             asked=asked,
             objectives=chosen,
-            searches=WantedSearches.named(searches),
+            searches=WantedSearches.named(searches, asked.case.separation),
             effort=effort,
             minutes=minutes,
             workers=workers,

@@ -9,6 +9,7 @@ from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import FROM_NOMINAL
 from drakesep.analysis.search.registry import check_search
 from drakesep.systems.checks import InputError
+from drakesep.systems.model.separation import Separation
 
 
 DEFAULT_SEARCHES = ("samples", "vertices", FROM_NOMINAL, "multistart")
@@ -28,17 +29,20 @@ class WantedSearches:
     """Whether Drake flies every run, and the batch engine none."""
 
     @classmethod
-    def named(cls, searches: Sequence[str] | None) -> Self:
+    def named(cls, searches: Sequence[str] | None, separation: Separation) -> Self:
         """Return the searches of these names.
 
         Args:
             searches: names out of `SEARCHES`, or `DRAKE` alone; None: what suits.
+            separation: that is searched; with recontact, Drake alone suits it.
 
         Raises:
             ValueError: there is none, one is unknown, or Drake is beside others.
         """
         if searches is None:
-            return cls()
+            if separation.recontact is None:
+                return cls()
+            searches = [DRAKE]
         if not len(searches):
             raise InputError("searches: must be one or more, got none")
         drake_alone = list(searches) == [DRAKE]

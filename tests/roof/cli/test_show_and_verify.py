@@ -128,7 +128,7 @@ def test_parts_that_overlap_are_refused_before_the_folder_is_cleared(
         (small_case(), "no requirement of clearance_mm"),
         (
             small_case(recontact={"stiffness_N_m": 1e6}),
-            "`verify` flies it with --search drake alone. recontact: the batch engine",
+            "Parts push each other where they touch (recontact), which Drake alone",
         ),
         (
             small_case(

@@ -38,7 +38,7 @@ def plan(
     minutes=None,
     **effort,
 ):
-    wanted = WantedSearches.named(names)
+    wanted = WantedSearches.named(names, case.separation)
     return planned_effort(case, objectives, wanted, effort, growth, speed, minutes)
 
 
