@@ -177,7 +177,7 @@ class BatchIntegrator:
         attachments = self._separation.attachments
         self._lets_go = np.array([[a.lets_go] for a in attachments], bool)
         pushing = [attachment for attachment, _ in self._separation.pushing]
-        parts = [self._separation.parts(attachment) for attachment in pushing]
+        parts = [self._separation.may_part(attachment) for attachment in pushing]
         self._parts = np.array(parts, bool)[:, None]
 
     def fly(self, params: BatchParameters, fold: Fold) -> FinalState:

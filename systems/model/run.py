@@ -148,7 +148,7 @@ class Run:
             spring.name
             for attachment, spring in self.separation.pushing
             if math.isinf(self.stroke_ends.get(spring.name, 0.0))
-            and self.separation.parts(attachment)
+            and self.separation.may_part(attachment)
         )
 
     @property

@@ -471,7 +471,7 @@ class Separation:
         """Return whether all attachments that hold a body let go."""
         return all(a.lets_go for a in self.attached_to(body))
 
-    def parts(self, attachment: Attachment) -> bool:
+    def may_part(self, attachment: Attachment) -> bool:
         """Return whether nothing that never lets go joins an attachment's bodies."""
         joined, reached = {attachment.A}, {attachment.A}
         for_good = [a for a in self.attachments if not a.lets_go]

@@ -405,7 +405,9 @@ class Batch:
         """Return why one row failed."""
         separation = self.separation
         late = [a.lets_go for a in separation.attachments] & np.isinf(final.released)
-        parts = [separation.parts(attachment) for attachment, _ in separation.pushing]
+        parts = [
+            separation.may_part(attachment) for attachment, _ in separation.pushing
+        ]
         return LaneStatus(int(final.status)).message.format(
             held=_names(separation.attachments, late),
             left=_names(separation.springs, parts & np.isinf(final.stroke_ends)),
