@@ -2,6 +2,7 @@
 
 import contextlib
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from typing import NamedTuple, TypeAlias
@@ -47,8 +48,8 @@ def progress_bar(console: Console) -> Iterator[Tell]:
         with _bar(console) as tell:
             yield tell
     else:
-        print("Preparing; what will be done follows", file=sys.stderr, flush=True)
-        yield _Log(lambda line: print(line, file=sys.stderr, flush=True))
+        with _lines(lambda line: print(line, file=sys.stderr, flush=True)) as tell:
+            yield tell
 
 
 @contextlib.contextmanager
@@ -111,6 +112,29 @@ def _bar(console: Console) -> Iterator[Tell]:
 
     with bar:
         yield tell
+
+
+@contextlib.contextmanager
+def _lines(say: Callable[[str], None], patience: float = _PACE) -> Iterator[Tell]:
+    """Say in lines how far a study has come; and that it prepares, if that takes long.
+
+    Args:
+        say: takes a line.
+        patience: without a line, s.
+    """
+    log = _Log(say)
+    waiting = threading.Timer(patience, say, ["Preparing; what will be done follows"])
+    waiting.daemon = True
+    waiting.start()
+
+    def tell(progress: AnyProgress) -> None:
+        waiting.cancel()
+        log(progress)
+
+    try:
+        yield tell
+    finally:
+        waiting.cancel()
 
 
 class _Log:

@@ -34,6 +34,8 @@ def failure_cases_verified(
         under_way: the session that has found them.
     """
     failures = under_way.plan.failures
+    if not failures:
+        return ()
     tell = under_way.telling(FAILURES)
     verified = []
     for done, failure in enumerate(failures):

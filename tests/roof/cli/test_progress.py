@@ -1,6 +1,8 @@
 """How far a study has come, in a log: lines that it can bear."""
 
 import io
+import threading
+import time
 
 import pytest
 from rich.console import Console
@@ -8,7 +10,7 @@ from rich.console import Console
 from drakesep.analysis.metrics.objectives import OBJECTIVES
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import SearchProgress
-from drakesep.cli.progress import _Log, _Steps, progress_bar, steps
+from drakesep.cli.progress import _lines, _Log, _Steps, progress_bar, steps
 from drakesep.studies.worst_case.effort import StudyEffort
 from drakesep.studies.worst_case.pace import Remaining
 from drakesep.studies.worst_case.plan import Progress
@@ -70,10 +72,26 @@ def test_without_a_terminal_it_goes_to_standard_error(capsys):
         tell(progress("samples", 10, 100, share=0.4, left=600.0))
     captured = capsys.readouterr()
     assert captured.out == ""
-    preparing, plan, done = captured.err.splitlines()
-    assert preparing.startswith("Preparing")
+    plan, done = captured.err.splitlines()
     assert plan.startswith("Worst cases")
     assert done.startswith(" 40%, 10 min left: samples: 10 of")
+
+
+def test_preparing_is_told_where_it_takes_long():
+    lines, told = [], threading.Event()
+
+    def say(line):
+        lines.append(line)
+        told.set()
+
+    with _lines(say, patience=1e-3) as tell:
+        assert told.wait(10.0)
+        tell(progress("plan"))
+    assert [line.split()[0] for line in lines] == ["Preparing;", "Worst"]
+    with _lines(lines.append, patience=0.05) as tell:
+        tell(progress("plan"))
+        time.sleep(0.1)
+    assert [line.split()[0] for line in lines[2:]] == ["Worst"]
 
 
 @pytest.mark.parametrize("percent", [0, 50, 100])
