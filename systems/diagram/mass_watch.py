@@ -5,11 +5,7 @@ import math
 import warnings
 from collections.abc import Mapping
 
-from pydrake.systems.framework import (
-    Context,
-    EventStatus,
-    LeafSystem,
-)
+from pydrake.systems.framework import Context, EventStatus, LeafSystem
 
 from drakesep.systems.checks import DrakesepWarning, InputError
 from drakesep.systems.diagram.rows import Rows
@@ -24,8 +20,6 @@ from drakesep.systems.vectors import Vector, add, subtract
 _APART = 1e-5
 """By which accelerations may differ, as a part of what makes them: a plant's mass
 properties may be those of the separation to 1e-6."""
-
-
 _EVERY = 8
 """Steps from look to look: one costs half as much as a step."""
 
