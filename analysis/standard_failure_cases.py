@@ -7,10 +7,10 @@ among several of the same two bodies: it lets go late, or never.
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from drakesep.analysis.failure_cases import FailureCase
-from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.analysis.tolerances.sides import Tolerance, ends_of
 from drakesep.systems.argument_types import typed
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.separation import Separation
@@ -24,17 +24,17 @@ STUCK_AT = 0.5
 
 @typed
 def standard_failure_cases(
-    separation: Separation, box: ToleranceBox
+    separation: Separation, tolerances: Mapping[str, Tolerance]
 ) -> tuple[FailureCase, ...]:
     """Return the customary failure cases of a separation.
 
     Args:
         separation: the design.
-        box: its tolerances.
+        tolerances: about its values, by parameter name, in SI.
     """
     return (
         *_of_springs(separation),
-        *_of_all_springs(separation, box),
+        *_of_all_springs(separation, tolerances),
         *_of_attachments(separation),
     )
 
@@ -53,14 +53,20 @@ def _of_springs(separation: Separation) -> Iterator[FailureCase]:
                 )
 
 
-def _of_all_springs(separation: Separation, box: ToleranceBox) -> Iterator[FailureCase]:
-    wanted = {f"{spring.name}.force_max" for spring in separation.springs}
-    forces = [one for one in box.dispersions if one.name in wanted]
-    if not forces:
-        return
-    for name, end in (("springs_cold", 0), ("springs_hot", 1)):
-        values = {one.name: one.bounds[end] for one in forces}
-        yield FailureCase(name=name, values=values)
+def _of_all_springs(
+    separation: Separation, tolerances: Mapping[str, Tolerance]
+) -> Iterator[FailureCase]:
+    wanted = [f"{spring.name}.force_max" for spring in separation.springs]
+    nominal = parameters(separation)
+    ends = {
+        name: ends_of(nominal[name], tolerances[name])
+        for name in wanted
+        if name in tolerances
+    }
+    if ends:
+        for case, end in (("springs_cold", 0), ("springs_hot", 1)):
+            values = {name: both[end] for name, both in ends.items()}
+            yield FailureCase(name=case, values=values)
 
 
 def _of_attachments(separation: Separation) -> Iterator[FailureCase]:

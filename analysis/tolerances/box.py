@@ -7,7 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drakesep.analysis.tolerances.sides import Sides, Tolerance, check_matters
+from drakesep.analysis.tolerances.sides import (
+    Sides,
+    Tolerance,
+    check_matters,
+    ends_of,
+)
 from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, check_finite, unknown
@@ -41,7 +46,7 @@ class Dispersion:
     @property
     def bounds(self) -> tuple[float, float]:
         """Its least and its greatest value."""
-        return self.nominal - self.sides.minus, self.nominal + self.sides.plus
+        return ends_of(self.nominal, self.tolerance)
 
     def grown(self, factor: float) -> "Dispersion":
         """Return it with each side multiplied; the nominal stays."""

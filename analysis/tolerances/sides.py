@@ -83,3 +83,14 @@ def check_matters(name: str, nominal: float, tolerance: Tolerance) -> None:
             f"{name}: tolerance must be large enough to matter, got {larger:g} in SI "
             f"beside a nominal of {nominal:g}"
         )
+
+
+def ends_of(nominal: float, tolerance: Tolerance) -> tuple[float, float]:
+    """Return the least and the greatest value that a tolerance admits.
+
+    Args:
+        nominal: value of the parameter.
+        tolerance: about it.
+    """
+    sides = Sides.of(tolerance)
+    return nominal - sides.minus, nominal + sides.plus

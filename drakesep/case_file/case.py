@@ -134,8 +134,7 @@ class Case(Section):
                 for section in self.ellipsoids
             ]
         with named("failure_cases"):
-            box = ToleranceBox.around(separation, tolerances)
-            failures = failure_cases_in_si(separation, box, self.failure_cases)
+            failures = failure_cases_in_si(separation, tolerances, self.failure_cases)
         published = []
         for section in self.published:
             with named(f"published: {section.label}"):

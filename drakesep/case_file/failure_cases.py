@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Discriminator, Tag
 
 from drakesep.analysis.failure_cases import FailureCase
 from drakesep.analysis.standard_failure_cases import standard_failure_cases
-from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.analysis.tolerances.sides import Tolerance, ends_of
 from drakesep.case_file.dispersions import names_fitting
 from drakesep.case_file.errors import UNNAMED, CaseError, shown
 from drakesep.case_file.section import Name
@@ -63,13 +63,13 @@ FailureCases: TypeAlias = Annotated[
 
 
 def failure_cases_in_si(
-    separation: Separation, box: ToleranceBox, stated: FailureCases
+    separation: Separation, tolerances: Mapping[str, Tolerance], stated: FailureCases
 ) -> tuple[FailureCase, ...]:
     """Return failure cases in SI.
 
     Args:
         separation: the design.
-        box: its tolerances.
+        tolerances: about its values, by parameter name, in SI.
         stated: as a case file has them.
 
     Raises:
@@ -77,30 +77,33 @@ def failure_cases_in_si(
             parameter without tolerance.
     """
     if isinstance(stated, str):
-        return standard_failure_cases(separation, box)
+        return standard_failure_cases(separation, tolerances)
     failures = []
     for name, changes in stated.items():
         with named(name):
             failures.append(
-                FailureCase(name=name, values=_values(separation, box, changes))
+                FailureCase(name=name, values=_values(separation, tolerances, changes))
             )
     return tuple(failures)
 
 
 def _values(
-    separation: Separation, box: ToleranceBox, changes: Mapping[str, Changed]
+    separation: Separation,
+    tolerances: Mapping[str, Tolerance],
+    changes: Mapping[str, Changed],
 ) -> dict[str, float]:
-    names = {with_unit(name): name for name in parameters(separation)}
-    bounds = {one.name: one.bounds for one in box.dispersions}
+    nominal = parameters(separation)
+    names = {with_unit(name): name for name in nominal}
     values = {}
     for key, name, value in names_fitting(names, changes):
         if value in _ENDS:
-            if name not in bounds:
+            if name not in tolerances:
                 raise CaseError(
                     f"{key}: must have a tolerance, of which {value!r} is an end, got "
                     "none"
                 )
-            values[name] = bounds[name][_ENDS.index(value)]
+            ends = ends_of(nominal[name], tolerances[name])
+            values[name] = ends[_ENDS.index(value)]
         elif value == _NEVER:
             if not name.endswith(".release_time"):
                 raise CaseError(f"{key}: {_NEVER!r} must be of a time of release")

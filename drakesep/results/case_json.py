@@ -21,6 +21,7 @@ from drakesep.analysis.analysis_case import (
 )
 from drakesep.analysis.clearance.contact import Contact
 from drakesep.analysis.clearance.of_pair import Clearance
+from drakesep.analysis.failure_cases import FailureCase
 from drakesep.analysis.margins.tolerance_margins import Growth, Limit
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.analysis.search.effort import SearchSettings
@@ -62,6 +63,7 @@ from drakesep.tables.roles import (
 
 _RECORDS: tuple[type[Any], ...] = (
     *(AnalysisCase, ClearancePairs, PrintedResult, PublishedCase, Requirement),
+    FailureCase,
     *(Sides, Ellipsoid, Integration, Joint, Load),
     *(Part, Box, Capsule, Cone, Mesh, Sphere),
     *(Recontact, Attachment, Body, InitialMotion, Orbit, Pair, Separation),

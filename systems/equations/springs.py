@@ -18,6 +18,7 @@ from drakesep.systems.model.magnitudes import Kind
 from drakesep.systems.model.parameter_table import Parameter
 from drakesep.systems.model.profiles import Profile
 from drakesep.systems.model.pushers import Pusher
+from drakesep.systems.model.separation import Attachment, Separation
 from drakesep.systems.model.springs import (
     DisplacementSpring,
     Spring,
@@ -302,6 +303,19 @@ def law_name(pusher: Pusher) -> str:
     raise InputError(
         f"{pusher.name}: must be of a registered kind ({', '.join(PUSHERS)}), got a "
         f"{type(pusher).__name__}"
+    )
+
+
+def is_held_back(separation: Separation, attachment: Attachment) -> bool:
+    """Return whether something between an attachment's bodies pulls, or resists.
+
+    They need not part then, although all has let go.
+    """
+    ends = {attachment.A, attachment.B}
+    return any(
+        law_of(pusher).way < 1
+        for other, pusher in separation.pushing
+        if {other.A, other.B} == ends
     )
 
 

@@ -17,7 +17,7 @@ from drakesep.systems.equations.momentum_of_run import momentum_given
 from drakesep.systems.equations.motion_of_run import relative_motion_of
 from drakesep.systems.equations.pushers import push_displacement, push_place
 from drakesep.systems.equations.relative_motion import BodyState
-from drakesep.systems.equations.springs import law_of
+from drakesep.systems.equations.springs import is_held_back, law_of
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.parameters import check_read, with_values
 from drakesep.systems.model.pushers import Pusher
@@ -206,8 +206,13 @@ def _find_stroke_ends(
 ) -> dict[str, float]:
     """Return when each spring reached its stroke, s, by its name.
 
-    It is infinite of one that did not within the run.
+    It is infinite of one that did not within the run, since its bodies are kept
+    together.
+
+    Raises:
+        RuntimeError: one did not, although nothing keeps them.
     """
+    held = [name for name, release in releases.items() if math.isinf(release)]
     ends = separation.timed_stroke_ends(releases)
     for attachment, spring in separation.pushing:
         release = releases[attachment.name]
@@ -217,6 +222,9 @@ def _find_stroke_ends(
             )
         # The model knows when scheduled releases are; not those at an angle.
         if ends.get(spring.name, math.inf) >= separation.duration:
+            kept = held or is_held_back(separation, attachment)
+            if not kept and separation.may_part(attachment):
+                raise RuntimeError(f"{spring.name} has not reached its stroke")
             ends[spring.name] = math.inf
     return ends
 

@@ -66,7 +66,11 @@ def with_pairs(first: Pair, *others: Pair) -> Separation:
 
 
 @pytest.mark.parametrize(
-    ("first", "second"), [(TO_UPPER, TO_THIRD), (TO_THIRD, TO_UPPER)]
+    ("first", "second"),
+    [
+        (TO_UPPER, TO_THIRD),
+        pytest.param(TO_THIRD, TO_UPPER, marks=pytest.mark.slow),
+    ],
 )
 def test_which_is_named_first_does_not_matter(first, second):
     """In both engines; momentum and acceleration too."""

@@ -151,7 +151,7 @@ FORCE = {"quantity": "joint_force_N", "of": "a1"}
 
 
 @pytest.mark.parametrize("engine", ["drake", "batch"])
-@pytest.mark.parametrize("duration", [1.2, 2.5])
+@pytest.mark.parametrize("duration", [1.2, pytest.param(2.5, marks=pytest.mark.slow)])
 def test_a_step_on_joints_without_damping_is_carried_twice(duration, engine):
     case = rung_joints(duration, requirements=[FORCE | {"at_most": 99.0}])
     study = drakesep.sweep(case, {"sc.mass_kg": [500.0]}, engine=engine)

@@ -9,7 +9,6 @@ from separations import generic_pair, vega
 import drakesep
 from drakesep.analysis.failure_cases import FailureCase
 from drakesep.analysis.standard_failure_cases import LATE, standard_failure_cases
-from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.parameters import parameters
@@ -76,10 +75,9 @@ def test_what_changes_nothing_is_refused(case):
 def test_the_usual_ones():
     """Of four springs on four attachments of two bodies, with tolerances of two."""
     separation = vega()
-    box = ToleranceBox.around(
-        separation, {"spring_1.force_max": 15.0, "spring_3.force_max": 10.0}
-    )
-    cases = {one.name: one.values for one in standard_failure_cases(separation, box)}
+    tolerances = {"spring_1.force_max": 15.0, "spring_3.force_max": 10.0}
+    usual = standard_failure_cases(separation, tolerances)
+    cases = {one.name: one.values for one in usual}
     nominal = parameters(separation)
     force = {k: nominal[f"spring_{k}.force_max"] for k in (1, 3)}
     expected = {}
@@ -96,16 +94,12 @@ def test_the_usual_ones():
         }
     assert cases == expected
     # Each may be looked at: no number is outside its range.
-    drakesep.AnalysisCase(
-        separation=separation,
-        failure_cases=standard_failure_cases(separation, box),
-    )
+    drakesep.AnalysisCase(separation=separation, failure_cases=usual)
 
 
 def test_what_holds_alone_is_not_late():
     """Where one attachment holds two bodies, nothing is late beside another."""
     pair = generic_pair()
     one = dataclasses.replace(pair, attachments=pair.attachments[:1])
-    box = ToleranceBox.around(one, {})
-    names = [case.name for case in standard_failure_cases(one, box)]
+    names = [case.name for case in standard_failure_cases(one, {})]
     assert not [name for name in names if name.endswith(("late", "held"))]

@@ -140,6 +140,7 @@ def test_nothing_to_do():
     assert grow(problem(lambda v: v[0]), []) == []
 
 
+@pytest.mark.slow
 def test_limit_that_is_passed_only_in_between():
     """A ridge inside the box: below the limit at no growth, and at five times."""
 
@@ -150,6 +151,7 @@ def test_limit_that_is_passed_only_in_between():
     assert growth.factor <= 1.0
 
 
+@pytest.mark.slow
 def test_parameter_that_does_not_go_on_does_not_stop_the_others():
     """The mass ends at 3 times its tolerance; the rest reaches 5 - 1.5 at 3.5."""
     [growth] = grow(

@@ -285,6 +285,7 @@ def test_both_engines_tell_the_same(both):
         assert (np.abs(told[name] - drake) <= allowed).all(), name
 
 
+@pytest.mark.slow
 def test_derivatives_of_metrics_at_times_in_seconds(both):
     """Against differences of the batch itself, whose steps move with the releases."""
     batch, rows, _ = both

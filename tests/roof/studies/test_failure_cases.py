@@ -132,6 +132,7 @@ def test_without_tolerances_there_are_nominal_runs():
     assert study.failure_runs["label"].tolist() == ["nominal", "nominal"]
 
 
+@pytest.mark.slow
 def test_an_interrupted_study_goes_on(study, tmp_path):
     """In its second failure case: the first is not searched again."""
     seen = []
