@@ -9,9 +9,10 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
 
-from drakesep.analysis.failure_cases import FailureCase
+from drakesep.analysis.failure_cases import FailureCase, check_failure_cases
 from drakesep.analysis.tolerances.sides import Tolerance, ends_of
 from drakesep.systems.argument_types import typed
+from drakesep.systems.checks import InputError
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.separation import Separation
 
@@ -32,32 +33,45 @@ def standard_failure_cases(
         separation: the design.
         tolerances: about its values, by parameter name, in SI.
     """
-    return (
+    usual = (
         *_of_springs(separation),
         *_of_all_springs(separation, tolerances),
         *_of_attachments(separation),
     )
+    return tuple(case for case in usual if _may_be(separation, case))
+
+
+def _may_be(separation: Separation, case: FailureCase) -> bool:
+    """Return whether a failure case changes something, and is physical."""
+    try:
+        check_failure_cases(separation, (case,))
+    except InputError:
+        return False
+    return True
 
 
 def _of_springs(separation: Separation) -> Iterator[FailureCase]:
     known = parameters(separation)
     for spring in separation.springs:
+        if f"{spring.name}.lost_stroke" not in known:
+            continue  # it resists, and pushes nothing
         for what, field, value in (
             ("out", "force_max", 0.0),
             ("stuck", "lost_stroke", 1.0 - STUCK_AT),
         ):
-            parameter = f"{spring.name}.{field}"
-            if parameter in known:
-                yield FailureCase(
-                    name=f"{spring.name}_{what}", values={parameter: value}
-                )
+            values = {f"{spring.name}.{field}": value}
+            yield FailureCase(name=f"{spring.name}_{what}", values=values)
 
 
 def _of_all_springs(
     separation: Separation, tolerances: Mapping[str, Tolerance]
 ) -> Iterator[FailureCase]:
-    wanted = [f"{spring.name}.force_max" for spring in separation.springs]
     nominal = parameters(separation)
+    wanted = [
+        f"{spring.name}.force_max"
+        for spring in separation.springs
+        if f"{spring.name}.lost_stroke" in nominal
+    ]
     ends = {
         name: ends_of(nominal[name], tolerances[name])
         for name in wanted

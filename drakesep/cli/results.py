@@ -1,6 +1,7 @@
 """What the command line prints of a study: tables, what failed, the verdict."""
 
 import math
+from collections import Counter
 
 import pandas as pd
 from rich.console import Console
@@ -196,9 +197,7 @@ def _where(study: Verification) -> str:
     """Return where not, if failure cases were looked at."""
     if not study.failed_cases:
         return ""
-    broken = [one for one in study.failed_cases if one.verdict != Verdict.MET.value]
-    design = "met" if study.design_verdict == Verdict.MET.value else "not met"
-    return (
-        f": the design is {design}, and {len(broken)} of "
-        f"{len(study.failed_cases)} failure cases are not"
-    )
+    verdicts = [one.verdict or "without verdict" for one in study.failed_cases]
+    counts = ", ".join(f"{n} {verdict}" for verdict, n in Counter(verdicts).items())
+    design = study.design_verdict or "without verdict"
+    return f": the design is {design}; of {len(verdicts)} failure cases {counts}"

@@ -369,7 +369,9 @@ _REMARKS = FileKind(
     ),
 )
 
-_FAILURE = Column("failure_case", "", "Its name; `design`: nothing has failed.")
+_FAILURE = Column(
+    "failure_case", "", "Its name; in other tables than of runs also `design`."
+)
 _VERDICT = (
     *_LIMIT,
     Column("nominal", _SAME, "In the nominal run."),

@@ -65,22 +65,27 @@ def _verified(
         growths=(),
         single_growths=(),
     )
+    if held:  # of such a run a function may know nothing
+        return FailedCase(failure=failure, study=failed, held=held)
     failed = told(failed)
     if objectives and nominal.motion is not None:
         failed = _searched(failed, failure, under_way)
         failed = functions_compared(told(confirmed(failed, fly)))
-    return FailedCase(failure=failure, study=failed, held=held)
+    return FailedCase(failure=failure, study=failed)
 
 
 def _held(design: AnalysisCase, nominal: Run) -> tuple[str, ...]:
     """Return the bodies that leave in the design, and do not in a nominal run."""
-    return tuple(
-        pair.B
-        for pair in design.separation.pairs
-        if design.separation.separates(pair.B)
-        and nominal.motion is not None
-        and math.isinf(nominal.end_of(pair.B))
-    )
+    if nominal.motion is None:
+        return ()
+    separation, back = design.separation, nominal.held_back
+    held = [
+        attachment
+        for attachment in separation.attachments
+        if (attachment.lets_go and math.isinf(nominal.releases[attachment.name]))
+        or (attachment.spring is not None and attachment.spring.name in back)
+    ]
+    return tuple(dict.fromkeys(map(separation.leaving_at, held)))
 
 
 def _required(case: AnalysisCase, study: Verification) -> tuple[Objective, ...]:

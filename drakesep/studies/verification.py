@@ -30,7 +30,7 @@ from drakesep.studies.worst_case.procedure import carried_out, ended
 from drakesep.studies.worst_case.searches import WantedSearches
 from drakesep.studies.worst_case.session import session
 from drakesep.systems.argument_types import typed
-from drakesep.systems.checks import InputError
+from drakesep.systems.checks import InputError, named
 from drakesep.tables.run_tables import is_column_of_runs
 
 
@@ -163,6 +163,9 @@ def planned(
             "failure_cases: a case whose failure cases are verified must have some, "
             "got none; 'failure_cases: standard' are the usual"
         )
+    for failure in case.failure_cases if failures else ():
+        with named(f"failure_cases: {failure.name}"):
+            case.in_failure(failure)  # what cannot be is told before anything is flown
     of_functions = [o for function in requirements for o in function.objectives]
     also = [*listed(objectives), *of_functions]
     # Nothing leads out of requirements of which no run tells.

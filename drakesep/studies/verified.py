@@ -59,10 +59,15 @@ class Verification(WorstCases):
         what it was searched for.
         """
         ways = ways_out(self.case, self.functions)
+        searched = {objective.name for objective in self.objectives}
+        led = {requirement for requirement, name in ways if name in searched}
+        required = {*self.case.requirements, *(requirement for requirement, _ in ways)}
+        unsearched = required - led if self.case.tolerances else set()
         if self.failed_searches or any(one.run.motion is None for one in self.runs):
-            return {*self.case.requirements, *(requirement for requirement, _ in ways)}
+            return required
         unconfirmed = {one.objective for one in self.runs if one.outcome.failed}
-        return {requirement for requirement, name in ways if name in unconfirmed}
+        broken = {requirement for requirement, name in ways if name in unconfirmed}
+        return broken | unsearched
 
     @property
     def requirements(self) -> pd.DataFrame:
@@ -148,7 +153,7 @@ class Verification(WorstCases):
         of_cases = [
             f"failure case {one.failure.name}: {one.study.failure}"
             for one in self.failed_cases
-            if one.study.failure
+            if one.study.failure and not one.held
         ]
         return "; ".join(filter(None, [super().failure, *of_cases]))
 

@@ -1,7 +1,8 @@
 """Tables of failure cases: what came of each, side by side with the design."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -68,8 +69,14 @@ def _nearest(requirements: pd.DataFrame) -> dict[str, object]:
             "nearest_unit": "",
         }
     rows = told.to_dict("records")
-    nearest = min(rows, key=lambda row: row["margin"] / (abs(row["limit"]) or 1.0))
+    nearest = min(rows, key=_share)
     return {f"nearest_{name}": nearest[name] for name in columns}
+
+
+def _share(row: Mapping[Hashable, Any]) -> float:
+    """Return a margin as a share of its limit; of one of zero, of the values."""
+    size = abs(row["limit"]) or abs(row["nominal"]) or abs(row["worst"]) or 1.0
+    return float(row["margin"] / size)
 
 
 def _largest_loads(run: Run) -> dict[str, float]:

@@ -88,11 +88,15 @@ def measured(
     """
     if run.motion is None:
         return LabelledRun(role=role, run=run, metrics={}, outcome=failed(run.message))
+    # Its motion is told, and what it does not separate by can be met by nobody.
+    outcome = failed(run.not_separated) if run.not_separated else COMPLETED
     metrics = metrics_of_run(run, case.limits_of_pairs, case.metrics)
     nearest = {one.metric: one.nearest(run) for one in clearances}
     for one in clearances:
         metrics[one.metric] = clearance_told(run, nearest[one.metric], one)
-    return LabelledRun(role=role, run=run, metrics=metrics, nearest=nearest)
+    return LabelledRun(
+        role=role, run=run, metrics=metrics, nearest=nearest, outcome=outcome
+    )
 
 
 def told_by(functions: Iterable[FunctionRequirement], one: LabelledRun) -> LabelledRun:

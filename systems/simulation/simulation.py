@@ -212,7 +212,9 @@ def _find_stroke_ends(
     Raises:
         RuntimeError: one did not, although nothing keeps them.
     """
-    held = [name for name, release in releases.items() if math.isinf(release)]
+    held = any(
+        a.lets_go and math.isinf(releases[a.name]) for a in separation.attachments
+    )
     ends = separation.timed_stroke_ends(releases)
     for attachment, spring in separation.pushing:
         release = releases[attachment.name]

@@ -362,6 +362,9 @@ class _Costs:
         if self._failures:
             few, less = of_failure(names, settings)
             searched = sum(self._search(name, less, cores) for name in few)
+            if self._cheap:  # else they are in it
+                starts = [_starts(name, fewer_starts(less.starts)) for name in few]
+                searched += sum(starts) * self._of_measurements
             flown = self._speed.drake + seconds[CONFIRMATION]
             seconds[FAILURES] = self._failures * (searched + flown)
         return seconds

@@ -104,7 +104,8 @@ class Session:
             failure: what has.
             which: objectives that are searched.
         """
-        if self.batch is None:
+        never = any(map(math.isinf, failure.values.values()))  # of no program's rows
+        if self.batch is None or never:
             return _in_drake(failed, which, self.pool, failure.values)
         batch = self.batch.holding(failure.values)
         return BatchEvaluator(batch, which, failed.limits_of_pairs, derivatives=False)
@@ -261,7 +262,8 @@ def session(
         if plan.folder is not None:  # it says so, and keeps nothing of the last study
             plan.folder.begin(plan.asked)
         raise RuntimeError(f"the nominal run failed: {nominal.message}")
-    several = drake * (len(case.published) + len(plan.objectives))
+    each = len(plan.objectives) * (1 + len(plan.failures))
+    several = drake * (len(case.published) + each)
     few = batch is not None and several < WORKERS_START and plan.workers is None
     workers = 1 if few else plan.workers
     with DrakePool(case.separation, case.integration, workers=workers) as pool:
