@@ -10,8 +10,9 @@ import drakesep
 from drakesep.analysis.failure_cases import FailureCase
 from drakesep.analysis.standard_failure_cases import LATE, standard_failure_cases
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
+from drakesep.analysis.tolerances.sides import Sides
 from drakesep.systems.checks import InputError
-from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.parameters import parameters, with_values
 
 
 WEAK = FailureCase(name="weak", values={"spring_1.force_max": 700.0})
@@ -103,3 +104,12 @@ def test_what_holds_alone_is_not_late():
     one = dataclasses.replace(pair, attachments=pair.attachments[:1])
     names = [case.name for case in standard_failure_cases(one, {})]
     assert not [name for name in names if name.endswith(("late", "held"))]
+
+
+def test_the_usual_ones_change_something():
+    """A spring that is out by design, and one whose tolerance has one side."""
+    separation = with_values(vega(), {"spring_3.force_max": 0.0})
+    tolerances = {"spring_1.force_max": Sides(minus=0.0, plus=10.0)}
+    names = [one.name for one in standard_failure_cases(separation, tolerances)]
+    assert "spring_1_out" in names and "spring_3_out" not in names
+    assert "springs_hot" in names and "springs_cold" not in names

@@ -1,5 +1,6 @@
 """Failure cases verified beside the design: each is what a case of its own would be."""
 
+import copy
 import itertools
 import math
 
@@ -130,6 +131,20 @@ def test_without_tolerances_there_are_nominal_runs():
     assert study.failure_cases["failure_case"].tolist() == ["design", *few]
     assert study.failure_cases["verdict"].tolist()[-1] == "does not separate"
     assert study.failure_runs["label"].tolist() == ["nominal", "nominal"]
+
+
+def test_a_lock_beside_what_is_fixed_for_good_is_missed_nowhere():
+    """Without the tether, which holds nothing, the same body would separate."""
+    data = small_case(dispersions=None, published=None, objectives=None)
+    tether = copy.deepcopy(data["attachments"]["one"]) | {"release_time_s": "never"}
+    del tether["spring"]
+    data["attachments"]["tether"] = tether
+    data["failure_cases"] = {"held": FAILURES["held"]}
+    data["requirements"] = [{"quantity": "longitudinal_speed_max_m_s", "at_most": 9.0}]
+    study = drakesep.verify(drakesep.Case.model_validate(data), failures=True)
+    assert [one.held for one in study.failed_cases] == [("upper",)]
+    assert study.failure_cases["verdict"].tolist() == ["met", "does not separate"]
+    assert study.verdict == "not met"
 
 
 @pytest.mark.slow
