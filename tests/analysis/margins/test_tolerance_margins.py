@@ -102,6 +102,7 @@ def test_linear_function():
     assert mass.values == {}
 
 
+@pytest.mark.slow
 def test_worst_case_that_turns_over_as_tolerances_grow():
     """v_x up to k = 1, then -v_x^2 + ... : max(v_x, 0.5 v_x^2) changes sides.
 
