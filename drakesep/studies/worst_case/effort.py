@@ -33,7 +33,7 @@ GROWTH, CONFIRMATION, FAILURES = "growth", "confirmation", "failure cases"
 _OF_FAILURES = ("samples", "multistart")
 """Searches of a failure case, of the design's: the nominal is one of the starts."""
 _FEWER = {"samples": 2048, "starts": 3}
-"""Of them, for a failure case, which is to cost a tenth of the design."""
+"""Of them, for a failure case: there are many of these."""
 _GRADES = 8
 MINUTES = 10.0
 """That a study may take, unasked: beyond these, something is left out."""
