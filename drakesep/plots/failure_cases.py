@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from drakesep.analysis.metrics.requirements import Verdict
 from drakesep.plots.limits import LIMIT
 from drakesep.plots.style import COLOURS, save_plot, wrapped
-from drakesep.tables.failure_tables import CASE
+from drakesep.tables.failure_tables import CASE, margin_share
 
 
 _ACROSS, _MOST = 3, 9
@@ -61,9 +61,9 @@ def failure_figure(requirements: pd.DataFrame) -> Figure:
 
 
 def _least_margin(group: pd.DataFrame) -> float:
-    """Return the least margin as a share of the limit, or of the largest value."""
-    size = group["limit"].abs().max() or group["worst"].abs().max() or 1.0
-    return float((group["margin"] / size).fillna(0.0).min())
+    """Return the least margin as a share of its limit; 0 of what was not looked at."""
+    shares = map(margin_share, group.to_dict("records"))
+    return min(0.0 if math.isnan(share) else share for share in shares)
 
 
 def _draw(axes: Axes, mine: pd.DataFrame) -> None:

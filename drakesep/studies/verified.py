@@ -56,18 +56,19 @@ class Verification(WorstCases):
         """What may be broken by a run that was not flown, or not as it was found.
 
         A run that cannot be flown may break any; of a worst case that is not confirmed,
-        what it was searched for.
+        what it was searched for; and what no search led out of.
         """
         ways = ways_out(self.case, self.functions)
-        searched = {objective.name for objective in self.objectives}
-        led = {requirement for requirement, name in ways if name in searched}
         required = {*self.case.requirements, *(requirement for requirement, _ in ways)}
-        unsearched = required - led if self.case.tolerances else set()
         if self.failed_searches or any(one.run.motion is None for one in self.runs):
             return required
         unconfirmed = {one.objective for one in self.runs if one.outcome.failed}
         broken = {requirement for requirement, name in ways if name in unconfirmed}
-        return broken | unsearched
+        if not self.case.tolerances:  # there is nothing to search
+            return broken
+        searched = {objective.name for objective in self.objectives}
+        led = {requirement for requirement, name in ways if name in searched}
+        return broken | (required - led)
 
     @property
     def requirements(self) -> pd.DataFrame:

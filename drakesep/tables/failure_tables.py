@@ -69,12 +69,16 @@ def _nearest(requirements: pd.DataFrame) -> dict[str, object]:
             "nearest_unit": "",
         }
     rows = told.to_dict("records")
-    nearest = min(rows, key=_share)
+    nearest = min(rows, key=margin_share)
     return {f"nearest_{name}": nearest[name] for name in columns}
 
 
-def _share(row: Mapping[Hashable, Any]) -> float:
-    """Return a margin as a share of its limit; of one of zero, of the values."""
+def margin_share(row: Mapping[Hashable, Any]) -> float:
+    """Return a margin as a share of its limit; of one of zero, of the values.
+
+    Args:
+        row: of `requirements_table`.
+    """
     size = abs(row["limit"]) or abs(row["nominal"]) or abs(row["worst"]) or 1.0
     return float(row["margin"] / size)
 
