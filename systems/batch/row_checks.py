@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from types import SimpleNamespace
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,97 +12,117 @@ from drakesep.systems.arrays import Array
 from drakesep.systems.checks import check_finite
 from drakesep.systems.equations.pushers import values_of
 from drakesep.systems.equations.springs import law_of
-from drakesep.systems.model.inertia import physical_margin
 from drakesep.systems.model.parameters import (
     declarations,
     names_of,
     parameters,
     with_values,
 )
-from drakesep.systems.model.separation import Separation
+from drakesep.systems.model.pushers import Pusher
+from drakesep.systems.model.separation import Attachment, Separation
 
+
+Entry: TypeAlias = float | Array
+"""One, or that of each row (n,)."""
 
 _MARGIN = 1e-9
 """Relative: what is nearer to its edge is looked at closely."""
+_BLOCK = 4096
+"""Rows that are looked at together: they stay in a core's cache."""
 
 
-def check_rows(
-    separation: Separation, names: Sequence[str], values: Array
-) -> dict[int, str]:
-    """Return why rows are not physical, by their numbers.
+class RowChecks:
+    """Finds the rows of parameter values that are not physical.
 
     What a row may hold is said once, in the model: this only finds, at the speed of
     arrays, the rows that may not pass, and lets the model judge them.
-
-    Args:
-        separation: whose parameters they are.
-        names: (n_p,) of the parameters.
-        values: (n, n_p) in SI.
     """
-    doubtful = ~np.isfinite(values).all(axis=1)
-    declared = declarations(separation)
-    for name, column in zip(names, values.T, strict=True):
-        doubtful |= ~declared[name].holds(column)
-        if declared[name].kind == "time":
-            doubtful |= column >= separation.duration - _latest_start(separation)
-    doubtful |= _edge_of_inertia(separation, names, values)
-    doubtful |= _late_stroke(separation, names, values)
-    failures = {}
-    for row in np.flatnonzero(doubtful).tolist():
-        try:
-            with_values(separation, dict(zip(names, values[row].tolist(), strict=True)))
-            check_finite(f"row {row} of a batch", *values[row].tolist())
-        except ValueError as error:
-            failures[row] = str(error)
-    return failures
+
+    def __init__(self, separation: Separation, names: Sequence[str]):
+        """Prepare.
+
+        Args:
+            separation: whose parameters they are.
+            names: (n_p,) of the parameters.
+        """
+        self._separation, self._names = separation, tuple(names)
+        self._nominal = parameters(separation)
+        declared = declarations(separation)
+        limits = np.array([declared[name].limits for name in names]).reshape(-1, 2)
+        self._least, self._most = limits.T
+        times = [declared[name].kind == "time" for name in names]
+        latest = math.nextafter(separation.duration - _latest_start(separation), 0.0)
+        self._most[times] = np.minimum(self._most[times], latest)
+        inertias = [names_of([body], ["I_BBcm_B"]) for body in separation.bodies]
+        self._inertias = [keys for keys in inertias if set(keys) & set(names)]
+
+    def failures(self, values: Array) -> dict[int, str]:
+        """Return why rows are not physical, by their numbers.
+
+        Args:
+            values: (n, n_p) in SI.
+        """
+        failures = {}
+        for begin in range(0, len(values), _BLOCK):
+            block = values[begin : begin + _BLOCK]
+            for row in np.flatnonzero(self._doubtful(block)).tolist():
+                try:
+                    self._check(block[row].tolist())
+                except ValueError as error:
+                    failures[begin + row] = str(error)
+        return failures
+
+    def _check(self, row: list[float]) -> None:
+        """Raise ValueError unless the model has it that a row is physical."""
+        values = dict(zip(self._names, row, strict=True))
+        with_values(self._separation, values)
+        for name, value in values.items():
+            check_finite(name, value)
+
+    def _doubtful(self, rows: Array) -> NDArray[np.bool_]:
+        """Return (n,) whether rows may be such as are not physical."""
+        within = np.asarray(((rows >= self._least) & (rows <= self._most)).all(axis=1))
+        # What is out of its range has been found, and makes no number here.
+        with np.errstate(all="ignore"):
+            of = self._nominal | dict(zip(self._names, rows.T, strict=True))
+            for keys in self._inertias:
+                within &= _is_possible(*(of[key] for key in keys))
+            for attachment, spring in self._separation.pushing:
+                within &= self._in_time(attachment, spring, of)
+        return ~within
+
+    def _in_time(
+        self, attachment: Attachment, spring: Pusher, of: dict[str, Entry]
+    ) -> NDArray[np.bool_]:
+        """Return (n,) whether a spring that pushes for a time ends within the run."""
+        law = law_of(spring)
+        if not law.by_time or math.isinf(attachment.release_time):
+            return np.asarray(True)
+        p = SimpleNamespace()
+        for field in values_of(law, spring)._fields:
+            entries = [of[name] for name in names_of([spring], [field])]
+            setattr(p, field, entries if len(entries) > 1 else entries[0])
+        [release] = names_of([attachment], ["release_time"])
+        end = of[release] + law.end(p, np)
+        return np.asarray(end < (1.0 - _MARGIN) * self._separation.duration)
 
 
 def _latest_start(separation: Separation) -> float:
     return max((load.times[0] for load in separation.loads), default=0.0)
 
 
-def _late_stroke(
-    separation: Separation, names: Sequence[str], values: Array
+def _is_possible(
+    xx: Entry, yy: Entry, zz: Entry, xy: Entry, xz: Entry, yz: Entry
 ) -> NDArray[np.bool_]:
-    """Return (n,) whether a spring that pushes for a time may do so beyond the run."""
-    doubtful = np.full(len(values), False)
-    of = {**parameters(separation), **dict(zip(names, values.T, strict=True))}
-    for attachment, spring in separation.pushing:
-        law = law_of(spring)
-        if law.by_time and math.isfinite(attachment.release_time):
-            p = SimpleNamespace()
-            for field in values_of(law, spring)._fields:
-                entries = [of[name] for name in names_of([spring], [field])]
-                setattr(p, field, entries if len(entries) > 1 else entries[0])
-            [release] = names_of([attachment], ["release_time"])
-            # What is out of its range has been found, and makes no number here.
-            with np.errstate(all="ignore"):
-                end = of[release] + law.end(p, np)
-                doubtful |= end >= (1.0 - _MARGIN) * separation.duration
-    return doubtful
+    """Return (n,) whether an inertia is one that a rigid body has, clearly.
 
-
-def _edge_of_inertia(
-    separation: Separation, names: Sequence[str], values: Array
-) -> NDArray[np.bool_]:
-    """Return (n,) whether an inertia is impossible, or nearly so."""
-    doubtful = np.full(len(values), False)
-    nominal = parameters(separation)
-    for body in separation.bodies:
-        keys = names_of([body], ["I_BBcm_B"])
-        if not any(key in names for key in keys):
-            continue
-        inertia = np.stack(
-            [
-                values[:, names.index(key)]
-                if key in names
-                else np.full(len(values), nominal[key])
-                for key in keys
-            ],
-            axis=1,
-        )
-        finite = np.isfinite(inertia).all(axis=1)
-        trace = 0.5 * inertia[finite, :3].sum(axis=1)
-        margin = physical_margin(inertia[finite])
-        doubtful[finite] |= ~(margin > _MARGIN * np.abs(trace))
-    return doubtful
+    Its second moment of mass (see `drakesep.systems.model.inertia`), less what is too
+    near to the edge, is positive definite: its pivots are above zero. Eigenvalues take
+    ten times as long.
+    """
+    half_trace = 0.5 * (xx + yy + zz)
+    inner = (1.0 - _MARGIN) * half_trace
+    first = inner - xx
+    second = inner - yy - xy**2 / first
+    third = inner - zz - xz**2 / first - (yz + xy * xz / first) ** 2 / second
+    return np.asarray((first > 0.0) & (second > 0.0) & (third > 0.0))

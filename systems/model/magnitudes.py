@@ -7,7 +7,7 @@ it is read. What lies within flies, or fails with its reason.
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 from drakesep.systems.checks import InputError, check_finite, check_positive
 
@@ -42,16 +42,6 @@ class Magnitude(NamedTuple):
     most: float
     """Without its sign."""
     unit: str
-
-    def holds(self, value: Any, *, positive: bool) -> Any:
-        """Return whether it holds a value, or each of an array (n,).
-
-        Args:
-            value: in SI.
-            positive: whether it must be above zero.
-        """
-        within = abs(value) <= self.most
-        return within & (value >= self.least) if positive else within
 
 
 MAGNITUDES: Mapping[Kind, Magnitude] = MappingProxyType(

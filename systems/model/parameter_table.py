@@ -33,10 +33,10 @@ class Range(NamedTuple):
     closed: bool = False
     """Whether the lowest value belongs to it."""
 
-    def holds(self, value: Any) -> Any:
-        """Return whether it holds a value, or each of an array (n,)."""
+    def holds(self, value: float) -> bool:
+        """Return whether a value belongs to it."""
         above = value >= self.low if self.closed else value > self.low
-        return above & (value < self.high)
+        return above and value < self.high
 
     def text(self, kind: Kind) -> str:
         """Return what is wanted of a value, angles in deg."""
@@ -93,12 +93,14 @@ class Parameter(NamedTuple):
         """Whether it must be above zero."""
         return self.range.low == 0.0 and not self.range.closed
 
-    def holds(self, values: Any) -> Any:
-        """Return whether it may have a value, or each of an array (n,), in SI."""
-        magnitude = MAGNITUDES[self.kind]
-        return self.range.holds(values) & magnitude.holds(
-            values, positive=self.positive
-        )
+    @property
+    def limits(self) -> tuple[float, float]:
+        """The least and the greatest value that it may have, in SI."""
+        range_, magnitude = self.range, MAGNITUDES[self.kind]
+        low = range_.low if range_.closed else math.nextafter(range_.low, math.inf)
+        least = magnitude.least if self.positive else -magnitude.most
+        high = math.nextafter(range_.high, -math.inf)
+        return max(low, least), min(high, magnitude.most)
 
     def check(self, prefix: str, value: float) -> None:
         """Raise InputError unless its range holds a value, and its kind has its size.

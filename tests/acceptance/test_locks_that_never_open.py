@@ -15,7 +15,7 @@ from drakesep.analysis.metrics.registry import find_metric
 from drakesep.cli.options import parse_changes
 from drakesep.results.reading import read_results
 from drakesep.studies.before_flight import check_verifiable
-from drakesep.systems.batch.row_checks import check_rows
+from drakesep.systems.batch.row_checks import RowChecks
 from drakesep.systems.equations.forces_of_run import spring_forces
 from drakesep.systems.equations.loads_of_run import joint_loads
 from drakesep.systems.model.integration import Integration
@@ -150,7 +150,9 @@ def test_nothing_else_may_be_infinite(name):
 
 def test_a_row_of_a_batch_lets_go():
     names = ["a4.release_time"]
-    failures = check_rows(symmetric_design().separation, names, np.array([[math.inf]]))
+    failures = RowChecks(symmetric_design().separation, names).failures(
+        np.array([[math.inf]])
+    )
     assert "must be finite" in failures[0]
 
 

@@ -54,7 +54,7 @@ from drakesep.systems.batch.integrator import (
 )
 from drakesep.systems.batch.lanes import Lanes
 from drakesep.systems.batch.motion import MotionFold
-from drakesep.systems.batch.row_checks import check_rows
+from drakesep.systems.batch.row_checks import RowChecks
 from drakesep.systems.checks import InputError, check_finite, check_positive, unknown
 from drakesep.systems.model.parameters import (
     check_read,
@@ -78,6 +78,8 @@ MAX_STEPS = 20_000
 _CHUNK = {"cpu": 128}
 """Rows that are flown together: on a CPU as many as its cache holds."""
 _CHUNK_OF_ACCELERATOR = 65_536
+_WORKERS = 4
+"""Of an accelerator."""
 _RUNS = 16
 """Rows whose motion is sampled together."""
 _TIMES = 256
@@ -147,7 +149,8 @@ class Batch:
             tolerance: of the error estimates of all steps of a run together, in SI.
             max_steps: after which a row has failed.
             chunk: rows that are flown together; what suits the machine if None.
-            workers: threads that fly chunks; one per core if None, one on a GPU.
+            workers: threads that fly chunks; one per core if None, four on a GPU: some
+                prepare chunks while one is flown.
 
         Raises:
             ValueError: a parameter is unknown, named twice or none that the equations
@@ -162,7 +165,7 @@ class Batch:
         platform = jax.default_backend()
         chunk = _CHUNK.get(platform, _CHUNK_OF_ACCELERATOR) if chunk is None else chunk
         if workers is None:
-            workers = (os.cpu_count() or 1) if platform == "cpu" else 1
+            workers = (os.cpu_count() or 1) if platform == "cpu" else _WORKERS
         for what, number in (
             ("max_steps", max_steps),
             ("chunk", chunk),
@@ -181,6 +184,7 @@ class Batch:
         self._equations = BatchEquations(separation, names)
         read = {*self._equations.read, *places_of_parts(separation)}
         check_read(names, read, "the batch engine")
+        self._row_checks = RowChecks(separation, names)
         integrator = functools.partial(
             BatchIntegrator, self._equations, tolerance=tolerance, max_steps=max_steps
         )
@@ -233,6 +237,7 @@ class Batch:
         held._free = np.array(free, dtype=np.intp)
         held.names = tuple(self._all_names[i] for i in free)
         held.nominal = held._lane[held._free]
+        held._row_checks = RowChecks(held.separation, held.names)
         return held
 
     @typed
@@ -286,18 +291,9 @@ class Batch:
             ValueError: the values are not n_p columns.
         """
         rows = self._check_values(values)
-        failures = check_rows(self.separation, self.names, rows)
-        flyable = rows.copy()
-        flyable[list(failures)] = self.nominal
         runs: list[Run] = []
-        for part, flown in self._fly_parts(self._metrics, flyable):
-            reasons = self._why_not(flown)
-            reasons |= {
-                i - part.start: failures[i]
-                for i in range(part.start, part.stop)
-                if i in failures
-            }
-            runs += self._sampled(rows[part], flown.final, reasons)
+        for part, flown, failures in self._fly_parts(self._metrics, rows):
+            runs += self._sampled(rows[part], flown.final, failures)
         return runs
 
     # Chunks of rows.
@@ -327,24 +323,20 @@ class Batch:
         on_progress: Progress | None,
     ) -> BatchResult:
         rows = self._check_values(values)
-        failures = check_rows(self.separation, self.names, rows)
-        flyable, unflown = rows.copy(), list(failures)
-        flyable[unflown] = self.nominal
+        failures: dict[int, str] = {}
         metrics = np.empty((len(rows), len(self._fold.names)))
-        steps = np.zeros(len(rows), dtype=np.int64)
+        steps = np.empty(len(rows), dtype=np.int64)
         jacobian = None
         if program is self._metrics_and_slopes:
             jacobian = np.empty((*metrics.shape, len(self.names)))
-        for part, flown in self._fly_parts(program, flyable):
+        for part, flown, failed in self._fly_parts(program, rows):
             metrics[part] = flown.metrics.T
             steps[part] = flown.final.steps
             if jacobian is not None:
                 jacobian[part] = np.transpose(flown.slopes, (2, 1, 0))[..., self._free]
-            for i, why in self._why_not(flown).items():
-                failures.setdefault(part.start + i, why)
+            failures |= {part.start + i: why for i, why in failed.items()}
             if on_progress is not None:
                 on_progress(part.stop, len(rows))
-        steps[unflown] = 0
         metrics[list(failures)] = np.nan
         if jacobian is not None:
             jacobian[list(failures)] = np.nan
@@ -352,15 +344,18 @@ class Batch:
         return BatchResult(
             names=self.names,
             metrics=pd.DataFrame(metrics, index=index, columns=list(self._fold.names)),
-            failures=dict(sorted(failures.items())),
+            failures=failures,
             steps=steps,
             jacobian=jacobian,
         )
 
     def _fly_parts(
         self, program: Program, rows: Array
-    ) -> Iterator[tuple[slice, Flown]]:
-        """Yield parts of the rows in order, of some chunks, with what came of them."""
+    ) -> Iterator[tuple[slice, Flown, dict[int, str]]]:
+        """Yield parts of the rows in order, of some chunks, and what came of them.
+
+        With why rows failed, by their numbers in the part.
+        """
         chunks = -(-len(rows) // program.chunk)
         most = min(chunks // self.workers, program.affordable)
         size = program.chunk * max(most, 1)
@@ -371,14 +366,17 @@ class Batch:
 
         over = threading.Event()
 
-        def fly(part: slice) -> Flown:
-            lanes = self._filled(rows[part], program.lanes)
-            flown: Flown = program(lanes, len(rows[part]), lambda: not over.is_set())
-            return flown
+        def fly(part: slice) -> tuple[slice, Flown, dict[int, str]]:
+            mine = rows[part]
+            unflown = self._row_checks.failures(mine)
+            lanes = self._filled(mine, program.lanes)
+            lanes[:, list(unflown)] = self._lane[:, None]
+            return part, program(lanes, len(mine), lambda: not over.is_set()), unflown
 
         pool = ThreadPoolExecutor(self.workers)
         try:
-            yield from zip(parts, pool.map(fly, parts), strict=True)
+            for part, flown, unflown in pool.map(fly, parts):
+                yield part, _without(flown, unflown), self._why_not(flown) | unflown
         finally:
             # An interrupt does not wait: threads end after the call that they are in.
             over.set()
@@ -456,7 +454,7 @@ class Batch:
 
     def _failed(self, row: Array, reason: str) -> Run:
         """Return a run that failed; of the nominal, if the row is not physical."""
-        physical = not check_rows(self.separation, self.names, row[None])
+        physical = not self._row_checks.failures(row[None])
         values = self._values(row) if physical else {}
         return Run(
             separation=with_values(self.separation, values),
@@ -479,6 +477,13 @@ class Batch:
 def _of_row(final: FinalState, row: int) -> FinalState:
     mine: FinalState = jax.tree.map(lambda x: x[..., row], final)
     return mine
+
+
+def _without(flown: Flown, rows: Collection[int]) -> Flown:
+    """Return what came of lanes, of which those of some rows count as not flown."""
+    steps = flown.final.steps.copy()
+    steps[list(rows)] = 0
+    return flown._replace(final=flown.final._replace(steps=steps))
 
 
 def _names(owners: Sequence[Any], chosen: NDArray[np.bool_]) -> list[str]:

@@ -161,19 +161,19 @@ class Program:
     def _nothing_of(self, n_p: int) -> _UnderWay:
         """Return what there is before the first step of the first chunk."""
 
-        def zeros(x: Any) -> Array:
-            return np.zeros(x.shape, x.dtype)
+        def zeros(x: Any) -> Lanes:
+            return jnp.zeros(x.shape, x.dtype)
 
-        def of_all_lanes(x: Any) -> Array:
-            return np.zeros((*x.shape[:-1], self.lanes), x.dtype)
+        def of_all_lanes(x: Any) -> Lanes:
+            return jnp.zeros((*x.shape[:-1], self.lanes), x.dtype)
 
         mine = np.zeros((n_p, self.chunk))
         state = jax.eval_shape(self._start, mine)
         flown = jax.eval_shape(self._end, mine, state)
-        none = np.zeros((), dtype=np.int64)
+        none = jnp.zeros((), dtype=np.int64)
         return _UnderWay(
             chunk=none,
-            begun=np.zeros((), dtype=bool),
+            begun=jnp.zeros((), dtype=bool),
             left=none,
             state=jax.tree.map(zeros, state),
             flown=jax.tree.map(of_all_lanes, flown),
