@@ -3,8 +3,8 @@
     pip install -e . 'jax[cuda12]'
     python benchmarks/gpu.py
 
-VEGA, all metrics of every run, in double precision, the compilation left out. So far
-unmeasured on a GPU; on a CPU the larger batches take minutes, and are left out.
+VEGA, all metrics of every run, in double precision, the compilation left out. On a CPU
+the larger batches take minutes, and are left out.
 """
 
 import time
