@@ -20,6 +20,12 @@ hypothesis.settings.register_profile("drakesep", deadline=None)
 hypothesis.settings.load_profile("drakesep")
 
 
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Let one process run what needs the main job, and else each file's tests."""
+    wants_vega = "vega_verification" in getattr(item, "fixturenames", ())
+    item.add_marker(pytest.mark.xdist_group("vega" if wants_vega else str(item.path)))
+
+
 @pytest.fixture(scope="session")
 def vega_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """That `vega_verification` writes into."""

@@ -103,7 +103,7 @@ def test_only_what_varies_may_be_held(vega_batch):
 
 
 def test_vega_against_drake_over_the_whole_box(vega, vega_batch):
-    rows = random_rows(vega, 100)
+    rows = random_rows(vega, 40)
     result = vega_batch.run(rows)
     assert not result.failures
     limits = deviation_limits(vega.limits)
