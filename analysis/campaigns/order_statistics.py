@@ -15,19 +15,13 @@ from scipy.special import betainc, betaincc, betaincinv
 
 from drakesep.analysis.search.optimality import fraction_beyond
 from drakesep.systems.argument_types import typed
-from drakesep.systems.checks import InputError
+from drakesep.systems.checks import InputError, check_share
 
 
 _ROUND_OFF = 1e-12
 """Relative, of a risk: one that equals what is allowed is allowed."""
 _MOST_RUNS = 10**15
 """Numbers up to it are exact as floats."""
-
-
-def check_share(name: str, value: float) -> None:
-    """Raise InputError unless a share or a confidence is between 0 and 1."""
-    if not 0.0 < value < 1.0:  # NaN, too
-        raise InputError(f"{name} must be > 0 and < 1, got {value!r}")
 
 
 def consumers_risk(runs: int, failures: int, share: float) -> float:

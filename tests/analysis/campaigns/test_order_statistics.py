@@ -5,7 +5,8 @@ from math import comb
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.stats import beta, binomtest
 
 from drakesep.analysis.campaigns.order_statistics import (
@@ -172,7 +173,7 @@ def test_large_campaigns():
     ("arguments", "said"),
     [
         ({"share": 1.0}, "share must be > 0 and < 1, got 1.0"),
-        ({"share": float("nan")}, "share must be > 0 and < 1, got nan"),
+        ({"share": float("nan")}, "share must be finite, got nan"),
         ({"confidence": 90.0}, "confidence must be > 0 and < 1, got 90.0"),
         ({"runs": 0}, "runs must be >= 1, got 0"),
         ({"runs": 1.5}, "runs must be a whole number"),
@@ -188,5 +189,5 @@ def test_failures_that_make_no_sense():
     """Fewer than none; or more runs than can be counted."""
     with pytest.raises(InputError, match="failures must be >= 0, got -1"):
         runs_needed(0.9, 0.9, -1)
-    with pytest.raises(InputError, match="takes more than 1000000000000000 runs"):
+    with pytest.raises(InputError, match=r"takes more than 10+ runs"):
         runs_needed(1 - 1e-16, 0.9)
