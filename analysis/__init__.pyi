@@ -2,6 +2,13 @@ from .analysis_case import AnalysisCase as AnalysisCase
 from .analysis_case import ClearancePairs as ClearancePairs
 from .analysis_case import PrintedResult as PrintedResult
 from .analysis_case import PublishedCase as PublishedCase
+from .campaigns.answers import CampaignAnswer as CampaignAnswer
+from .campaigns.answers import LaunchRequirement as LaunchRequirement
+from .campaigns.answers import Tally as Tally
+from .campaigns.answers import launch_requirements as launch_requirements
+from .campaigns.order_statistics import CampaignSize as CampaignSize
+from .campaigns.order_statistics import failures_allowed as failures_allowed
+from .campaigns.order_statistics import runs_needed as runs_needed
 from .clearance.contact import Contact as Contact
 from .clearance.objective import LowestClearance as LowestClearance
 from .clearance.of_pair import Clearance as Clearance

@@ -39,6 +39,15 @@ class Unit(NamedTuple):
         return value * self.per_si
 
 
+def share_words(share: float | None) -> str:
+    """Return of how many launches a limit is, such as `` in 99.865 % of launches``.
+
+    Args:
+        share: of launches; None: of all, of which nothing is said.
+    """
+    return "" if share is None else f" in {100.0 * share:.10g} % of launches"
+
+
 SI = Unit("", "SI")
 """Of what has no unit of its own in tables."""
 

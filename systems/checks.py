@@ -48,6 +48,13 @@ def check_not_negative(name: str, value: float) -> None:
         raise InputError(f"{name} must be >= 0, got {value}")
 
 
+def check_share(name: str, value: float) -> None:
+    """Raise InputError unless the value is above 0 and below 1."""
+    check_finite(name, value)
+    if not 0.0 < value < 1.0:
+        raise InputError(f"{name} must be > 0 and < 1, got {value}")
+
+
 def check_entries(name: str, entries: Sequence[float], count: int) -> None:
     """Raise InputError unless there are so many finite entries."""
     if len(entries) != count:

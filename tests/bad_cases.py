@@ -211,6 +211,39 @@ BAD = {
         ),
         "requirements (entry 1): at_least must not be above at_most, got 1 and 0.3",
     ),
+    "share without confidence": (
+        changed(
+            "requirements",
+            [{"quantity": "angle_max_deg", "at_most": [9.0] * 3, "share": 0.99865}],
+        ),
+        "requirements (entry 1): angle_max_deg: must have share and confidence, got no "
+        "confidence",
+    ),
+    "share in per cent": (
+        changed(
+            "requirements",
+            [
+                {
+                    **{"quantity": "angle_max_deg", "at_most": [9.0] * 3},
+                    **{"share": 99.865, "confidence": 0.9},
+                }
+            ],
+        ),
+        "requirements (entry 1).share: must be < 1, got 99.865",
+    ),
+    "one side of two": (
+        changed(
+            "requirements",
+            [
+                {
+                    **{"quantity": "longitudinal_speed_m_s", "at_least": 1.0},
+                    **{"share": 0.9973, "confidence": 0.9, "sides": "two"},
+                }
+            ],
+        ),
+        "requirements: longitudinal_speed_m_s: at_least of two sides must stand with "
+        "one from above, of the same id, share and confidence",
+    ),
     "time of a metric that says it": (
         changed(
             "requirements",

@@ -16,7 +16,7 @@ from drakesep.analysis.metrics.objectives import (
     SignedMetric,
 )
 from drakesep.analysis.metrics.registry import find_metric
-from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.analysis.metrics.requirements import Requirement, Sides, check_statistical
 from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.model.run import Run
@@ -44,6 +44,12 @@ class FunctionRequirement:
     """By which others know it, such as ``UM-4.2``."""
     source: str = ""
     """Where it comes from."""
+    share: float | None = None
+    """Of launches that must be within each limit; see `Requirement`."""
+    confidence: float | None = None
+    """At which that is to be shown."""
+    sides: Sides = "one"
+    """Whether the share is of each limit by itself."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -54,6 +60,7 @@ class FunctionRequirement:
             )
         if find_metric(self.name) is not None:
             raise InputError(f"requirements: {self.name!r} is the name of a metric")
+        check_statistical(self.name, self.share, self.confidence, self.sides)
         for limit in self.limits:
             check_finite(f"{self.name}: limit", limit.limit)
         if not self.limits:
@@ -64,6 +71,10 @@ class FunctionRequirement:
                     f"{self.name}: at_least must not be above at_most, got "
                     f"{self.at_least:g} and {self.at_most:g}"
                 )
+        elif self.sides == "two":
+            raise InputError(
+                f"{self.name}: of two sides must have at_most and at_least, got one"
+            )
 
     def of(self, run: Run) -> float:
         """Return the function of a completed run.
@@ -96,7 +107,14 @@ class FunctionRequirement:
         )
         return tuple(
             Requirement(
-                metric=self.name, sense=sense, limit=x, id=self.id, source=self.source
+                metric=self.name,
+                sense=sense,
+                limit=x,
+                id=self.id,
+                source=self.source,
+                share=self.share,
+                confidence=self.confidence,
+                sides=self.sides,
             )
             for sense, x in sides
             if x is not None

@@ -2,9 +2,9 @@
 
 import enum
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Literal, TypeAlias, get_args
 
 from drakesep.analysis.metrics.metric import (
     SENSES,
@@ -15,7 +15,7 @@ from drakesep.analysis.metrics.metric import (
 )
 from drakesep.analysis.metrics.registry import DEVIATION, find_metric
 from drakesep.systems.argument_types import typed
-from drakesep.systems.checks import InputError, check_finite
+from drakesep.systems.checks import InputError, check_finite, check_share
 from drakesep.systems.model.parameter_table import with_axis
 
 
@@ -24,13 +24,18 @@ Limits: TypeAlias = Sequence[float] | Mapping[str, Sequence[float]]
 such limits of several pairs, by their B's name, and of the first by an empty one."""
 
 
+Sides: TypeAlias = Literal["one", "two"]
+"""Whether a share of launches is of those within one limit, or between two."""
+
+
 @typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Requirement:
-    """A limit on one metric of a run.
+    """A limit on one metric of a run: of every run, or of a share of launches.
 
     Raises:
-        ValueError: the limit is not finite, or there is no such sense.
+        ValueError: the limit is not finite, there is no such sense, or a share stands
+            without a confidence or the reverse.
     """
 
     metric: str
@@ -42,10 +47,19 @@ class Requirement:
     """By which others know it, such as ``UM-4.2``."""
     source: str = ""
     """Where it comes from."""
+    share: float | None = None
+    """Of launches that must be within the limit, such as 0.99865; None: every run
+    must, and the worst that tolerances admit is what is asked for."""
+    confidence: float | None = None
+    """At which that is to be shown, such as 0.9; with a share, and only with it."""
+    sides: Sides = "one"
+    """Of what is required of a share: each limit by itself; or ``two``, the limits of
+    the same metric and id from above and from below together."""
 
     def __post_init__(self) -> None:
         """Check the values."""
         check_finite(f"{self.metric}: limit", self.limit)
+        check_statistical(self.metric, self.share, self.confidence, self.sides)
         if self.sense not in SENSES:
             raise InputError(
                 f"{self.metric}: sense must be one of {' '.join(SENSES)}, "
@@ -107,6 +121,11 @@ class Requirement:
         """Whether it says that nothing touches, and no more."""
         return self.measured_apart and self.sense == ">" and self.limit == 0.0
 
+    @property
+    def statistical(self) -> bool:
+        """Whether it is of a share of launches: runs at the edges do not tell."""
+        return self.share is not None
+
     def margin(self, value: float) -> float:
         """Return how far a value lies inside the limit; negative if it is beyond."""
         return self.limit - value if self.from_above else value - self.limit
@@ -114,6 +133,29 @@ class Requirement:
     def keeps(self, margin: float) -> bool:
         """Return whether a value with such a margin meets it."""
         return margin > 0.0 if is_strict(self.sense) else margin >= 0.0
+
+
+def check_statistical(
+    name: str, share: float | None, confidence: float | None, sides: Sides
+) -> None:
+    """Raise InputError unless a share and its confidence make sense, or neither is.
+
+    Args:
+        name: of what is limited.
+        share: of launches.
+        confidence: at which it is to be shown.
+        sides: of which it is.
+    """
+    if sides not in get_args(Sides):
+        raise InputError(f"{name}: sides must be one or two, got {sides!r}")
+    if (share is None) != (confidence is None):
+        missing = "share" if share is None else "confidence"
+        raise InputError(f"{name}: must have share and confidence, got no {missing}")
+    if share is not None and confidence is not None:
+        check_share(f"{name}: share", share)
+        check_share(f"{name}: confidence", confidence)
+    elif sides == "two":
+        raise InputError(f"{name}: sides must stand with share, got none")
 
 
 class UnusableLimit(InputError):
@@ -154,6 +196,37 @@ def check_limits(requirements: Sequence[Requirement]) -> None:
             wanted = "must stand once, or each time with an id of its own"
             got = repr(requirement.id) if requirement.id else "none"
             raise UnusableLimit(requirement, wanted, f"{got} twice")
+    for band in limits_together(requirements):
+        _check_sides(band)
+
+
+def limits_together(
+    requirements: Sequence[Requirement],
+) -> list[tuple[Requirement, ...]]:
+    """Return the requirements on shares of launches, limits of one share together.
+
+    Each by itself; or two, that are one requirement of two sides.
+    """
+    bands: dict[object, tuple[Requirement, ...]] = {}
+    for one in requirements:
+        if one.statistical:
+            side = one.sense if one.sides == "one" else ""
+            key = one.metric, one.id, one.share, one.confidence, side
+            bands[key] = (*bands.get(key, ()), one)
+    return list(bands.values())
+
+
+def _check_sides(band: tuple[Requirement, ...]) -> None:
+    """Raise UnusableLimit if a requirement of two sides has but one."""
+    first = band[0]
+    of_magnitude = first.never_negative and first.from_above
+    if first.sides == "two" and len(band) == 1 and not of_magnitude:
+        other = "below" if first.from_above else "above"
+        wanted = (
+            f"of two sides must stand with one from {other}, of the same id, share and "
+            "confidence, or be of a magnitude"
+        )
+        raise UnusableLimit(first, wanted, "none")
 
 
 def _check_limit(requirement: Requirement) -> None:
@@ -182,6 +255,9 @@ class Verdict(enum.Enum):
 
     MET = "met"
     NOT_MET = "not met"
+    NOT_SHOWN = "not shown"
+    """Of a share of launches: a campaign shows neither that it is met nor that it is
+    not, since its runs are too few for so near a thing. It is not known to be met."""
     NOT_LOOKED_AT = "not looked at"
     """A run does not tell, or none does, or one could not be flown: no verdict."""
 
@@ -209,7 +285,19 @@ class Finding:
 
     @property
     def verdict(self) -> Verdict:
-        """Whether every run meets the requirement."""
+        """Whether the requirement is met.
+
+        That of the runs; but of a share of launches they do not tell: that the worst is
+        beyond the limit is no violation, and that it is within is none for launches
+        farther out than the tolerances. A campaign does.
+        """
+        if self.requirement.statistical:
+            return Verdict.NOT_LOOKED_AT
+        return self.verdict_on_runs
+
+    @property
+    def verdict_on_runs(self) -> Verdict:
+        """Whether every run is within the limit."""
         if math.isnan(self.worst):
             return Verdict.NOT_LOOKED_AT
         if not self.requirement.keeps(self.margin):
@@ -279,11 +367,15 @@ def _finding(
     )
 
 
-def verdict_on_all(findings: Sequence[Finding]) -> Verdict:
-    """Return the verdict on all requirements together: one violation settles it."""
-    verdicts = {finding.verdict for finding in findings}
-    for verdict in (Verdict.NOT_MET, Verdict.NOT_LOOKED_AT):
-        if verdict in verdicts:
+def verdict_on_all(verdicts: Iterable[Verdict]) -> Verdict:
+    """Return the verdict on all requirements together: one violation settles it.
+
+    Args:
+        verdicts: on each.
+    """
+    found = {*verdicts}
+    for verdict in (Verdict.NOT_MET, Verdict.NOT_SHOWN, Verdict.NOT_LOOKED_AT):
+        if verdict in found:
             return verdict
     return Verdict.MET
 

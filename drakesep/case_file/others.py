@@ -25,7 +25,11 @@ from drakesep.analysis.metrics.quantities import (
     between_times,
 )
 from drakesep.analysis.metrics.registry import find_metric, registered_metrics
-from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.analysis.metrics.requirements import (
+    Requirement,
+    Sides,
+    check_statistical,
+)
 from drakesep.analysis.tolerances.box import Dispersion
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.analysis.tolerances.sides import Tolerance
@@ -83,6 +87,7 @@ Mark = Annotated[str | float, BeforeValidator(_check_mark)]
 Limits = Annotated[tuple[float | None, ...], Strict(False), BeforeValidator(_as_limits)]
 """One for each axis; null: none."""
 Seconds = Annotated[float, Field(ge=0)]
+Share = Annotated[float, Field(gt=0, lt=1)]
 
 
 class PairSection(Section):
@@ -212,6 +217,14 @@ class RequirementSection(Section):
     """By which others know the requirement."""
     source: str = ""
     """Where it comes from."""
+    share: Share | None = None
+    """Of launches that must be within each limit, such as 0.99865; if absent, every run
+    must, also the worst that the tolerances admit."""
+    confidence: Share | None = None
+    """At which a campaign is to show that share, such as 0.9; with `share`."""
+    sides: Sides = "one"
+    """Of a share: `one`, of those within one limit, each by itself; `two`, of those
+    between the limits of an axis, or of a magnitude."""
     until_separation_mm: Positive | None = None
     """Of these: how far B is to move in its direction until it holds no more; every B,
     if all parts are measured; of two parts, each of their bodies that leaves. If
@@ -242,6 +255,7 @@ class RequirementSection(Section):
         if not self._sides:
             raise ValueError("must have a limit that is no null, got none")
         self._check_band()
+        check_statistical(self.quantity, self.share, self.confidence, self.sides)
         return self
 
     @property
@@ -353,6 +367,9 @@ class RequirementSection(Section):
             limit=unit_of(metric).to_si(limit),
             id=self.id,
             source=self.source,
+            share=self.share,
+            confidence=self.confidence,
+            sides=self.sides,
         )
 
 

@@ -71,7 +71,7 @@ def _cell(value: Any, digits: int) -> str:
         return "none found"  # such as a growth that violates anything
     if isinstance(value, float):
         return f"{value + 0.0:.{digits}g}"  # -0.0 is 0
-    wrong = ("not met", "not looked at")
+    wrong = ("not met", "not shown", "not looked at")
     styles = {"met": "[green]met[/]"} | {w: f"[bold red]{w}[/]" for w in wrong}
     return styles.get(str(value), escape(str(value)))
 

@@ -10,6 +10,8 @@ from typing import Any, TypeAlias
 
 import pandas as pd
 
+from drakesep.units import share_words
+
 
 Row: TypeAlias = Mapping[Any, Any]
 _VALUES = ("nominal", "worst", "value", "margin", "verdict")
@@ -76,8 +78,12 @@ def _names(frame: pd.DataFrame, bodies: Sequence[str]) -> list[str]:
     return names
 
 
+def _share(row: Row) -> str:
+    return "" if math.isnan(row["share"]) else share_words(row["share"])
+
+
 def _limits(frame: pd.DataFrame) -> list[str]:
     return [
-        f"{row['sense']} {row['limit']:.10g} {row['unit']}".strip()
+        f"{row['sense']} {row['limit']:.10g} {row['unit']}".strip() + _share(row)
         for row in frame.to_dict("records")
     ]

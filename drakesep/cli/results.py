@@ -178,14 +178,24 @@ def print_verdict(console: Console, study: Verification) -> None:
             console.print(f"[bold red]Not every requirement is met{_where(study)}.[/]")
         case Verdict.NOT_LOOKED_AT.value:
             console.print(
-                "[bold red]Not every requirement was looked at[/]: no run is beyond a "
-                "limit, and some do not tell."
+                f"[bold red]Not every requirement was looked at[/]: {_why_not(study)}"
             )
         case None:
             console.print(
                 "[bold red]No verdict[/]: no run is beyond a limit, and not all could "
                 "be flown or confirmed."
             )
+
+
+def _why_not(study: Verification) -> str:
+    """Return why there is a requirement that was not looked at."""
+    count = sum(one.requirement.statistical for one in study.findings)
+    if not count:
+        return "no run is beyond a limit, and some do not tell."
+    return (
+        f"{count} of {len(study.findings)} are of a share of launches. The worst that "
+        "was found of these is above; a campaign alone tells whether they are met."
+    )
 
 
 def _in_failures_too(study: Verification) -> str:

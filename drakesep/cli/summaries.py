@@ -65,7 +65,8 @@ class ShowSummary:
     """`parameter`, `value` and `tolerance` of each, in the unit of its name; a
     tolerance of null: it is not dispersed."""
     requirements: list[Row]
-    """`quantity`, `sense`, `limit` and `id` of each limit."""
+    """`quantity`, `sense`, `limit`, `share`, `confidence`, `sides` and `id` of each
+    limit; a share of null: every run must be within it."""
     failure_cases: list[Row]
     """`failure_case` and `changed` of each."""
     notes: list[str]
@@ -211,6 +212,9 @@ def of_case(case: Case) -> ShowSummary:
                 "quantity": with_unit(one.metric),
                 "sense": one.sense,
                 "limit": unit_of(one.metric).from_si(one.limit),
+                "share": one.share,
+                "confidence": one.confidence,
+                "sides": one.sides if one.statistical else "",
                 "id": one.id,
             }
             for one in case.limits

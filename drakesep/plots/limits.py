@@ -3,7 +3,7 @@
 from typing import Any
 
 from drakesep.analysis.metrics.requirements import Requirement
-from drakesep.units import unit_of
+from drakesep.units import share_words, unit_of
 
 
 LIMIT: dict[str, Any] = {"color": "#B00020", "ls": (0, (8, 3)), "lw": 1.4, "zorder": 5}
@@ -18,4 +18,5 @@ def limit_words(requirement: Requirement) -> str:
     if not requirement.forbids_contact:
         limit = unit.from_si(requirement.limit)
         words = f"{_SIGNS[requirement.sense]} {limit:.4g} {unit.symbol}"
+    words += share_words(requirement.share)
     return f"{requirement.id}: {words}" if requirement.id else words

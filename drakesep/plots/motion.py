@@ -238,10 +238,13 @@ def _sentence(panel: Panel, decided: Decided) -> str:
     """Return what is said above a panel of a requirement on it."""
     finding = decided.finding
     limit, unit = limit_words(finding.requirement), panel.unit
-    if finding.verdict is Verdict.NOT_LOOKED_AT:
-        return f"{limit}: {finding.verdict.value}"
+    verdict = finding.verdict_on_runs
+    if verdict is Verdict.NOT_LOOKED_AT:
+        return f"{limit}: {verdict.value}"
     worst = unit.from_si(finding.worst) + 0.0  # of -0, 0
-    broken = "" if finding.met else f", {finding.verdict.value}"
+    # Of a share of launches, one that is beyond the limit is no verdict.
+    beyond = "beyond it" if finding.requirement.statistical else verdict.value
+    broken = "" if verdict is Verdict.MET else f", {beyond}"
     return f"{limit}: {worst:.4g} in {finding.run}{broken}"
 
 

@@ -19,6 +19,11 @@ from drakesep.analysis.analysis_case import (
     PrintedResult,
     PublishedCase,
 )
+from drakesep.analysis.campaigns.answers import (
+    CampaignAnswer,
+    LaunchRequirement,
+    Tally,
+)
 from drakesep.analysis.clearance.contact import Contact
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.failure_cases import FailureCase
@@ -71,6 +76,7 @@ _RECORDS: tuple[type[Any], ...] = (
     *(Clearance, Contact, ContactForces),
     *(Searched, Candidate, Ascent, Iteration, AscentSettings, SearchSettings),
     *(Growth, Limit),
+    *(CampaignAnswer, LaunchRequirement, Tally),
 )
 _ENUMS: tuple[type[enum.Enum], ...] = (Ending, RunStatus, SearchStatus)
 NO_RECORD = (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError)

@@ -143,6 +143,9 @@ _LIMIT = (
     _UNIT,
     Column("sense", "", "`<=` or `>=`; `<` or `>` if the limit itself is beyond it."),
     Column("limit", _SAME, "That is required."),
+    Column("share", "", "Of launches that must be within it; empty: every run must."),
+    Column("confidence", "", "At which a campaign is to show that share."),
+    Column("sides", "", "Of a share: `one`; `two`, both limits together."),
 )
 _IDENTITY = (
     Column(
@@ -406,7 +409,8 @@ _VERDICT = (
         "verdict",
         "",
         "`met`, `not met` or `not looked at`, which is also what may be broken "
-        "by a run that failed, or by a worst case that is not confirmed.",
+        "by a run that failed, or by a worst case that is not confirmed; and what is "
+        "required of a share of launches, which a campaign tells.",
     ),
     *_IDENTITY,
 )

@@ -50,7 +50,19 @@ def check_verifiable(case: Case) -> list[str]:
             "Parts push each other where they touch (recontact), which Drake alone "
             "knows: it flies all, run by run, and searches by SQP from the nominal."
         )
-    return notes + _never_judged(case.in_si()) + _left_out(case)
+    record = case.in_si()
+    return notes + _never_judged(record) + _of_shares(record) + _left_out(case)
+
+
+def _of_shares(case: AnalysisCase) -> list[str]:
+    """Return that a campaign alone tells of some requirements, if so."""
+    count = sum(one.statistical for one in case.requirements)
+    if not count:
+        return []
+    return [
+        f"{count} of {len(case.requirements)} requirements are of a share of launches: "
+        "`verify` tells how bad they get, and a campaign alone whether they are met."
+    ]
 
 
 def _never_judged(case: AnalysisCase) -> list[str]:

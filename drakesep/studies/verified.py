@@ -173,7 +173,7 @@ class Verification(WorstCases):
         What a run is beyond stays so, whatever else failed; without it, a study that is
         not completed has no verdict: None.
         """
-        found = verdict_on_all(self.findings)
+        found = verdict_on_all(one.verdict for one in self.findings)
         if found is Verdict.NOT_MET or not super().failure:
             return found.value
         return None

@@ -96,7 +96,7 @@ def requirements_of_run_table(
                 **_limit(requirement, unit),
                 "value": unit.from_si(finding.worst),
                 "margin": unit.from_si(finding.margin),
-                "verdict": finding.verdict.value,
+                "verdict": finding.verdict_on_runs.value,
                 **_identity(requirement, bodies),
             }
         )
@@ -166,6 +166,11 @@ def _limit(requirement: Requirement, unit: Unit) -> dict[str, str | float]:
         "unit": unit.symbol,
         "sense": requirement.sense,
         "limit": unit.from_si(requirement.limit),
+        "share": math.nan if requirement.share is None else requirement.share,
+        "confidence": (
+            math.nan if requirement.confidence is None else requirement.confidence
+        ),
+        "sides": requirement.sides if requirement.statistical else "",
     }
 
 
@@ -210,7 +215,7 @@ def _first_tolerance(
     if first is None or box is None or math.isnan(first.factor):
         not_looked_at = Verdict.NOT_LOOKED_AT.value
         return {"first_tolerance": not_looked_at, "its_growth_factor": math.nan}
-    if finding.verdict is Verdict.NOT_MET:
+    if finding.verdict_on_runs is Verdict.NOT_MET:
         told = [growth for growth in mine if not math.isnan(growth.factor)]
         first = max(told, key=lambda growth: growth.factor)
         if not first.factor > 0.0:  # shrinking one is not enough

@@ -54,7 +54,7 @@ def variants_table(variants: Sequence[Variant], case: AnalysisCase) -> pd.DataFr
                 "variant": number,
                 **in_units(variant.values),
                 **in_units({k: variant.metrics.get(k, float("nan")) for k in told}),
-                "verdict": verdict_on_all(findings).value if findings else "",
+                "verdict": _verdict(findings),
                 "violated": "; ".join(map(_limit, _not_met(findings))),
                 "status": str(variant.outcome),
             }
@@ -62,8 +62,15 @@ def variants_table(variants: Sequence[Variant], case: AnalysisCase) -> pd.DataFr
     return pd.DataFrame(rows)
 
 
+def _verdict(findings: Sequence[Finding]) -> str:
+    """Return whether the run is within every limit."""
+    if not findings:
+        return ""
+    return verdict_on_all(one.verdict_on_runs for one in findings).value
+
+
 def _not_met(findings: Sequence[Finding]) -> list[Finding]:
-    return [one for one in findings if one.verdict is Verdict.NOT_MET]
+    return [one for one in findings if one.verdict_on_runs is Verdict.NOT_MET]
 
 
 def _limit(finding: Finding) -> str:

@@ -15,6 +15,7 @@ from drakesep.analysis.metrics.requirements import (
     assess,
     check_limits,
     deviation_limits,
+    limits_together,
     verdict_on_all,
 )
 
@@ -142,7 +143,57 @@ def test_one_violation_settles_all_requirements_together(values, verdict):
             [AT_MOST], {"nominal": {AT_MOST.metric: value}}, "nominal"
         )
     ]
-    assert verdict_on_all(findings) is verdict
+    assert verdict_on_all(one.verdict for one in findings) is verdict
+
+
+def test_the_worst_verdict_settles_all():
+    """What is not shown is no violation, and nothing to pass with."""
+    order = [
+        Verdict.NOT_MET,
+        Verdict.NOT_SHOWN,
+        Verdict.NOT_LOOKED_AT,
+        Verdict.MET,
+    ]
+    assert sorted(order, key=order.index) == list(order)
+    for i, worst in enumerate(order):
+        assert verdict_on_all(order[i:]) is worst
+        assert verdict_on_all(reversed(order[i:])) is worst
+
+
+@pytest.mark.parametrize(("value", "on_runs"), [(1.0, "met"), (2.5, "not met")])
+def test_runs_do_not_tell_of_a_share_of_launches(value, on_runs):
+    """Neither that the worst is within the limit, nor that it is beyond."""
+    asked = dataclasses.replace(AT_MOST, share=0.99865, confidence=0.9)
+    assert asked.statistical and not AT_MOST.statistical
+    [finding] = assess([asked], {"nominal": {asked.metric: value}}, "nominal")
+    assert finding.verdict is Verdict.NOT_LOOKED_AT and not finding.met
+    assert finding.verdict_on_runs.value == on_runs
+    assert (finding.worst, finding.margin) == (value, 2.0 - value)
+
+
+def test_limits_of_a_share_stand_alone_or_two_together():
+    share = {"share": 0.9973, "confidence": 0.9}
+    low = Requirement(metric="final_rate_x", sense=">=", limit=-1.0, **share)
+    high = Requirement(metric="final_rate_x", sense="<=", limit=1.0, **share)
+    assert limits_together([low, AT_MOST, high]) == [(low,), (high,)]
+    two = [dataclasses.replace(one, sides="two") for one in (low, high)]
+    other = [dataclasses.replace(one, id="UM-1") for one in two]
+    assert limits_together([two[0], *other, two[1]]) == [tuple(two), tuple(other)]
+    check_limits([*two, *other])
+
+
+@pytest.mark.parametrize(
+    "other", [{"id": "UM-1"}, {"share": 0.99}, {"confidence": 0.95}, {"sides": "one"}]
+)
+def test_one_side_of_two_is_refused(other):
+    """Unless its metric is a magnitude, whose limit is one of both directions."""
+    share = {"share": 0.9973, "confidence": 0.9, "sides": "two"}
+    low = Requirement(metric="final_rate_x", sense=">=", limit=-1.0, **share)
+    high = Requirement(metric="final_rate_x", sense="<=", limit=1.0, **share)
+    check_limits([low, high])
+    with pytest.raises(UnusableLimit, match="of two sides must stand with one from "):
+        check_limits([low, dataclasses.replace(high, **other)])
+    check_limits([dataclasses.replace(AT_MOST, **share)])
 
 
 @pytest.mark.parametrize(
@@ -197,6 +248,12 @@ def test_of_several_limits_of_a_deviation_the_least_counts():
     [
         ({"limit": math.nan}, "limit must be finite, got nan"),
         ({"sense": "=="}, "sense must be one of <= < >= >, got '=='"),
+        ({"share": 0.99}, "separation_end: must have share and confidence, got no con"),
+        ({"confidence": 0.9}, "must have share and confidence, got no share"),
+        ({"share": 99.0, "confidence": 0.9}, "share must be > 0 and < 1, got 99.0"),
+        ({"share": 0.9, "confidence": 1.0}, "confidence must be > 0 and < 1, got 1.0"),
+        ({"sides": "two"}, "separation_end: sides must stand with share, got none"),
+        ({"sides": "three"}, "sides must be one or two, got 'three'"),
     ],
 )
 def test_bad_requirement(changes, message):

@@ -256,7 +256,12 @@ requirements:
   - quantity: rate_deg_s
     when: {from_s: 0.1725, to_s: 0.5525}
     at_most: [null, 69, null]
-  - {quantity: joint_force_N, of: bolt, at_most: 90001}
+  - quantity: joint_force_N
+    of: bolt
+    at_most: 90001
+    share: 0.9825
+    confidence: 0.8125
+    sides: two
   - quantity: clearance_mm
     pair: craft
     to: carrier
@@ -576,7 +581,14 @@ def record_of_main(folder) -> AnalysisCase:
             Requirement(
                 metric="rate_from_0.1725_to_0.5525_s_y", sense="<=", limit=69 * DEG
             ),
-            Requirement(metric="bolt.joint_force", sense="<=", limit=90001.0),
+            Requirement(
+                metric="bolt.joint_force",
+                sense="<=",
+                limit=90001.0,
+                share=0.9825,
+                confidence=0.8125,
+                sides="two",
+            ),
             Requirement(
                 metric="clearance_to_carrier_until_0.0975_m", sense=">=", limit=0.003375
             ),

@@ -270,3 +270,27 @@ def test_what_was_not_looked_at_is_said(studied):
     study, _ = studied
     assert {*study.requirements["growth_by"]} == {"not looked at"}
     assert {*study.requirements["first_tolerance"]} == {"not looked at"}
+
+
+@pytest.mark.parametrize("beyond", [False, True])
+def test_a_share_of_launches_is_left_to_a_campaign(beyond):
+    """How bad it gets is told; it is neither met nor violated by that."""
+    bare = case(requirements=[], tolerance=0.0)
+    speed = 1e3 * SPEED + (-1.0 if beyond else 1.0)
+    limit = required(at_most=speed, share=0.99865, confidence=0.9)
+    study = drakesep.verify(bare, requirements=[limit], workers=1)
+    [row] = study.requirements.to_dict("records")
+    assert row["worst"] == pytest.approx(1e3 * SPEED, rel=EXACT)
+    assert (row["margin"] < 0.0) == beyond
+    assert (row["share"], row["confidence"], row["sides"]) == (0.99865, 0.9, "one")
+    assert row["verdict"] == study.verdict == "not looked at" and not study.passed
+    other = required(name="other", at_most=1e3 * SPEED - 1.0)
+    study = drakesep.verify(bare, requirements=[limit, other], workers=1)
+    assert study.verdict == "not met"
+
+
+def test_two_sides_have_two_limits():
+    with pytest.raises(ValueError, match="of two sides must have at_most and at_least"):
+        required(at_most=1.0, share=0.9973, confidence=0.9, sides="two")
+    with pytest.raises(ValueError, match="must have share and confidence, got no sha"):
+        required(at_most=1.0, confidence=0.9)

@@ -1,5 +1,6 @@
 """Tables of requirements: what identifies a row, and what of a tolerance is whose."""
 
+import dataclasses
 import io
 import math
 
@@ -138,3 +139,24 @@ def test_a_limit_on_the_console_is_the_one_that_was_asked_for(limit):
     [told] = requirement_lines(one, ["left"])["limit"]
     wanted, number, unit = told.split(" ")
     assert (wanted, float(number), unit) == ("<=", limit, "deg/s")
+
+
+def test_of_how_many_launches_a_limit_is():
+    """Said in the table and on the console; of every run nothing is said."""
+    asked = dataclasses.replace(FAST, share=0.99865, confidence=0.9, sides="two")
+    table = requirements_table(
+        assess([FAST, asked], RUNS, "nominal"), (), (), BOX, [""]
+    )
+    plain, of_share = table.to_dict("records")
+    columns = ("share", "confidence", "sides", "verdict")
+    assert [of_share[name] for name in columns] == [
+        0.99865,
+        0.9,
+        "two",
+        "not looked at",
+    ]
+    assert math.isnan(plain["share"]) and math.isnan(plain["confidence"])
+    assert (plain["sides"], plain["verdict"]) == ("", "not met")
+    assert plain["worst"] == of_share["worst"] and plain["margin"] == of_share["margin"]
+    lines = requirement_lines(table, [""])["limit"].tolist()
+    assert lines == ["<= 1 m/s", "<= 1 m/s in 99.865 % of launches"]

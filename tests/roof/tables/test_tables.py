@@ -30,7 +30,7 @@ PARAMETERS = [
 ]
 OBJECTIVES = ["G_L1_deg", "G_L2_deg_per_sqrt_s", "G_Linf_deg_s", "G_PM_m_s"]
 REQUIREMENTS = [
-    *("requirement", "axis", "unit", "sense", "limit"),
+    *("requirement", "axis", "unit", "sense", "limit", "share", "confidence", "sides"),
     *("nominal", "worst", "which_run", "margin", "growth_factor", "growth_by"),
     *("looked_up_to", "first_tolerance", "its_growth_factor", "verdict"),
     *("pair", "id", "source"),
@@ -198,7 +198,8 @@ def test_sensitivities(vega_verification):
 def test_tolerances(vega_verification):
     frame = vega_verification.tolerances
     assert list(frame.columns) == [
-        *("requirement", "axis", "unit", "sense", "limit", "parameter"),
+        *("requirement", "axis", "unit", "sense", "limit"),
+        *("share", "confidence", "sides", "parameter"),
         *("minus", "plus", "violated_minus", "violated_plus", "factor"),
         *("looked_up_to", "status", "pair", "id", "source"),
     ]

@@ -1,0 +1,1 @@
+"""How large a share of launches is within limits, at a stated confidence."""
