@@ -1,0 +1,1 @@
+"""Campaigns: many launches drawn at random, and what they say of requirements."""
