@@ -12,7 +12,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, Self
 
-from drakesep.analysis.failure_cases import FailureCase, check_failure_cases
+from drakesep.analysis.failure_cases import (
+    FailureCase,
+    check_failure_cases,
+    check_probabilities,
+)
 from drakesep.analysis.metrics.clearances import CLEARANCE
 from drakesep.analysis.metrics.metric import Functional, Metric, Owner
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective, lowest, towards
@@ -30,7 +34,9 @@ from drakesep.analysis.metrics.requirements import (
     deviation_limits,
 )
 from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.analysis.tolerances.correlations import RankCorrelation
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
+from drakesep.analysis.tolerances.joint_distribution import JointDistribution
 from drakesep.analysis.tolerances.sides import Tolerance
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.systems.argument_types import typed
@@ -140,10 +146,12 @@ class AnalysisCase:
     Attributes:
         tolerance_set: what the tolerances admit, and can exist; made of the tolerances
             and ellipsoids around the separation's own values.
+        joint_distribution: of the dispersed parameters, as a campaign draws them.
 
     Raises:
-        ValueError: a tolerance, an ellipsoid, a requirement, a pair of parts or a
-            published or failure case does not fit the separation, or the others.
+        ValueError: a tolerance, an ellipsoid, a correlation, a requirement, a pair of
+            parts or a published or failure case does not fit the separation, or the
+            others.
     """
 
     separation: Separation
@@ -153,9 +161,11 @@ class AnalysisCase:
     """How runs are integrated in Drake."""
     tolerances: Mapping[str, Tolerance] = field(default_factory=dict)
     """About the separation's values, by parameter name, in SI: a number, to either
-    side; or `Sides`."""
+    side; `Sides`; or a distribution, which says what searches look at."""
     ellipsoids: tuple[Ellipsoid, ...] = ()
     """Dispersed parameters that do not all reach their tolerances together."""
+    correlations: tuple[RankCorrelation, ...] = ()
+    """Of dispersed parameters in a campaign; searches do not look at them."""
     requirements: tuple[Requirement, ...] = ()
     """Limits on metrics; of two on the same, to the same side, each has an id."""
     objectives: Literal["paper"] | None = None
@@ -165,7 +175,11 @@ class AnalysisCase:
     """Worst cases that others have found."""
     failure_cases: tuple[FailureCase, ...] = ()
     """What may go wrong, each of which is verified on request."""
+    failure_probabilities: Mapping[str, float] = field(default_factory=dict)
+    """Of failure cases, by name, in a launch of a campaign; the others do not happen
+    there, nor do two together."""
     tolerance_set: ToleranceSet = field(init=False, repr=False, compare=False)
+    joint_distribution: JointDistribution = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         """Check the values, and build the set of the tolerances."""
@@ -177,11 +191,17 @@ class AnalysisCase:
         with named("ellipsoids"):
             admitted = ToleranceSet(self.separation, box, self.ellipsoids)
         object.__setattr__(self, "tolerance_set", admitted)
+        with named("correlations"):
+            joint = JointDistribution(box, self.correlations, self.ellipsoids)
+        object.__setattr__(self, "joint_distribution", joint)
         self._check_requirements()
         self._check_parts_measured()
         self._check_objectives()
         self._check_published()
         check_failure_cases(self.separation, self.failure_cases)
+        probabilities = FrozenMapping(self.failure_probabilities)
+        object.__setattr__(self, "failure_probabilities", probabilities)
+        check_probabilities(self.failure_cases, probabilities)
 
     def _check_parts_measured(self) -> None:
         """Raise InputError if a part's place varies and nothing is measured to it."""
@@ -312,8 +332,8 @@ class AnalysisCase:
     def in_failure(self, failure: FailureCase) -> Self:
         """Return the case in which something has failed.
 
-        What has failed does not vary. Ellipsoids lose it: what else is in them goes
-        together as before. There are no published worst cases of it.
+        What has failed does not vary. Ellipsoids and correlations lose it: what else is
+        in them goes together as before. There are no published worst cases of it.
 
         Args:
             failure: what has.
@@ -331,8 +351,14 @@ class AnalysisCase:
                 for ellipsoid in self.ellipsoids
                 if (kept := ellipsoid.without(failure.values)) is not None
             ),
+            correlations=tuple(
+                rest
+                for correlation in self.correlations
+                if (rest := correlation.without(failure.values)) is not None
+            ),
             published=(),
             failure_cases=(),
+            failure_probabilities={},
         )
 
     @property

@@ -1,11 +1,12 @@
 """Failure cases: what may go wrong in a separation, apart from its tolerances."""
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from drakesep.systems.argument_types import typed
-from drakesep.systems.checks import InputError, named
+from drakesep.systems.checks import InputError, check_positive, named, unknown
 from drakesep.systems.frozen_mapping import FrozenMapping
 from drakesep.systems.model.parameters import parameters, with_values
 from drakesep.systems.model.separation import Separation
@@ -67,3 +68,19 @@ def check_failure_cases(
                     "must differ from the nominal values, got what they are: "
                     + ", ".join(failure.values)
                 )
+
+
+def check_probabilities(
+    failures: tuple[FailureCase, ...], probabilities: Mapping[str, float]
+) -> None:
+    """Raise InputError unless each is one of a failure case, and they leave a rest."""
+    names = [failure.name for failure in failures]
+    for name, probability in probabilities.items():
+        if name not in names:
+            raise InputError(f"failures: {unknown('failure case', name, names)}")
+        check_positive(f"failures: {name}", probability)
+    total = math.fsum(probabilities.values())
+    if total >= 1.0:
+        raise InputError(
+            f"failures: probabilities must add up to less than 1, got {total:g}"
+        )

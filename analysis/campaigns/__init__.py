@@ -1,1 +1,1 @@
-"""How large a share of launches is within limits, at a stated confidence."""
+"""Campaigns: many launches at random, and what their draws say of requirements."""

@@ -12,6 +12,7 @@ from drakesep.analysis.tolerances.sides import (
     Tolerance,
     check_matters,
     ends_of,
+    sides_of,
 )
 from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
@@ -40,12 +41,12 @@ class Dispersion:
 
     @property
     def sides(self) -> Sides:
-        """How far it goes to either side."""
-        return Sides.of(self.tolerance)
+        """How far searches go to either side."""
+        return sides_of(self.tolerance, self.nominal)
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Its least and its greatest value."""
+        """The least and the greatest value that searches look at."""
         return ends_of(self.nominal, self.tolerance)
 
     def grown(self, factor: float) -> "Dispersion":
@@ -57,16 +58,16 @@ class UnphysicalTolerance(InputError):
     """A tolerance that reaches a value that is not physical.
 
     Attributes:
-        name: of the parameter.
+        dispersion: with it.
         reason: what is wrong with it at its bound.
     """
 
-    def __init__(self, name: str, bound: float, reason: str):
+    def __init__(self, dispersion: Dispersion, bound: float, reason: str):
         super().__init__(
-            f"{name}: tolerance must keep to physical values, got {bound:g} "
+            f"{dispersion.name}: tolerance must keep to physical values, got {bound:g} "
             f"at its bound ({reason})"
         )
-        self.name, self.reason = name, reason
+        self.dispersion, self.reason = dispersion, reason
 
 
 @typed
@@ -116,7 +117,7 @@ class ToleranceBox:
                 name=name, nominal=nominal[name], tolerance=tolerance
             )
             for bound in dispersion.bounds:
-                _check_reach(separation, name, bound)
+                _check_reach(separation, dispersion, bound)
             dispersions.append(dispersion)
         return cls(dispersions)
 
@@ -207,8 +208,8 @@ def _share(side: float, larger: float) -> float:
     return share if share * larger <= side else math.nextafter(share, 0.0)
 
 
-def _check_reach(separation: Separation, name: str, bound: float) -> None:
+def _check_reach(separation: Separation, dispersion: Dispersion, bound: float) -> None:
     try:
-        with_values(separation, {name: bound})
+        with_values(separation, {dispersion.name: bound})
     except ValueError as error:
-        raise UnphysicalTolerance(name, bound, str(error)) from error
+        raise UnphysicalTolerance(dispersion, bound, str(error)) from error

@@ -194,7 +194,7 @@ class ToleranceSet:
         tried = found = 0
         while found < count:
             points = self._draw_tolerances(max(count - found, 1000), rng)
-            points = points[self._can_exist(points)]
+            points = points[self.can_exist(points)]
             tried += max(count - found, 1000)
             found += len(points)
             drawn.append(points)
@@ -216,7 +216,7 @@ class ToleranceSet:
         if not self._physical:
             return 0.0
         points = self._draw_tolerances(count, np.random.default_rng(seed))
-        return 1.0 - float(self._can_exist(points).mean())
+        return 1.0 - float(self.can_exist(points).mean())
 
     def _draw_tolerances(self, count: int, rng: np.random.Generator) -> Array:
         points = rng.uniform(self.box.lower, self.box.upper, size=(count, len(self)))
@@ -224,8 +224,12 @@ class ToleranceSet:
             points[:, within.indices] = within.draw(count, rng)
         return points
 
-    def _can_exist(self, points: Array) -> NDArray[np.bool_]:
+    def can_exist(self, points: Array) -> NDArray[np.bool_]:
+        """Return (N,) whether a body can have the inertias of points (N, n).
+
+        They may lie beyond the tolerances.
+        """
         exists = np.full(len(points), True)
         for inertia in self._physical:
-            exists &= inertia.reach(points) >= 1.0
+            exists &= inertia.holds(points)
         return exists

@@ -153,9 +153,9 @@ class Case(Section):
                 failure_cases=failures,
             )
         except UnphysicalTolerance as error:
-            got = tolerance_text(error.name, tolerances[error.name])
+            got = tolerance_text(error.dispersion)
             raise CaseError(
-                f"dispersions: {with_unit(error.name)} {got}: {error.reason}"
+                f"dispersions: {with_unit(error.dispersion.name)} {got}: {error.reason}"
             ) from error
         except UnusableLimit as error:
             raise CaseError(_in_words_of_files(error)) from error

@@ -232,7 +232,7 @@ def _dispersed(case: Case) -> pd.DataFrame:
         {
             "parameter": with_unit(d.name),
             "value": unit_of(d.name).from_si(d.nominal),
-            "tolerance": tolerance_text(d.name, d.tolerance),
+            "tolerance": tolerance_text(d),
         }
         for d in case.box.dispersions
     )

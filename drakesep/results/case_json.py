@@ -37,6 +37,16 @@ from drakesep.analysis.search.sqp import (
     Iteration,
     SearchStatus,
 )
+from drakesep.analysis.tolerances.correlations import RankCorrelation
+from drakesep.analysis.tolerances.distributions import (
+    Discrete,
+    Lognormal,
+    Normal,
+    Table,
+    Triangular,
+    TruncatedNormal,
+    Uniform,
+)
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.analysis.tolerances.sides import Sides
 from drakesep.systems.checks import InputError, unknown
@@ -69,7 +79,8 @@ from drakesep.tables.roles import (
 _RECORDS: tuple[type[Any], ...] = (
     *(AnalysisCase, ClearancePairs, PrintedResult, PublishedCase, Requirement),
     FailureCase,
-    *(Sides, Ellipsoid, Integration, Joint, Load),
+    *(Sides, Ellipsoid, RankCorrelation, Integration, Joint, Load),
+    *(Uniform, Normal, TruncatedNormal, Triangular, Lognormal, Table, Discrete),
     *(Part, Box, Capsule, Cone, Mesh, Sphere),
     *(Recontact, Attachment, Body, InitialMotion, Orbit, Pair, Separation),
     *(Changed, Nominal, Outcome, Published, SearchEnd, Worst),

@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from drakesep.analysis.metrics.objectives import Objective
-from drakesep.analysis.tolerances.sides import Sides, Tolerance
+from drakesep.analysis.tolerances.box import Dispersion
 from drakesep.files import written
 from drakesep.units import SI, Unit, unit_of, with_unit
 
@@ -27,9 +27,9 @@ def shown(objective: Objective, value: float) -> float:
     return unit_of_objective(objective).from_si(in_si)
 
 
-def tolerance_text(name: str, tolerance: Tolerance) -> str:
+def tolerance_text(dispersion: Dispersion) -> str:
     """Return a parameter's tolerance in its unit: ``± 2``, or ``-1 +3``."""
-    sides, from_si = Sides.of(tolerance), unit_of(name).from_si
+    sides, from_si = dispersion.sides, unit_of(dispersion.name).from_si
     if sides.symmetric:
         return f"± {from_si(sides.plus):g}"
     return f"{-from_si(sides.minus):g} {from_si(sides.plus):+g}"

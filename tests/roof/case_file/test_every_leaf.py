@@ -752,9 +752,7 @@ def read(folder, text) -> Case:
 def leaves(value, path=""):
     """Paths and leaves of records, mappings and sequences."""
     if dataclasses.is_dataclass(value):
-        fields = [
-            f.name for f in dataclasses.fields(value) if f.name != "tolerance_set"
-        ]
+        fields = [f.name for f in dataclasses.fields(value) if f.init]
         value = {name: getattr(value, name) for name in fields}
     if isinstance(value, Mapping):
         for key, entry in value.items():
