@@ -24,6 +24,7 @@ from drakesep.analysis.campaigns.answers import (
     LaunchRequirement,
     Tally,
 )
+from drakesep.analysis.campaigns.statistics import Histogram, Summary
 from drakesep.analysis.clearance.contact import Contact
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.failure_cases import FailureCase
@@ -87,7 +88,7 @@ _RECORDS: tuple[type[Any], ...] = (
     *(Clearance, Contact, ContactForces),
     *(Searched, Candidate, Ascent, Iteration, AscentSettings, SearchSettings),
     *(Growth, Limit),
-    *(CampaignAnswer, LaunchRequirement, Tally),
+    *(CampaignAnswer, LaunchRequirement, Tally, Histogram, Summary),
 )
 _ENUMS: tuple[type[enum.Enum], ...] = (Ending, RunStatus, SearchStatus)
 NO_RECORD = (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError)
