@@ -19,7 +19,7 @@ import annotated_types
 from docstrings import field_docs, listed
 from pydantic.fields import FieldInfo
 
-from drakesep.case_file import dispersions, geometry, others, section
+from drakesep.case_file import dispersions, extents, geometry, others, section
 from drakesep.case_file.attachments import SpringSection, key_of
 from drakesep.case_file.case import Case
 from drakesep.case_file.section import Section
@@ -43,7 +43,9 @@ WORDS = {
     others.Quantities: "name of a [quantity or metric](metrics.md), with its unit",
     others.WhenOf: "name of a [time](metrics.md#requirements), or section",
     dispersions.Tolerance: "number > 0, a share such as `5 %`, or section",
-    dispersions.Side: "number >= 0, or a share such as `5 %`",
+    extents.Extent: "number > 0, a share such as `5 %`, or section",
+    extents.Width: "number > 0, or a share such as `5 %`",
+    extents.Side: "number >= 0, or a share such as `5 %`",
     float: "number",
     bool: "`true` or `false`",
     int: "whole number",

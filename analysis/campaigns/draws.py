@@ -96,9 +96,9 @@ class Draws:
         )
         shares = [case.failure_probabilities[one.name] for one in self.failures]
         self._until = np.cumsum(shares)
-        self._design = _Launch(case, self.names)
+        self._design = Launch(case, self.names)
         self._failed = [
-            _Launch(case.in_failure(one), self.names, one) for one in self.failures
+            Launch(case.in_failure(one), self.names, one) for one in self.failures
         ]
 
     def at(self, indices: Sequence[int] | Whole) -> Drawn:
@@ -188,7 +188,7 @@ class Draws:
         return rows, possible
 
 
-class _Launch:
+class Launch:
     """What values can be in launches of a case, in which something may have failed."""
 
     def __init__(

@@ -25,7 +25,11 @@ from drakesep.analysis.tolerances.box import ToleranceBox, UnphysicalTolerance
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.case_file.attachments import AttachmentSection, LoadSection
 from drakesep.case_file.bodies import BodySection
-from drakesep.case_file.dispersions import Tolerance, tolerances_in_si
+from drakesep.case_file.dispersions import (
+    RankCorrelationSection,
+    Tolerance,
+    tolerances_in_si,
+)
 from drakesep.case_file.errors import CaseError, explained
 from drakesep.case_file.failure_cases import FailureCases, failure_cases_in_si
 from drakesep.case_file.geometry import ClearanceSection, RecontactSection
@@ -87,9 +91,11 @@ class Case(Section):
     before_separation: BeforeSeparationSection = BeforeSeparationSection()
     """Motion of the mated stack at t = 0."""
     dispersions: dict[str, Tolerance] = Field(default_factory=dict)
-    """Tolerances of the values above."""
+    """Tolerances of the values above, and how they are distributed in a campaign."""
     ellipsoids: list[CorrelationSection] = Field(default_factory=list)
     """Dispersed parameters that go together."""
+    correlations: list[RankCorrelationSection] = Field(default_factory=list)
+    """Dispersed parameters that are correlated in a campaign."""
     requirements: list[RequirementSection] = Field(default_factory=list)
     """What runs are held against."""
     objectives: Literal["paper"] | None = None
@@ -105,6 +111,8 @@ class Case(Section):
     """Worst cases of a publication, to be compared with ours."""
     failure_cases: FailureCases = Field(default_factory=dict)
     """What may go wrong, by name, or `standard`: what `verify --failures` looks at."""
+    failures: dict[str, float] = Field(default_factory=dict)
+    """Failure cases that happen in a campaign, with their probability in a launch."""
 
     _record: AnalysisCase = PrivateAttr()
     _origin: Origin = PrivateAttr()
@@ -133,6 +141,8 @@ class Case(Section):
                 )
                 for section in self.ellipsoids
             ]
+        with named("correlations"):
+            correlations = [section.in_si(separation) for section in self.correlations]
         with named("failure_cases"):
             failures = failure_cases_in_si(separation, tolerances, self.failure_cases)
         published = []
@@ -146,11 +156,13 @@ class Case(Section):
                 integration=self.run.in_si(),
                 tolerances=tolerances,
                 ellipsoids=tuple(ellipsoids),
+                correlations=tuple(correlations),
                 requirements=self._limits(separation),
                 objectives=self.objectives,
                 clearance=self._clearance_pairs(),
                 published=tuple(published),
                 failure_cases=failures,
+                failure_probabilities=self.failures,
             )
         except UnphysicalTolerance as error:
             got = tolerance_text(error.dispersion)

@@ -1,136 +1,56 @@
-"""Tolerances as a case file states them: numbers, shares, bounds, sides, patterns."""
+"""Dispersions as a case file states them: of one parameter, or of all that fit."""
 
 import fnmatch
-import math
 import re
 from collections.abc import Mapping
-from typing import Annotated, Any, Self, TypeAlias, TypeVar
+from typing import Annotated, TypeAlias, TypeVar
 
-from pydantic import BeforeValidator, Discriminator, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Tag
 
 from drakesep.analysis.tolerances import sides
-from drakesep.analysis.tolerances.sides import Sides, check_matters
-from drakesep.case_file.errors import UNNAMED, CaseError, shown
+from drakesep.analysis.tolerances.correlations import RankCorrelation
+from drakesep.analysis.tolerances.sides import check_matters
+from drakesep.case_file.distributions import ToleranceSection
+from drakesep.case_file.errors import UNNAMED, CaseError
+from drakesep.case_file.extents import check_number, number_or_section, side_in_si
 from drakesep.case_file.section import Section
 from drakesep.systems.checks import unknown
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.separation import Separation
-from drakesep.units import unit_of, with_unit
+from drakesep.units import with_unit
 
 
-_PERCENT = re.compile(r"\s*(\d+(?:\.\d+)?(?:[eE]-?\d+)?)\s*%\s*")
 _WILD = re.compile(r"[*?\[]")
-
-
-def _check_side(value: Any) -> Any:
-    if isinstance(value, str) and _PERCENT.fullmatch(value):
-        return value
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(
-            "must be a number, or a share of the nominal such as 5 %, got "
-            f"{shown(value)}"
-        )
-    if not 0 <= value < math.inf:
-        raise ValueError(f"must be finite and >= 0, got {value}")
-    return value
-
-
-def _check(value: Any) -> Any:
-    if isinstance(value, Mapping | ToleranceSection):
-        return value
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if number and not 0 < value < math.inf:
-        raise ValueError(f"must be finite and > 0, got {value}")
-    _check_side(value)
-    if _is_zero(value):
-        raise ValueError(f"must be > 0, got {value!r}")
-    return value
-
-
-def _is_zero(side: float | str) -> bool:
-    """Return whether a side that is checked is zero, or a share of 0 %."""
-    share = _PERCENT.fullmatch(str(side))
-    return float(share[1] if share else side) == 0.0
-
-
-Side: TypeAlias = Annotated[float | str, BeforeValidator(_check_side)]
-"""To one side: a number in the unit of the key, or a share such as ``5 %``."""
-
-
-class ToleranceSection(Section):
-    """A tolerance whose nominal need not be its middle, by its bounds or by its sides.
-
-    Numbers are in the unit of the parameter.
-    """
-
-    lower: float | None = None
-    """Least value of the parameter; with `upper`."""
-    upper: float | None = None
-    """Its greatest value."""
-    minus: Side | None = None
-    """How far it may go below its nominal, 0: not at all; with `plus`."""
-    plus: Side | None = None
-    """How far above."""
-
-    @model_validator(mode="after")
-    def _check_sides(self) -> Self:
-        keys = ("lower", "upper", "minus", "plus")
-        got = [key for key in keys if getattr(self, key) is not None]
-        if got not in (["lower", "upper"], ["minus", "plus"]):
-            raise ValueError(
-                "must have lower and upper, or minus and plus, got "
-                f"{' and '.join(got) or 'none'}"
-            )
-        if self.lower is not None and self.upper is not None:
-            if not self.lower < self.upper:
-                raise ValueError(
-                    f"upper must be > lower, got {self.lower:g} to {self.upper:g}"
-                )
-        elif all(
-            _is_zero(side) for side in (self.minus, self.plus) if side is not None
-        ):
-            raise ValueError("minus or plus must be > 0, got 0 for both")
-        return self
-
-    def in_si(self, key: str, name: str, nominal: float) -> Sides:
-        """Return it.
-
-        Args:
-            key: of the parameter, for errors.
-            name: of the parameter, without unit.
-            nominal: value of the parameter, in SI.
-
-        Raises:
-            CaseError: the nominal is beyond a bound, or a share is one of zero.
-        """
-        unit = unit_of(name)
-        if self.lower is None or self.upper is None:
-            assert self.minus is not None
-            assert self.plus is not None
-            return Sides(
-                minus=_in_si(f"{key}: minus", name, self.minus, nominal),
-                plus=_in_si(f"{key}: plus", name, self.plus, nominal),
-            )
-        lower, upper = unit.to_si(self.lower), unit.to_si(self.upper)
-        if not lower <= nominal <= upper:
-            raise CaseError(
-                f"{key}: lower and upper must hold the nominal, "
-                f"{unit.from_si(nominal):g}, got {self.lower:g} to {self.upper:g}"
-            )
-        return Sides(minus=nominal - lower, plus=upper - nominal)
-
 
 Tolerance: TypeAlias = Annotated[
     Annotated[float | str, Tag("number")] | Annotated[ToleranceSection, Tag(UNNAMED)],
-    Discriminator(
-        lambda value: (
-            UNNAMED if isinstance(value, Mapping | ToleranceSection) else "number"
-        )
-    ),
-    BeforeValidator(_check),
+    Discriminator(number_or_section),
+    BeforeValidator(check_number),
 ]
-"""To either side, a number in the unit of the key or a share such as ``5 %``; or bounds
-or sides."""
+"""To either side, a number in the unit of the key or a share such as ``5 %``; or
+bounds, sides, or a distribution."""
+
+
+class RankCorrelationSection(Section):
+    """Dispersed parameters that are correlated in a campaign.
+
+    Each keeps its own distribution; searches do not look at it.
+    """
+
+    of: list[str]
+    """Keys of `dispersions`, or patterns of such; any two are correlated."""
+    rank: float
+    """Spearman's rank correlation, between -1 and 1."""
+
+    def in_si(self, separation: Separation) -> RankCorrelation:
+        """Return it.
+
+        Raises:
+            CaseError: a name is unknown, or a pattern fits none.
+        """
+        names = {with_unit(name): name for name in parameters(separation)}
+        of = names_fitting(names, dict.fromkeys(self.of))
+        return RankCorrelation(names=tuple(name for _, name, _ in of), rank=self.rank)
 
 
 def tolerances_in_si(
@@ -147,6 +67,7 @@ def tolerances_in_si(
     Raises:
         CaseError: a name is unknown, a pattern fits none, two patterns fit the same
             parameter, a share is one of zero, or a nominal is beyond a bound.
+        ValueError: there is no such distribution.
     """
     nominal = parameters(separation)
     names = {with_unit(name): name for name in nominal}
@@ -208,16 +129,4 @@ def _tolerance(
 ) -> sides.Tolerance:
     if isinstance(value, ToleranceSection):
         return value.in_si(key, name, nominal)
-    return _in_si(key, name, value, nominal)
-
-
-def _in_si(key: str, name: str, value: float | str, nominal: float) -> float:
-    if not isinstance(value, str):
-        return unit_of(name).to_si(value)
-    found = _PERCENT.fullmatch(value)
-    assert found is not None  # _check
-    if nominal == 0.0:
-        raise CaseError(
-            f"{key}: a share must be of a nominal that is not zero, got {value} of 0"
-        )
-    return abs(nominal) * float(found[1]) / 100.0
+    return side_in_si(key, name, value, nominal)

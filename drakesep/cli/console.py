@@ -17,7 +17,7 @@ from drakesep.systems.equations.springs import law_name
 from drakesep.systems.model.parameters import ParameterName, parameters
 from drakesep.systems.model.parts import Cone, Shape
 from drakesep.systems.model.separation import Pair
-from drakesep.tables.columns import tolerance_text
+from drakesep.tables.columns import distribution_text, tolerance_text
 from drakesep.tables.failure_tables import changed_text
 from drakesep.tables.requirement_tables import limits_table
 from drakesep.units import unit_of, with_unit
@@ -110,14 +110,21 @@ def print_case(console: Console, case: Case) -> None:
         related = "correlated" if section.correlation else "uncorrelated"
         names = ", ".join(section.parameters)
         console.print(f"In an ellipsoid, {related}: {names}", markup=False)
+    for correlation in case.in_si().correlations:
+        names = ", ".join(map(with_unit, correlation.names))
+        of_rank = f"Of rank correlation {correlation.rank:g} in a campaign"
+        console.print(f"{of_rank}: {names}", markup=False)
     if case.limits:
         bodies = [pair.B for pair in case.separation.pairs]
         lines = requirement_lines(limits_table(case.limits, bodies), bodies)
         print_frame(console, "Requirements", lines, whole=True)
     if failures := case.in_si().failure_cases:
         rows = [{"name": f.name, "changed": changed_text(f.values)} for f in failures]
+        frame = pd.DataFrame(rows)
+        if likely := case.in_si().failure_probabilities:
+            frame["in a launch"] = [likely.get(f.name) for f in failures]
         title = "Failure cases, which `verify --failures` looks at"
-        print_frame(console, title, pd.DataFrame(rows), whole=True)
+        print_frame(console, title, frame, whole=True)
 
 
 def print_notes(console: Console, notes: Iterable[str]) -> None:
@@ -233,6 +240,7 @@ def _dispersed(case: Case) -> pd.DataFrame:
             "parameter": with_unit(d.name),
             "value": unit_of(d.name).from_si(d.nominal),
             "tolerance": tolerance_text(d),
+            "distribution": distribution_text(d),
         }
         for d in case.box.dispersions
     )

@@ -20,7 +20,7 @@ from drakesep.studies.sweep import Sweep
 from drakesep.studies.verified import Verification
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.systems.model.parameters import parameters
-from drakesep.tables.columns import in_units
+from drakesep.tables.columns import distribution_text, in_units
 from drakesep.tables.failure_tables import changed_text
 from drakesep.tables.labelled_run import nominal_of
 from drakesep.units import unit_of, with_unit
@@ -62,13 +62,16 @@ class ShowSummary:
     attachments: list[Row]
     """`attachment`, `A`, `B`, `joint` and `spring` of each; null: it has no spring."""
     parameters: list[Row]
-    """`parameter`, `value` and `tolerance` of each, in the unit of its name; a
-    tolerance of null: it is not dispersed."""
+    """`parameter`, `value`, `tolerance` and `distribution` of each, in the unit of its
+    name; the last two are null of what is not dispersed."""
+    correlations: list[Row]
+    """`of` and `rank` of each, of dispersed parameters in a campaign."""
     requirements: list[Row]
     """`quantity`, `sense`, `limit`, `share`, `confidence`, `sides` and `id` of each
     limit; a share of null: every run must be within it."""
     failure_cases: list[Row]
-    """`failure_case` and `changed` of each."""
+    """`failure_case`, `changed` and `probability` of each; null: it does not happen in
+    a campaign."""
     notes: list[str]
     """What should be known of it."""
 
@@ -182,8 +185,10 @@ def _tolerance(dispersion: Dispersion) -> float | dict[str, float]:
 
 def of_case(case: Case) -> ShowSummary:
     """Return the summary of a case; without notes."""
-    separation = case.separation
-    tolerances = {with_unit(d.name): _tolerance(d) for d in case.box.dispersions}
+    separation, record = case.separation, case.in_si()
+    dispersed = {with_unit(d.name): d for d in case.box.dispersions}
+    tolerances = {name: _tolerance(d) for name, d in dispersed.items()}
+    distributions = {name: distribution_text(d) for name, d in dispersed.items()}
     values = in_units(parameters(separation))
     return ShowSummary(
         case=case.name,
@@ -204,8 +209,17 @@ def of_case(case: Case) -> ShowSummary:
             for one in separation.attachments
         ],
         parameters=[
-            {"parameter": name, "value": value, "tolerance": tolerances.get(name)}
+            {
+                "parameter": name,
+                "value": value,
+                "tolerance": tolerances.get(name),
+                "distribution": distributions.get(name),
+            }
             for name, value in values.items()
+        ],
+        correlations=[
+            {"of": [with_unit(name) for name in one.names], "rank": one.rank}
+            for one in record.correlations
         ],
         requirements=[
             {
@@ -220,8 +234,12 @@ def of_case(case: Case) -> ShowSummary:
             for one in case.limits
         ],
         failure_cases=[
-            {"failure_case": one.name, "changed": changed_text(one.values)}
-            for one in case.in_si().failure_cases
+            {
+                "failure_case": one.name,
+                "changed": changed_text(one.values),
+                "probability": record.failure_probabilities.get(one.name),
+            }
+            for one in record.failure_cases
         ],
         notes=[],
     )

@@ -8,6 +8,17 @@ import pandas as pd
 
 from drakesep.analysis.metrics.objectives import Objective
 from drakesep.analysis.tolerances.box import Dispersion
+from drakesep.analysis.tolerances.distributions import (
+    Discrete,
+    Lognormal,
+    Normal,
+    Table,
+    Triangular,
+    TruncatedNormal,
+    Uniform,
+    distribution_of,
+)
+from drakesep.analysis.tolerances.sides import Sides
 from drakesep.files import written
 from drakesep.units import SI, Unit, unit_of, with_unit
 
@@ -29,10 +40,29 @@ def shown(objective: Objective, value: float) -> float:
 
 def tolerance_text(dispersion: Dispersion) -> str:
     """Return a parameter's tolerance in its unit: ``± 2``, or ``-1 +3``."""
-    sides, from_si = dispersion.sides, unit_of(dispersion.name).from_si
+    return _extent_text(dispersion.sides, unit_of(dispersion.name))
+
+
+def distribution_text(dispersion: Dispersion) -> str:
+    """Return how a parameter is distributed: ``uniform``, ``normal, sigma 2``.
+
+    Of one whose tolerance is not all that there is, also over what.
+    """
+    one, unit = distribution_of(dispersion.tolerance), unit_of(dispersion.name)
+    text = [one.kind.replace("_", " ")]
+    if isinstance(one, Normal | TruncatedNormal | Lognormal):
+        text.append(f"sigma {unit.from_si(one.sigma):g}")
+    if isinstance(one, Uniform | Triangular | TruncatedNormal) and one.within:
+        text.append(f"over {_extent_text(Sides.of(one.extent), unit)}")
+    if isinstance(one, Table | Discrete):
+        text.append(f"{len(one.values)} values")
+    return ", ".join(text)
+
+
+def _extent_text(sides: Sides, unit: Unit) -> str:
     if sides.symmetric:
-        return f"± {from_si(sides.plus):g}"
-    return f"{-from_si(sides.minus):g} {from_si(sides.plus):+g}"
+        return f"± {unit.from_si(sides.plus):g}"
+    return f"{-unit.from_si(sides.minus):g} {unit.from_si(sides.plus):+g}"
 
 
 def write_csv(frame: pd.DataFrame, path: Path) -> None:

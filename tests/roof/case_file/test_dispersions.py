@@ -137,7 +137,7 @@ def test_bounds_of_a_pattern_hold_each_nominal():
         ),
         ({"minus": 5}, "must have lower and upper, or minus and plus, got minus"),
         ({"lower": 5, "plus": 5}, "or minus and plus, got lower and plus"),
-        ({}, "must have lower and upper, or minus and plus, got none"),
+        ({}, "discrete, lower and upper, or minus and plus, got none"),
         ({"lowr": 5, "upper": 7}, "unknown key 'lowr'; did you mean 'lower'?"),
         ({"lower": "5 %", "upper": 7}, "sc.cg_x_mm.lower: must be a number, got '5 %'"),
         ({"minus": 0, "plus": 0}, "minus or plus must be > 0, got 0 for both"),

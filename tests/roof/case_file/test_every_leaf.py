@@ -24,6 +24,16 @@ from drakesep.analysis.analysis_case import (
 from drakesep.analysis.failure_cases import FailureCase
 from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.analysis.tolerances.correlations import RankCorrelation
+from drakesep.analysis.tolerances.distributions import (
+    Discrete,
+    Lognormal,
+    Normal,
+    Table,
+    Triangular,
+    TruncatedNormal,
+    Uniform,
+)
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.analysis.tolerances.sides import Sides
 from drakesep.case_file.attachments import SpringSection
@@ -240,9 +250,20 @@ dispersions:
   jet.factor: 0.095
   craft.cg_y_mm: {lower: -123.0625, upper: 256.4375}
   craft.cg_z_mm: {minus: 2.875, plus: 7.625}
+  carrier.mass_kg: {tolerance: 4.3125, distribution: normal, sigmas: 2.375}
+  carrier.cg_x_mm: {uniform: {lower: -811.375, upper: -790.875}, within: 1.96875}
+  carrier.cg_y_mm: {triangular: {minus: 1.21875, plus: 2.46875}}
+  carrier.cg_z_mm: {normal: {sigma: 0.34375}}
+  tail.mass_kg: {truncated_normal: {sigma: 1.03125, tolerance: 2.09375}}
+  wound.force_max_N: {lognormal: {sigma: 6.53125}}
+  timed.force_max_N:
+    table: {values: [1190.25, 1205.25, 1215.75], weights: [1.15625, 2.28125, 0.84375]}
+  measured.force_max_N:
+    discrete: {values: [405.125, 411.625], probabilities: [0.28125, 0.71875]}
 ellipsoids:
   - parameters: [craft.mass_kg, craft.cg_x_mm, jet.factor]
     correlation: [[1, 0.31, -0.21], [0.31, 1, 0.11], [-0.21, 0.11, 1]]
+correlations: [{of: [wound.force_max_N, timed.force_max_N], rank: 0.4375}]
 requirements:
   - {quantity: clearance_mm, at_least: 2.125, until_separation_mm: 87.5}
   - {quantity: rate_after_separation_deg_s, at_most: [64, 65, 66]}
@@ -281,6 +302,7 @@ recontact:
   friction: 0.2125
 failure_cases:
   worn: {craft.mass_kg: max, carrier.mass_kg: 722.5}
+failures: {worn: 0.015625}
 run:
   duration_s: 0.59
   integrator: bogacki_shampine3
@@ -543,12 +565,30 @@ def record_of_main(folder) -> AnalysisCase:
             "jet.factor": 0.095,
             "craft.cg_y": Sides(minus=0.1023125, plus=0.2771875),
             "craft.cg_z": Sides(minus=0.002875, plus=0.007625),
+            "carrier.mass": Normal(sigma=4.3125 / 2.375, within=4.3125),
+            "carrier.cg_x": Uniform(
+                extent=Sides(minus=0.811375 - 0.8015, plus=0.8015 - 0.790875),
+                within=0.00196875,
+            ),
+            "carrier.cg_y": Triangular(extent=Sides(minus=0.00121875, plus=0.00246875)),
+            "carrier.cg_z": Normal(sigma=0.00034375),
+            "tail.mass": TruncatedNormal(sigma=1.03125, extent=2.09375),
+            "wound.force_max": Lognormal(sigma=6.53125),
+            "timed.force_max": Table(
+                values=(1190.25, 1205.25, 1215.75), weights=(1.15625, 2.28125, 0.84375)
+            ),
+            "measured.force_max": Discrete(
+                values=(405.125, 411.625), probabilities=(0.28125, 0.71875)
+            ),
         },
         ellipsoids=(
             Ellipsoid(
                 names=("craft.mass", "craft.cg_x", "jet.factor"),
                 correlation=((1.0, 0.31, -0.21), (0.31, 1.0, 0.11), (-0.21, 0.11, 1.0)),
             ),
+        ),
+        correlations=(
+            RankCorrelation(names=("wound.force_max", "timed.force_max"), rank=0.4375),
         ),
         requirements=(
             Requirement(metric="clearance_until_0.0875_m", sense=">=", limit=0.002125),
@@ -627,6 +667,7 @@ def record_of_main(folder) -> AnalysisCase:
                 values={"craft.mass": 1213.5 + 33.25, "carrier.mass": 722.5},
             ),
         ),
+        failure_probabilities={"worn": 0.015625},
     )
 
 

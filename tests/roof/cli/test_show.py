@@ -61,13 +61,14 @@ def test_dispersed_parameters(data, rows):
     }
     assert set(values) == set(data["dispersions"])
     for name, value in values.items():
-        [[got, tolerance]] = rows[name]
+        [[got, tolerance, distribution]] = rows[name]
         assert float(got) == pytest.approx(value, rel=1e-4), name
         expected = data["dispersions"][name]
         if name == "lower.cg_x_mm":
             assert tolerance == "-10 +20"
         else:
             assert tolerance == f"± {expected:g}", name
+        assert distribution == "uniform", name
 
 
 def test_every_other_parameter_stands_beside_its_owner(
@@ -185,3 +186,40 @@ def test_sides_of_a_tolerance_in_json(data, tmp_path, capsys, monkeypatch):
 
 def test_failure_cases(rows):
     assert rows["s1_worn"] == [["s1.force_max_N 1180"]]
+
+
+def test_what_campaigns_look_at(tmp_path, capsys, monkeypatch):
+    """Distributions, correlations and probabilities; the same by `--json`."""
+    data = small_case(
+        dispersions={
+            "upper.mass_kg": {"tolerance": 12, "distribution": "normal"},
+            "upper.cg_y_mm": {"uniform": {"minus": 1, "plus": 2}, "within": 0.5},
+            "s1.force_max_N": {"table": {"values": [1190, 1205, 1230]}},
+        },
+        correlations=[{"of": ["upper.mass_kg", "s1.force_max_N"], "rank": 0.25}],
+        failure_cases={"heavy": {"upper.mass_kg": 1250}, "out": {"s1.force_max_N": 0}},
+        failures={"out": 0.0625},
+    )
+    case = write_case(tmp_path, data)
+    monkeypatch.setenv("COLUMNS", "200")
+    _, out, _ = run(capsys, monkeypatch, "show", case)
+    lines = [" ".join(line.replace("│", " ").split()) for line in out.splitlines()]
+    assert "upper.mass_kg 1200 ± 12 normal, sigma 4" in lines
+    assert "upper.cg_y_mm -20 ± 0.5 uniform, over -1 +2" in lines
+    assert "s1.force_max_N 1200 -10 +30 table, 3 values" in lines
+    assert "Of rank correlation 0.25 in a campaign: upper.mass_kg, s1.force_max_N" in (
+        lines
+    )
+    [line] = [line for line in lines if line.startswith("out ")]
+    assert line.endswith(" 0.0625")
+    [line] = [line for line in lines if line.startswith("heavy ")]
+    assert line.endswith("1250")
+    _, out, _ = run(capsys, monkeypatch, "show", case, "--json")
+    told = json.loads(out)
+    rows = {row["parameter"]: row for row in told["parameters"]}
+    assert rows["upper.mass_kg"]["distribution"] == "normal, sigma 4"
+    assert rows["lower.mass_kg"]["distribution"] is None
+    assert told["correlations"] == [
+        {"of": ["upper.mass_kg", "s1.force_max_N"], "rank": 0.25}
+    ]
+    assert [row["probability"] for row in told["failure_cases"]] == [None, 0.0625]
