@@ -9,6 +9,12 @@ from .campaigns.answers import launch_requirements as launch_requirements
 from .campaigns.order_statistics import CampaignSize as CampaignSize
 from .campaigns.order_statistics import failures_allowed as failures_allowed
 from .campaigns.order_statistics import runs_needed as runs_needed
+from .campaigns.sensitivity import rank_correlations as rank_correlations
+from .campaigns.sensitivity import sobol_indices as sobol_indices
+from .campaigns.statistics import Summary as Summary
+from .campaigns.statistics import convergence as convergence
+from .campaigns.statistics import quantile_within as quantile_within
+from .campaigns.subset_simulation import subset_simulation as subset_simulation
 from .clearance.contact import Contact as Contact
 from .clearance.objective import LowestClearance as LowestClearance
 from .clearance.of_pair import Clearance as Clearance

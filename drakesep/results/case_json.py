@@ -24,7 +24,9 @@ from drakesep.analysis.campaigns.answers import (
     LaunchRequirement,
     Tally,
 )
+from drakesep.analysis.campaigns.sensitivity import RankCorrelations, SobolIndices
 from drakesep.analysis.campaigns.statistics import Histogram, Summary
+from drakesep.analysis.campaigns.subset_simulation import RareProbability
 from drakesep.analysis.clearance.contact import Contact
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.failure_cases import FailureCase
@@ -89,6 +91,7 @@ _RECORDS: tuple[type[Any], ...] = (
     *(Searched, Candidate, Ascent, Iteration, AscentSettings, SearchSettings),
     *(Growth, Limit),
     *(CampaignAnswer, LaunchRequirement, Tally, Histogram, Summary),
+    *(RankCorrelations, SobolIndices, RareProbability),
 )
 _ENUMS: tuple[type[enum.Enum], ...] = (Ending, RunStatus, SearchStatus)
 NO_RECORD = (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError)
