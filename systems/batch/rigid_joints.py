@@ -24,32 +24,31 @@ from drakesep.systems.equations.joint_tree import (
     Branch,
     Carried,
     Group,
-    JointPlace,
     hold_tree,
     plan_tree,
 )
-from drakesep.systems.equations.mated_stack import axis_on_A, held_joint
+from drakesep.systems.equations.mated_stack import axis_on_A
 from drakesep.systems.equations.relative_motion import BodyState, Wrench, reaction
 from drakesep.systems.equations.rigid_joints import (
+    JointPlace,
     RigidJoint,
     RigidJoints,
     joined,
     joint_equations,
+    joint_places,
 )
 from drakesep.systems.model.separation import Separation
-from drakesep.systems.vectors import Rotation, Vector
+from drakesep.systems.vectors import Vector
 
 
 class _Kind(NamedTuple):
     """Joints of one type, on an axis of lanes."""
 
     joints: list[RigidJoint]
-    R_AJ: Rotation
-    """Of (k, 1)."""
     axis_A: Vector
-    """y axis of a universal joint, fixed in A at first, of (k, 1)."""
-    axis_B: Vector
-    """The same in B, of (k, 1)."""
+    """x axis, or y of a universal joint, fixed in A at first, of (k, 1)."""
+    place: JointPlace
+    """Of (k, 1)."""
 
     @property
     def type(self) -> Any:
@@ -147,24 +146,25 @@ class BatchRigidJoints:
     def _place(self, kind: _Kind, params: BatchParameters) -> JointPlace:
         """Return where joints are, of (k, n); of a weld of pads, between these."""
         members = [joint.attachments for joint in kind.joints]
-        pads = [
-            jnp.stack([sum(entry[i] for i in each) / len(each) for each in members])
-            for entry in params.p_BoPad_B
-        ]
-        x, y, z = pads
-        return JointPlace(kind.R_AJ, (x, y, z), self._axis_B(kind, params))
 
-    def _axis_B(self, kind: _Kind, params: BatchParameters) -> Vector:
-        if kind.type != "universal" or not self._places.vary:
-            return kind.axis_B
-        axes = []
-        for k, joint in enumerate(kind.joints):
-            a, b = self._indices([joint.a, joint.b])
-            q_AB = self._places.orientation(a, b, params)
-            axis_A = tuple(x[k] for x in kind.axis_A)
-            axes.append(vectors.unrotate(vectors.rotation_matrix(q_AB), axis_A))
-        x, y, z = (jnp.stack(entries) for entries in zip(*axes, strict=True))
-        return x, y, z
+        def middle(pads: Vector) -> Vector:
+            x, y, z = (
+                jnp.stack([sum(entry[i] for i in each) / len(each) for each in members])
+                for entry in pads
+            )
+            return x, y, z
+
+        place = kind.place._replace(
+            p_AoPad_A=middle(params.p_AoPad_A), p_BoPad_B=middle(params.p_BoPad_B)
+        )
+        if not self._places.vary:
+            return place
+        ends = [self._indices([joint.a, joint.b]) for joint in kind.joints]
+        each = [self._places.orientation(a, b, params) for a, b in ends]
+        w, x, y, z = (jnp.stack(entries) for entries in zip(*each, strict=True))
+        R_AB = vectors.rotation_matrix((w, x, y, z))
+        axis_B = vectors.unrotate(R_AB, kind.axis_A)
+        return place._replace(axis_B=axis_B, q_AB=(w, x, y, z))
 
     # Loops.
 
@@ -221,7 +221,7 @@ class BatchRigidJoints:
                 for ends in zip(*((j.a, j.b) for j in kind.joints), strict=True)
             )
             place = self._place(kind, params)
-            motion = joined(kind.type, place.R_AJ, A, B, place.p_BoPad_B, place.axis_B)
+            motion = joined(kind.type, place, A, B)
             scales = np.array([self._joints.scales[edge] for edge in edges])
             gains, arm = scales.T[:, :, None]
             J, beside = joint_equations(kind.type, motion, p_WO, arm)
@@ -308,10 +308,9 @@ def pick_rows(lanes: Any, index: Sequence[int]) -> Any:
 
 def _kind(separation: Separation, joints: list[RigidJoint]) -> _Kind:
     """Return joints of one type, on an axis of lanes."""
-    first = [separation.attachments[joint.first] for joint in joints]
-    axes = (
-        [joint.R_AJ for joint in joints],
-        [axis_on_A(attachment.joint) for attachment in first],
-        [held_joint(separation, attachment).axis_B for attachment in first],
-    )
-    return _Kind(joints, *(tuple(np.array(x).T[..., None]) for x in axes))
+    places = joint_places(separation)
+    first = [joint.first for joint in joints]
+    axes = [axis_on_A(separation.attachments[i].joint) for i in first]
+    of_each = [places[i] for i in first]
+    rows = [tuple(np.array(x).T[..., None]) for x in zip(*of_each, strict=True)]
+    return _Kind(joints, tuple(np.array(axes).T[..., None]), JointPlace(*rows))

@@ -2,16 +2,17 @@
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
 
 from pydrake.common.value import AbstractValue, Value
 from pydrake.systems.framework import (
     BasicVector,
     Context,
+    EventStatus,
     LeafSystem,
     ValueProducer,
 )
 
+from drakesep.systems.checks import InputError
 from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.equations.articulated_inertia import Massive
@@ -21,21 +22,19 @@ from drakesep.systems.equations.holding_joints import (
     wrenches_on_bodies,
 )
 from drakesep.systems.equations.load_sharing import joint_shares
-from drakesep.systems.equations.mated_stack import held_joint
 from drakesep.systems.equations.relative_motion import BodyState, Wrench
-from drakesep.systems.equations.rigid_joints import rigid_joints
+from drakesep.systems.equations.rigid_joints import (
+    gap_of,
+    joint_places,
+    rigid_joints,
+)
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
-from drakesep.systems.vectors import Vector
 
 
-class PlaceRow(NamedTuple):
-    """Where an attachment is, in a Context."""
-
-    p_BoPad_B: Vector
-    """m."""
-    axis_B: Vector
-    """Its x axis, or y of a universal one, fixed in B."""
+_APART = 1e-3
+"""How far bodies may be from where a joint holds them at the start, m and rad: it would
+bring them there as slowly as they turn."""
 
 
 class _Solved:
@@ -58,6 +57,8 @@ class RigidJoints(LeafSystem):
     this system takes it from where it is computed, which knows no accelerations: there
     is no algebraic loop.
 
+    Where bodies are at the start the joints must hold them.
+
     Input ports:
         plant_state: (s,) 1, m, rad/s and m/s in W: state of the plant, in which the
             layout finds the motion of each body.
@@ -72,7 +73,7 @@ class RigidJoints(LeafSystem):
             B at its pad; zero after release, and where it is not rigid.
 
     Parameters:
-        0: for each attachment a `PlaceRow`.
+        0: for each attachment the `JointPlace` of its joint.
         1: for each joined body its `Massive`.
         2: for each two bodies that are joined the `Scale` of their equations.
     """
@@ -86,12 +87,13 @@ class RigidJoints(LeafSystem):
         """
         super().__init__()
         self._joints = rigid_joints(separation)
+        self._names = [attachment.name for attachment in separation.attachments]
         self._layout = layout
         size, count = 6 * len(separation.bodies), len(separation.attachments)
         self._state = self.DeclareVectorInputPort("plant_state", layout.size)
         self._released = self.DeclareVectorInputPort("released", count)
         self._others = self.DeclareVectorInputPort("other_wrenches", size)
-        self._places = Rows(self, _place_rows(separation))
+        self._places = Rows(self, joint_places(separation))
         self._masses = Rows(self, self._mass_rows(separation))
         self._scales = Rows(self, self._joints.scales)
 
@@ -112,13 +114,14 @@ class RigidJoints(LeafSystem):
                 self.all_parameters_ticket(),
             },
         )
+        self.DeclareInitializationPublishEvent(self._check_start)
         self.DeclareVectorOutputPort("wrenches", size, self._calc_wrenches)
         self.DeclareVectorOutputPort("total", size, self._calc_total)
         self.DeclareVectorOutputPort("loads", 6 * count, self._calc_loads)
 
     def set_joints(self, context: Context, separation: Separation) -> None:
         """Write the joints and bodies of a separation into this system's Context."""
-        self._places.write(context, _place_rows(separation))
+        self._places.write(context, joint_places(separation))
         self._masses.write(context, self._mass_rows(separation))
         self._scales.write(context, rigid_joints(separation).scales)
 
@@ -135,19 +138,33 @@ class RigidJoints(LeafSystem):
         return [Massive(b.mass, b.p_BoBcm_B, tuple(b.I_BBcm_B)) for b in bodies]
 
     def _calc_holding(self, context: Context, output: AbstractValue) -> None:
-        held = joints_that_hold(self._joints, *self._pads(context))
+        held = joints_that_hold(
+            self._joints, self._places.read(context), self._held(context)
+        )
         joints = self._joints._replace(scales=self._scales.read(context))
         masses = self._masses.read(context)
         output.set_value(HoldingJoints(joints, masses, held) if held else None)
 
-    def _pads(
-        self, context: Context
-    ) -> tuple[list[Vector], list[Vector], frozenset[int]]:
-        """Return each pad's place and axis in its B, and which attachments hold."""
-        places = self._places.read(context)
+    def _held(self, context: Context) -> frozenset[int]:
+        """Return which attachments hold."""
         released = self._released.Eval(context).tolist()
-        held = frozenset(i for i, t in enumerate(released) if math.isinf(t))
-        return [row.p_BoPad_B for row in places], [row.axis_B for row in places], held
+        return frozenset(i for i, t in enumerate(released) if math.isinf(t))
+
+    def _check_start(self, context: Context) -> EventStatus:
+        x, places = self._state.Eval(context).tolist(), self._places.read(context)
+        held = self._held(context)
+        for joint in self._joints.joints:
+            ends = (self._joints.bodies[end] for end in (joint.a, joint.b))
+            A, B = (self._layout.read_one(x, body) for body in ends)
+            for i in sorted(held.intersection(joint.attachments)):
+                moved, turned = gap_of(joint.type, places[i], A, B)
+                if not max(moved, turned) <= _APART:
+                    raise InputError(
+                        f"{self._names[i]}: its bodies must be where the rigid joint "
+                        f"holds them, got them {moved:.3g} m and "
+                        f"{math.degrees(math.asin(min(turned, 1.0))):.3g} deg away"
+                    )
+        return EventStatus.DidNothing()
 
     def _calc_solved(self, context: Context, output: AbstractValue) -> None:
         holding: HoldingJoints | None = self._holding.Eval(context)
@@ -192,13 +209,12 @@ class RigidJoints(LeafSystem):
         solved: _Solved = self._solved.Eval(context)
         if solved.holds:
             shares = joint_shares(
-                self._joints, *self._pads(context), solved.bodies, solved.edges
+                self._joints,
+                self._places.read(context),
+                self._held(context),
+                solved.bodies,
+                solved.edges,
             )
             for i, (torque, force) in shares.items():
                 loads[6 * i : 6 * i + 6] = [*torque, *force]
         output.SetFromVector(loads)
-
-
-def _place_rows(separation: Separation) -> list[PlaceRow]:
-    joints = [held_joint(separation, each) for each in separation.attachments]
-    return [PlaceRow(joint.p_BoPad_B, joint.axis_B) for joint in joints]

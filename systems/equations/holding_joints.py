@@ -21,7 +21,6 @@ from drakesep.systems.equations.joint_tree import (
     Alone,
     Carried,
     Group,
-    JointPlace,
     hold_tree,
     plan_tree,
 )
@@ -32,6 +31,7 @@ from drakesep.systems.equations.relative_motion import (
     reaction,
 )
 from drakesep.systems.equations.rigid_joints import (
+    JointPlace,
     RigidJoint,
     RigidJoints,
     joined,
@@ -51,17 +51,13 @@ class Held(NamedTuple):
 
 
 def joints_that_hold(
-    joints: RigidJoints,
-    p_BoPad_B: Sequence[Vector],
-    axis_B: Sequence[Vector],
-    held: Collection[int],
+    joints: RigidJoints, places: Sequence[JointPlace], held: Collection[int]
 ) -> list[Held]:
     """Return the joints of which an attachment holds; beside a weld, no other.
 
     Args:
         joints: of the separation.
-        p_BoPad_B: place of each attachment in its B, m.
-        axis_B: as `HeldJoint` has it, of each attachment.
+        places: of each attachment's joint.
         held: indices of attachments that hold.
     """
     holding = [j for j in joints.joints if any(i in held for i in j.attachments)]
@@ -69,11 +65,18 @@ def joints_that_hold(
     found = []
     for joint in holding:
         if joint.type == "fixed" or joint.edge not in welds:
-            pads = [p_BoPad_B[i] for i in joint.attachments]
-            x, y, z = np.mean(pads, axis=0).tolist()
-            place = JointPlace(joint.R_AJ, (x, y, z), axis_B[joint.first])
+            pads_A, pads_B = (
+                _middle([getattr(places[i], pad) for i in joint.attachments])
+                for pad in ("p_AoPad_A", "p_BoPad_B")
+            )
+            place = places[joint.first]._replace(p_AoPad_A=pads_A, p_BoPad_B=pads_B)
             found.append(Held(joint, place))
     return found
+
+
+def _middle(pads: Sequence[Vector]) -> Vector:
+    x, y, z = np.mean(pads, axis=0).tolist()
+    return x, y, z
 
 
 class HoldingJoints:
@@ -180,7 +183,7 @@ class HoldingJoints:
         for joint in self._tree.loops:
             A, B, place = bodies[joint.a], bodies[joint.b], self._places[joint.first]
             k, arm = self._joints.scales[joint.edge]
-            motion = joined(joint.type, place.R_AJ, A, B, place.p_BoPad_B, place.axis_B)
+            motion = joined(joint.type, place, A, B)
             equations = joint_equations(joint.type, motion, p_WO, arm)
             J: Array = np.array(equations.J)
             edge = self._loop_edges.index(joint.edge)

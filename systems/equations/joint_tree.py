@@ -34,13 +34,13 @@ from drakesep.systems.equations.relative_motion import (
 )
 from drakesep.systems.equations.rigid_joints import (
     Joined,
+    JointPlace,
     RigidJoint,
     held_turns,
     joined,
 )
 from drakesep.systems.model.joints import CONSTRAINTS, JointType
 from drakesep.systems.vectors import (
-    Rotation,
     Vector,
     add,
     cross,
@@ -168,16 +168,6 @@ class Alone:
         return values
 
 
-class JointPlace(NamedTuple):
-    """Where a joint is in its bodies."""
-
-    R_AJ: Rotation
-    p_BoPad_B: Vector
-    """m."""
-    axis_B: Vector
-    """y axis of a universal joint."""
-
-
 class Group(NamedTuple):
     """The bodies of a group."""
 
@@ -299,9 +289,7 @@ def _transmitted(
 ) -> Carried:
     """Return what a branch's joints transmit of what their outboard bodies carry."""
     type, to_B = link.branch.joints[0].type, link.branch.to_B
-    motion = rows.settled(
-        joined(type, place.R_AJ, *link.ends, place.p_BoPad_B, place.axis_B)
-    )
+    motion = rows.settled(joined(type, place, *link.ends))
     r = subtract(motion.p_WPad, link.outboard.p_WBo)
     D, wrench = carried
     for S in _free_directions(type, motion, r):

@@ -9,13 +9,13 @@ import numpy as np
 from drakesep.systems.equations.articulated_inertia import shifted_wrench
 from drakesep.systems.equations.relative_motion import BodyState, Wrench
 from drakesep.systems.equations.rigid_joints import (
+    JointPlace,
     RigidJoints,
     joined,
     joint_equations,
 )
 from drakesep.systems.model.joints import JointType
 from drakesep.systems.vectors import (
-    Rotation,
     Vector,
     add,
     compose,
@@ -43,19 +43,14 @@ class Pad(NamedTuple):
     """A joint that holds, and where it is in its bodies."""
 
     type: JointType
-    R_AJ: Rotation
-    p_BoPad_B: Vector
-    """m."""
-    axis_B: Vector
-    """y axis of a universal joint."""
+    place: JointPlace
     way: float
     """-1 if its A is the second body."""
 
 
 def joint_shares(
     joints: RigidJoints,
-    p_BoPad_B: Sequence[Vector],
-    axis_B: Sequence[Vector],
+    places: Sequence[JointPlace],
     held: Collection[int],
     bodies: Mapping[int, BodyState],
     wrenches: Mapping[int, Wrench],
@@ -64,8 +59,7 @@ def joint_shares(
 
     Args:
         joints: of the separation.
-        p_BoPad_B: place of each attachment in its B, m.
-        axis_B: as `HeldJoint` has it, of each attachment.
+        places: of each attachment's joint.
         held: indices of attachments that hold.
         bodies: by their places among the joined ones.
         wrenches: on B of each edge that holds, about its origin, in W.
@@ -77,8 +71,8 @@ def joint_shares(
     for joint in joints.joints:
         for i in joint.attachments:
             if i in held:
-                place = joint.frames[i], p_BoPad_B[i], axis_B[i]
-                pads.setdefault(joint.edge, {})[i] = Pad(joint.type, *place, joint.way)
+                pad = Pad(joint.type, places[i], joint.way)
+                pads.setdefault(joint.edge, {})[i] = pad
     loads: dict[int, Wrench] = {}
     for edge, mine in pads.items():
         a, b = joints.edges[edge]
@@ -107,17 +101,12 @@ def shared_loads(
     """
     ends = [(A, B) if pad.way > 0.0 else (B, A) for pad in pads]
     places = [
-        add(end.p_WBo, rotate(end.R_WB, pad.p_BoPad_B))
+        add(end.p_WBo, rotate(end.R_WB, pad.place.p_BoPad_B))
         for pad, (_, end) in zip(pads, ends, strict=True)
     ]
     centre, arm = circle_of_pads(places)
     equations = [
-        joint_equations(
-            pad.type,
-            joined(pad.type, pad.R_AJ, *end, pad.p_BoPad_B, pad.axis_B),
-            centre,
-            arm,
-        )
+        joint_equations(pad.type, joined(pad.type, pad.place, *end), centre, arm)
         for pad, end in zip(pads, ends, strict=True)
     ]
     J = np.concatenate(
@@ -130,7 +119,7 @@ def shared_loads(
     for pad, each, place, (first, _) in zip(pads, equations, places, ends, strict=True):
         total = np.sum([next(shares) * np.array(row) for row in each.J], axis=0)
         a, b, c, x, y, z = total.tolist()
-        R_WJ = compose(first.R_WB, pad.R_AJ)
+        R_WJ = compose(first.R_WB, pad.place.R_AJ)
         arm_W = subtract(centre, place)
         torque, force = shifted_wrench(Wrench((a, b, c), (x, y, z)), arm_W)
         loads.append(Wrench(unrotate(R_WJ, torque), unrotate(R_WJ, force)))

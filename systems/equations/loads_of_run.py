@@ -29,7 +29,7 @@ from drakesep.systems.equations.relative_motion import (
     pair_state,
     wrenches_at_origin,
 )
-from drakesep.systems.equations.rigid_joints import rigid_joints
+from drakesep.systems.equations.rigid_joints import joint_places, rigid_joints
 from drakesep.systems.model.joints import holds_all_rotations
 from drakesep.systems.model.loads import Load
 from drakesep.systems.model.run import Run
@@ -105,8 +105,7 @@ def _loads_of_rigid(run: Run) -> dict[str, Array]:
     separation, trajectory = run.separation, run.completed_trajectory
     joints, time = rigid_joints(separation), trajectory.time
     attachments = separation.attachments
-    places = [held_joint(separation, each) for each in attachments]
-    pads, axes = [p.p_BoPad_B for p in places], [p.axis_B for p in places]
+    places = joint_places(separation)
     bodies = [separation.bodies[i] for i in joints.bodies]
     massive = [Massive(b.mass, b.p_BoBcm_B, b.I_BBcm_B) for b in bodies]
     acting = _other_wrenches(run)
@@ -117,7 +116,7 @@ def _loads_of_rigid(run: Run) -> dict[str, Array]:
     for k in np.flatnonzero(holds[rigid].any(axis=0)):
         held = tuple(np.flatnonzero(holds[:, k]).tolist())
         if held not in laws:
-            found = joints_that_hold(joints, pads, axes, held)
+            found = joints_that_hold(joints, places, held)
             laws[held] = HoldingJoints(joints, massive, found)
         names = {i: bodies[i].name for i in laws[held].bodies}
         now = {
@@ -126,7 +125,7 @@ def _loads_of_rigid(run: Run) -> dict[str, Array]:
         }
         others = {i: _wrench(acting[name][k].tolist()) for i, name in names.items()}
         edges = laws[held].wrenches(now, others)
-        shares = joint_shares(joints, pads, axes, held, now, edges)
+        shares = joint_shares(joints, places, held, now, edges)
         for i, (torque, force) in shares.items():
             loads[attachments[i].name][k] = [*torque, *force]
     return loads

@@ -11,21 +11,36 @@ import math
 from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
-from drakesep.systems.equations.mated_stack import mated_places, place_in_stack
+from drakesep.systems.equations.mated_stack import (
+    held_joint,
+    mated_ends,
+    mated_orientation,
+    mated_places,
+    place_in_stack,
+)
 from drakesep.systems.equations.relative_motion import BodyState, velocity_at
-from drakesep.systems.model.joints import CONSTRAINTS, JointType
+from drakesep.systems.model.joints import (
+    CONSTRAINTS,
+    JointType,
+    holds_all_rotations,
+)
 from drakesep.systems.model.separation import Attachment, Separation
 from drakesep.systems.vectors import (
+    TINY,
+    Quaternion,
     Rotation,
     Scalar,
     Vector,
     add,
     compose,
+    conjugate,
     cross,
     dot,
+    multiply,
     rotate,
     scale,
     subtract,
+    transpose,
 )
 
 
@@ -44,8 +59,8 @@ _W: Rotation = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 class RigidJoint(NamedTuple):
     """A rigid joint, or all fixed ones of two bodies: together they hold as one."""
 
-    frames: dict[int, Rotation]
-    """Orientation R_AJ of each that it stands for, by the attachment's index."""
+    attachments: list[int]
+    """Indices of those that it stands for."""
     type: JointType
     a: int
     """Place of its A among the joined bodies."""
@@ -55,19 +70,24 @@ class RigidJoint(NamedTuple):
     """1 if its A is that of the edge; -1 if its B is."""
 
     @property
-    def attachments(self) -> list[int]:
-        """Indices of those that it stands for."""
-        return list(self.frames)
-
-    @property
     def first(self) -> int:
         """Index of the first of them, which stands for the joint."""
-        return next(iter(self.frames))
+        return self.attachments[0]
 
-    @property
-    def R_AJ(self) -> Rotation:
-        """Orientation of its frame in A: of a fixed one, any of them."""
-        return self.frames[self.first]
+
+class JointPlace(NamedTuple):
+    """Where a joint is in its bodies."""
+
+    R_AJ: Rotation
+    """Orientation of its frame in A: of a fixed one, of any of those it stands for."""
+    p_AoPad_A: Vector
+    """m."""
+    p_BoPad_B: Vector
+    """m."""
+    axis_B: Vector
+    """Its x axis, or y of a universal one, fixed in B."""
+    q_AB: Quaternion
+    """Orientation of B in A while mated."""
 
 
 class Scale(NamedTuple):
@@ -108,13 +128,21 @@ def rigid_joints(separation: Separation) -> RigidJoints:
         edges.setdefault(edge, members[0])
         way = 1.0 if edge == (a, b) else -1.0
         k = list(edges).index(edge)
-        frames = {
-            separation.attachments.index(member): member.joint.R_AJ
-            for member in members
-        }
-        joints.append(RigidJoint(frames, members[0].joint.type, a, b, k, way))
+        indices = [separation.attachments.index(member) for member in members]
+        joints.append(RigidJoint(indices, members[0].joint.type, a, b, k, way))
     scales = [_scale(separation, edges.values(), edge) for edge in edges.values()]
     return RigidJoints(joints, bodies, list(edges), scales)
+
+
+def joint_places(separation: Separation) -> list[JointPlace]:
+    """Return where each attachment's joint is in its bodies."""
+    places = []
+    for attachment in separation.attachments:
+        held = held_joint(separation, attachment)
+        q_AB = mated_orientation(*mated_ends(separation, attachment))
+        pads = held.p_AoPad_A, held.p_BoPad_B
+        places.append(JointPlace(attachment.joint.R_AJ, *pads, held.axis_B, q_AB))
+    return places
 
 
 def _scale(
@@ -177,41 +205,37 @@ def _reached(edges: Sequence[tuple[str, str]], start: str) -> set[str]:
 
 
 class Joined(NamedTuple):
-    """How B moves from A at a joint, but for what the bodies' accelerations give."""
+    """How B moves from A at a joint, but for what the bodies' accelerations give.
+
+    Of the accelerations the joint allows none: `a`, `alpha` and `turning` are what is
+    to be taken from B. That is what rates give; and what brings B back from where an
+    integrator has let it drift.
+    """
 
     p_WPad: Vector
     """m."""
     axes: tuple[Vector, Vector, Vector]
     """Of the joint's frame, in W; W's own for a fixed one, which holds along any."""
     a: Vector
-    """Of B's pad as seen from A, m/s^2."""
+    """Of B's pad as seen from A, m/s^2; along directions that the joint holds."""
     alpha: Vector
-    """rad/s^2."""
+    """rad/s^2; likewise."""
     hinge: Vector | None
     """y axis of a universal joint, in W, fixed in B."""
     turning: Vector | None
     """What B's rates give its second derivative as seen from A, rad/s^2."""
 
 
-def joined(
-    type: JointType,
-    R_AJ: Rotation,
-    A: BodyState,
-    B: BodyState,
-    p_BoPad_B: Vector,
-    axis_B: Vector,
-) -> Joined:
+def joined(type: JointType, place: JointPlace, A: BodyState, B: BodyState) -> Joined:
     """Return how B moves from A at a joint.
 
     Args:
         type: of the joint.
-        R_AJ: orientation of its frame in A.
+        place: of it.
         A: first body.
         B: second body.
-        p_BoPad_B: its place in B, m.
-        axis_B: y axis of a universal joint, fixed in B.
     """
-    r_B = rotate(B.R_WB, p_BoPad_B)
+    r_B = rotate(B.R_WB, place.p_BoPad_B)
     p_WPad = add(B.p_WBo, r_B)
     r_A = subtract(p_WPad, A.p_WBo)
     v = subtract(velocity_at(B, r_B), velocity_at(A, r_A))
@@ -220,13 +244,70 @@ def joined(
         subtract(cross(B.w_WB, cross(B.w_WB, r_B)), cross(A.w_WB, cross(A.w_WB, r_A))),
         scale(2.0, cross(A.w_WB, v)),
     )
-    R = _W if type == "fixed" else compose(A.R_WB, R_AJ)
+    R = _W if type == "fixed" else compose(A.R_WB, place.R_AJ)
     x, y, z = ((R[i], R[3 + i], R[6 + i]) for i in range(3))
+    # Baumgarte: g'' + 2 w g' + w^2 g = 0 of each gap g, as fast as the bodies turn.
+    # Integrators err at that pace; a faster w would rule their steps.
+    w2 = dot(A.w_WB, A.w_WB) + dot(B.w_WB, B.w_WB)
+    damping = 2.0 * (w2 + TINY) ** 0.5
+    gap = subtract(r_A, rotate(A.R_WB, place.p_AoPad_A))
+    a = add(a, add(scale(damping, v), scale(w2, gap)))
+    alpha = add(cross(w_AB, A.w_WB), scale(damping, w_AB))
+    alpha = add(alpha, scale(w2, _turn(type, place, A, B, x)))
     hinge = turning = None
     if type == "universal":
-        hinge = rotate(B.R_WB, axis_B)
+        hinge = rotate(B.R_WB, place.axis_B)
         turning = cross(w_AB, cross(w_AB, hinge))
-    return Joined(p_WPad, (x, y, z), a, cross(w_AB, A.w_WB), hinge, turning)
+    return Joined(p_WPad, (x, y, z), a, alpha, hinge, turning)
+
+
+def _turn(
+    type: JointType, place: JointPlace, A: BodyState, B: BodyState, x: Vector
+) -> Vector:
+    """Return by how little B has turned where the joint holds it, in W, rad (Eq. 2).
+
+    Args:
+        type: of the joint.
+        place: of it.
+        A: first body.
+        B: second body.
+        x: axis of the joint's frame in A, in W.
+    """
+    if type == "spherical":
+        return scale(0.0, x)
+    if holds_all_rotations(type):
+        mated = multiply(A.q_WB, place.q_AB)
+        turned = w, i, j, k = multiply(B.q_WB, conjugate(mated))
+        return scale(2.0 * w / sum(c * c for c in turned), (i, j, k))
+    axis = rotate(B.R_WB, place.axis_B)
+    turn = cross(x, axis)
+    # Of a universal joint, about the normal of both: cosine times sine of their angle.
+    return scale(-dot(x, axis), turn) if type == "universal" else turn
+
+
+def gap_of(
+    type: JointType, place: JointPlace, A: BodyState, B: BodyState
+) -> tuple[float, float]:
+    """Return how far B is from where a joint holds it: m, and the sine of an angle.
+
+    Args:
+        type: of the joint.
+        place: of it.
+        A: first body, on floats.
+        B: second body.
+    """
+    pads = (
+        add(body.p_WBo, rotate(body.R_WB, pad))
+        for body, pad in ((A, place.p_AoPad_A), (B, place.p_BoPad_B))
+    )
+    R = compose(A.R_WB, place.R_AJ)
+    moved_J = rotate(transpose(R), subtract(*pads))
+    held = CONSTRAINTS[type].translation
+    moved = math.hypot(*(m for m, holds in zip(moved_J, held, strict=True) if holds))
+    x = R[0], R[3], R[6]
+    if type == "universal":
+        return moved, abs(dot(x, rotate(B.R_WB, place.axis_B)))
+    return moved, math.hypot(*_turn(type, place, A, B, x))
 
 
 def held_turns(type: JointType, motion: Joined) -> list[tuple[Vector, Scalar]]:

@@ -18,11 +18,11 @@ from drakesep.systems.equations.holding_joints import (
     wrenches_on_bodies,
 )
 from drakesep.systems.equations.joint_tree import plan_tree
-from drakesep.systems.equations.mated_stack import held_joint
 from drakesep.systems.equations.relative_motion import Wrench, body_state
 from drakesep.systems.equations.rigid_joints import (
     joined,
     joint_equations,
+    joint_places,
     rigid_joints,
 )
 from drakesep.systems.model.joints import JOINT_TYPES, Joint
@@ -120,11 +120,6 @@ def mated_states(rng, separation):
     return np.array(states)
 
 
-def places(separation):
-    held = [held_joint(separation, each) for each in separation.attachments]
-    return [p.p_BoPad_B for p in held], [p.axis_B for p in held]
-
-
 def newton_and_euler(separation, states, others):
     """M and f of M V = f + what joints do, of all bodies, each about its origin."""
     m = len(states)
@@ -154,13 +149,13 @@ def at_once(separation, states, others, held):
     M, free = newton_and_euler(separation, states, others)
     m = len(states)
     J, rest = [], []
-    pads, axes = places(separation)
+    places = joint_places(separation)
     for k in held:
         attachment = separation.attachments[k]
         a, b = separation.ends(attachment)
         A, B = (body_state(states[i].tolist(), 0, 7) for i in (a, b))
         joint = attachment.joint
-        motion = joined(joint.type, joint.R_AJ, A, B, pads[k], axes[k])
+        motion = joined(joint.type, places[k], A, B)
         for end, sign in ((a, -1.0), (b, 1.0)):
             origin = tuple(states[end][4:7])
             own = joint_equations(joint.type, motion, origin, 1.0)
@@ -197,7 +192,7 @@ def by_tree(separation, states, others, held):
         for b in (separation.bodies[i] for i in joints.bodies)
     ]
     holding = HoldingJoints(
-        joints, massive, joints_that_hold(joints, *places(separation), held)
+        joints, massive, joints_that_hold(joints, joint_places(separation), held)
     )
     index = {body: joints.bodies[body] for body in holding.bodies}
     bodies = {k: body_state(states[i].tolist(), 0, 7) for k, i in index.items()}
@@ -294,8 +289,68 @@ def test_a_strut_of_a_loop_carries_heavy_bodies(mass):
 def test_a_weld_needs_no_other_joint():
     separation = stack(np.random.default_rng(0), LOOPS["a weld beside a hinge"])
     joints = rigid_joints(separation)
-    held = joints_that_hold(joints, *places(separation), {0, 1})
+    held = joints_that_hold(joints, joint_places(separation), {0, 1})
     assert [each.joint.type for each in held] == ["fixed"]
+
+
+HELD = {
+    "fixed": [0, 1, 2, 3, 4, 5],
+    "revolute": [0, 1, 2, 4, 5],
+    "universal": [0, 1, 2, 5],
+    "spherical": [0, 1, 2],
+    "prismatic": [1, 2, 3, 4, 5],
+    "cylindrical": [1, 2, 4, 5],
+    "planar": [0, 4, 5],
+}
+"""Which gaps a type closes: along x, y, z of its frame, and about them."""
+
+
+@pytest.mark.parametrize("type", JOINT_TYPES)
+def test_what_has_drifted_comes_back(type):
+    """Each gap g by g'' + 2 w g' + w^2 g = 0, w^2 = w_A^2 + w_B^2."""
+    rng = np.random.default_rng(1)
+    separation = stack(rng, [(0, 1, type)])
+    [attachment] = separation.attachments
+    a, b = separation.ends(attachment)
+    states, size = mated_states(rng, separation), 1e-4
+    turn = Rotation.from_rotvec(size * rng.normal(size=3))
+    q = turn * Rotation.from_quat(states[b, :4], scalar_first=True)
+    states[b] += [0.0] * 4 + [*(size * rng.normal(size=9))]
+    states[b, :4] = q.as_quat(scalar_first=True)
+    others = rng.uniform(-1.0, 1.0, size=(2, 6))
+    V = accelerations(separation, states, others, [0])
+    mated = [Rotation.from_euler("xyz", body.rpy_AB) for body in separation.bodies]
+    pads = [
+        R.inv().apply(mated[a].apply(attachment.p_AoPad_A) + p_a - body.p_ABo)
+        for R, body in zip(mated, separation.bodies, strict=True)
+        for p_a in [np.array(separation.bodies[a].p_ABo)]
+    ]
+    R_AJ = Rotation.from_matrix(np.reshape(attachment.joint.R_AJ, (3, 3)))
+
+    def gaps(t):
+        """Along and about the axes of the joint's frame, after so long."""
+        R, p = [], []
+        for state, (alpha, acceleration) in zip(
+            states, V.reshape(2, 2, 3), strict=True
+        ):
+            w, v = state[7:10], state[10:]
+            by = Rotation.from_rotvec(w * t + 0.5 * alpha * t * t)
+            R.append(by * Rotation.from_quat(state[:4], scalar_first=True))
+            p.append(state[4:7] + v * t + 0.5 * acceleration * t * t)
+        R_WJ = R[a] * R_AJ
+        moved = p[b] + R[b].apply(pads[b]) - p[a] - R[a].apply(pads[a])
+        turned = R[b] * mated[b].inv() * mated[a] * R[a].inv()
+        return np.concatenate(
+            [R_WJ.inv().apply(x) for x in (moved, turned.as_rotvec())]
+        )
+
+    h = 3e-4
+    before, now, after = (gaps(t)[HELD[type]] for t in (-h, 0.0, h))
+    first, second = (after - before) / (2.0 * h), (after - 2.0 * now + before) / h**2
+    w2 = (states[:, 7:10] ** 2).sum()
+    expected = -2.0 * np.sqrt(w2) * first - w2 * now
+    # What is of second order in gaps, and of the second in h over gaps.
+    assert second == pytest.approx(expected, abs=1e-2 * np.abs(expected).max())
 
 
 MANY = [
@@ -325,6 +380,7 @@ def test_lanes_hold_what_each_holds(links):
     count, n = len(separation.bodies), 12
     separation = weighing(separation, np.linspace(2e3, 1e2, count).tolist())
     states = np.array([mated_states(rng, separation) for _ in range(n)])
+    states += 1e-6 * rng.normal(size=states.shape)  # that has drifted
     held = rng.random((len(links), n)) < 0.7
     held[:, 0], held[:, 1] = True, False
     with jax.enable_x64(True):
