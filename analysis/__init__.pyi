@@ -6,6 +6,8 @@ from .campaigns.answers import CampaignAnswer as CampaignAnswer
 from .campaigns.answers import LaunchRequirement as LaunchRequirement
 from .campaigns.answers import Tally as Tally
 from .campaigns.answers import launch_requirements as launch_requirements
+from .campaigns.of_case import probability_beyond as probability_beyond
+from .campaigns.of_case import sobol_indices_of as sobol_indices_of
 from .campaigns.order_statistics import CampaignSize as CampaignSize
 from .campaigns.order_statistics import failures_allowed as failures_allowed
 from .campaigns.order_statistics import runs_needed as runs_needed

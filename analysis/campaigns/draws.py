@@ -137,6 +137,14 @@ class Draws:
                     shares[:, d - 1] = _share(word)
         return shares
 
+    def can_be(self, values: Array) -> NDArray[np.bool_]:
+        """Return (N,) which values (N, n) can be, where nothing fails.
+
+        Args:
+            values: of the dispersed parameters, in SI.
+        """
+        return self._design.can_be(values)
+
     def _possible(self, numbers: Whole) -> tuple[Array, Whole, Whole]:
         """Return values (N, n) that can be, what fails, and attempts before them."""
         failure = self._failures(numbers)
