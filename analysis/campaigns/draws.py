@@ -233,8 +233,9 @@ class Launch:
         possible = np.full(len(rows), True)
         for column, (least, most) in zip(columns, self._limits, strict=True):
             possible &= (column >= least) & (column <= most)
-        u = (columns - box.nominal[:, None]) / box.tolerance[:, None]
-        return possible & self._set.can_exist(u.T)
+        with np.errstate(over="ignore", invalid="ignore"):  # beyond the limits
+            u = (columns - box.nominal[:, None]) / box.tolerance[:, None]
+            return possible & self._set.can_exist(u.T)
 
 
 def _share(words: Words) -> Array:

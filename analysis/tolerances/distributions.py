@@ -109,11 +109,12 @@ class Triangular(_ByQuantiles):
 
     def ppf(self, q: Array, nominal: float) -> Array:
         """See `Distribution`."""
-        minus, plus = Sides.of(self.extent).minus, Sides.of(self.extent).plus
-        below = q * (minus + plus) < minus
-        rise = np.sqrt(q * minus * (minus + plus)) - minus
-        fall = plus - np.sqrt((1.0 - q) * plus * (minus + plus))
-        return nominal + np.where(below, rise, fall)
+        sides = Sides.of(self.extent)
+        width = sides.minus + sides.plus
+        below = sides.minus / width
+        rise = width * np.sqrt(q * below) - sides.minus
+        fall = sides.plus - width * np.sqrt((1.0 - q) * (1.0 - below))
+        return nominal + np.where(q < below, rise, fall)
 
 
 @typed

@@ -53,6 +53,7 @@ class JointDistribution:
         names: (n,) of the parameters.
         distributions: (n,) of each.
         nominal: (n,) values, in SI.
+        dependences: what makes parameters depend on each other, in words.
     """
 
     def __init__(
@@ -92,13 +93,12 @@ class JointDistribution:
             else:
                 groups.append(_Within(self._indices(ellipsoid.names), ellipsoid, box))
         self._groups = tuple(groups)
+        self.dependences = (
+            *(f"the {correlation.label}" for correlation in correlations),
+            *(f"the ellipsoid of {', '.join(one.names)}" for one in ellipsoids),
+        )
         together = {i for group in groups for i in group.indices}
         self._apart = [i for i in range(len(self.names)) if i not in together]
-
-    @property
-    def independent(self) -> bool:
-        """Whether no parameter depends on another."""
-        return not self._groups
 
     def values(self, q: Array) -> Array:
         """Return the values (N, n), in SI, at points of the unit cube.
@@ -133,12 +133,14 @@ class JointDistribution:
         """Return the values of points whose entries have normal ones, and values."""
         columns = np.ascontiguousarray(points.T)
         values = np.empty(columns.shape).T  # by columns
-        for i in self._apart:
-            values[:, i] = value(i, columns[i])
-        for group in self._groups:
-            of_group = group.values([normal(columns[i]) for i in group.indices])
-            for i, column in zip(group.indices, of_group, strict=True):
-                values[:, i] = column
+        # What is too large for a number is infinite, and cannot be.
+        with np.errstate(over="ignore", invalid="ignore"):
+            for i in self._apart:
+                values[:, i] = value(i, columns[i])
+            for group in self._groups:
+                of_group = group.values([normal(columns[i]) for i in group.indices])
+                for i, column in zip(group.indices, of_group, strict=True):
+                    values[:, i] = column
         return values
 
     def _indices(self, names: Sequence[str]) -> list[int]:

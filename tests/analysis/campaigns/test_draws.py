@@ -21,6 +21,9 @@ from drakesep.analysis.tolerances.distributions import (
     Discrete,
     Lognormal,
     Normal,
+    Table,
+    Triangular,
+    TruncatedNormal,
     Uniform,
 )
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
@@ -52,6 +55,9 @@ CASE = case(
         "sc.inertia_xy": Normal(sigma=20.0, within=40.0),
         "sc.inertia_xx": Sides(minus=10.0, plus=5.0),
         "lv.mass": Discrete(values=(2000.0, 2050.0), probabilities=(0.75, 0.25)),
+        "lv.cg_x": Table(values=(-1.21, -1.205, -1.19), weights=(1.0, 3.0, 2.0)),
+        "lv.cg_y": TruncatedNormal(sigma=0.002, extent=0.003),
+        "lv.cg_z": Triangular(extent=0.004),
     },
     ellipsoids=(Ellipsoid(names=("sc.cg_y", "sc.cg_z")),),
     correlations=(RankCorrelation(names=("s1.force_max", "s2.force_max"), rank=0.8),),
@@ -230,6 +236,27 @@ def test_of_vega(vega):
     # Two shares of 1e5 samples each, of 2.3 %: 4 standard errors.
     assert drawn.share_impossible == pytest.approx(share, abs=4 * 0.0007)
     assert drawn.independent
+
+
+@pytest.mark.parametrize(
+    ("tolerances", "dependences"),
+    [
+        # All of a square in the disk of possible inertias; its corners outside of it.
+        (0.7 * REACH, ()),
+        (0.72 * REACH, ("impossible values of sc.inertia",)),
+    ],
+)
+def test_what_depends_on_each_other(tolerances, dependences):
+    entries = dict.fromkeys(("sc.inertia_xy", "sc.inertia_xz"), tolerances)
+    assert case(tolerances=entries).dependences == dependences
+    drawn = Draws(case(tolerances=entries), 1).at(range(20_000))
+    assert (drawn.share_impossible > 0.0) == bool(dependences)
+    # Of one alone none depends on another.
+    assert case(tolerances={"sc.inertia_xy": 0.72 * REACH}).dependences == ()
+    assert CASE.dependences[:2] == (
+        "the correlation of s1.force_max, s2.force_max",
+        "the ellipsoid of sc.cg_y, sc.cg_z",
+    )
 
 
 def test_impossible_under_a_failure():

@@ -3,10 +3,14 @@
 import json
 import re
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from ruamel.yaml import YAML
 from trade import symmetric_design
 
+from drakesep.analysis.campaigns.draws import Draws
 from drakesep.analysis.tolerances.correlations import RankCorrelation
 from drakesep.analysis.tolerances.distributions import (
     Discrete,
@@ -21,6 +25,7 @@ from drakesep.analysis.tolerances.sides import Sides, ends_of
 from drakesep.case_file.case import Case
 from drakesep.case_file.errors import CaseError
 from drakesep.results.case_json import from_json, to_json
+from drakesep.systems.checks import InputError
 
 
 def read(stated, name="sc.cg_x_mm"):
@@ -289,3 +294,47 @@ def test_probabilities_of_failures():
     ):
         with pytest.raises(CaseError, match=re.escape(message)):
             case.replaced(failures=failures)
+
+
+numbers = st.one_of(
+    st.floats(allow_nan=True, allow_infinity=True),
+    st.floats(0.1, 10.0),
+    st.integers(-3, 3),
+    st.sampled_from([True, None, "2 %", "0 %", "5", "normal", 1e308, 5e-324]),
+)
+extents = numbers | st.fixed_dictionaries(
+    {}, optional=dict.fromkeys(("lower", "upper", "minus", "plus"), numbers)
+)
+lists = st.lists(numbers, max_size=4) | numbers
+PARTS = {
+    **dict.fromkeys(("lower", "upper", "minus", "plus", "sigmas"), numbers),
+    **dict.fromkeys(("tolerance", "uniform", "triangular", "within"), extents),
+    **dict.fromkeys(("normal", "lognormal"), st.fixed_dictionaries({"sigma": numbers})),
+    "truncated_normal": st.fixed_dictionaries({"sigma": numbers, "tolerance": extents}),
+    "table": st.fixed_dictionaries({"values": lists}, optional={"weights": lists}),
+    "discrete": st.fixed_dictionaries({"values": lists, "probabilities": lists}),
+    "distribution": st.sampled_from(["uniform", "normal", "lognormal", "triangular"]),
+}
+stated_any = st.lists(st.sampled_from(sorted(PARTS)), max_size=3).flatmap(
+    lambda keys: st.fixed_dictionaries({key: PARTS[key] for key in keys})
+)
+
+
+@given(stated=stated_any)
+def test_read_and_drawn_or_refused_by_name(stated):
+    """Nothing else: no traceback, no warning, and no value that is none."""
+    try:
+        case = symmetric_design().replaced(dispersions={"sc.cg_x_mm": stated})
+    except CaseError as error:
+        assert "sc.cg_x_mm" in str(error)
+        return
+    record = case.in_si()
+    [low, high] = record.box.dispersions[0].bounds
+    assert low < high
+    assert low <= 0.6 <= high
+    try:
+        drawn = Draws(record, 1).at(range(10))
+    except InputError as error:
+        assert "values of which a thousandth can be" in str(error)
+        return
+    assert np.isfinite(drawn.values).all()
