@@ -24,6 +24,7 @@ from drakesep.systems.model.springs import (
     Spring,
     push_duration,
     push_frequency,
+    push_travel,
 )
 from drakesep.systems.vectors import Ops, Scalar
 
@@ -78,8 +79,9 @@ class DisplacementSpringLaw(PushLaw):
         return cls(pusher.profile, tuple(_ramps(pusher.profile)))
 
     def end(self, p: Any, ops: Ops) -> Scalar:
-        """Return the stroke without what is lost of it, m."""
-        return (1.0 - p.lost_stroke) * p.stroke
+        """Return the stroke without what is lost of it, m; below 0 of no force."""
+        travel = (1.0 - p.lost_stroke) * p.stroke
+        return push_travel(travel, p.force_max, p.damping)
 
     def stroke(self, p: Any, ops: Ops) -> Scalar:
         """Return the whole stroke, m."""
@@ -166,6 +168,10 @@ class ConnectorLaw(PushLaw):
         return cls(pusher.profile, tuple(_ramps(pusher.profile)))
 
     def end(self, p: Any, ops: Ops) -> Scalar:
+        """Return the travel, m; below 0 of no force."""
+        return push_travel(p.travel, p.force_max)
+
+    def stroke(self, p: Any, ops: Ops) -> Scalar:
         """Return the travel, m."""
         return p.travel
 

@@ -471,10 +471,15 @@ class Separation:
         """Return whether all attachments that hold a body let go."""
         return all(a.lets_go for a in self.attached_to(body))
 
-    def may_part(self, attachment: Attachment) -> bool:
-        """Return whether nothing that never lets go joins an attachment's bodies."""
+    def may_part(self, attachment: Attachment, held: Collection[str] = ()) -> bool:
+        """Return whether nothing that never lets go joins an attachment's bodies.
+
+        Args:
+            attachment: whose bodies are asked about.
+            held: names of attachments that have not let go in a run, though they may.
+        """
         joined, reached = {attachment.A}, {attachment.A}
-        for_good = [a for a in self.attachments if not a.lets_go]
+        for_good = [a for a in self.attachments if not a.lets_go or a.name in held]
         while reached:
             near = [(a.A, a.B) for a in for_good if not reached.isdisjoint((a.A, a.B))]
             reached = {name for ends in near for name in ends} - joined

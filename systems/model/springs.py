@@ -54,6 +54,20 @@ def push_duration(spring: Any, ops: Ops) -> Scalar:
     return (spring.force_max >= _LEAST) * phase / _frequency_of_some(spring, ops)
 
 
+def push_travel(travel: Scalar, force: Scalar, damping: Scalar = 0.0) -> Scalar:
+    """Return the displacement at which a push ends, m: of no force, at its release.
+
+    That is one below zero, as no pad comes back: it is passed from the beginning.
+
+    Args:
+        travel: at which one of some force ends, m.
+        force: its largest, N.
+        damping: of a damper beside it, N s/m, which acts without a force.
+    """
+    none = (force < _LEAST) & (damping <= 0.0)
+    return travel - none * 2.0 * travel
+
+
 def _frequency_of_some(spring: Any, ops: Ops) -> Scalar:
     # Of no force, that of some: it divides, and its root has a slope.
     force = spring.force_max + (spring.force_max < _LEAST)
@@ -135,7 +149,8 @@ class DisplacementSpring:
 
     name: str
     force_max: float
-    """Largest force of the profile, whichever way, N; 0: it does not push."""
+    """Largest force of the profile, whichever way, N; 0: it does not push, and ends at
+    its release, unless it damps."""
     stroke: float
     """Displacement at which the push ends, m."""
     damping: float = 0.0

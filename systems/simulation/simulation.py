@@ -212,9 +212,7 @@ def _find_stroke_ends(
     Raises:
         RuntimeError: one did not, although nothing keeps them.
     """
-    held = any(
-        a.lets_go and math.isinf(releases[a.name]) for a in separation.attachments
-    )
+    held = [name for name, release in releases.items() if math.isinf(release)]
     ends = separation.timed_stroke_ends(releases)
     for attachment, spring in separation.pushing:
         release = releases[attachment.name]
@@ -224,8 +222,8 @@ def _find_stroke_ends(
             )
         # The model knows when scheduled releases are; not those at an angle.
         if ends.get(spring.name, math.inf) >= separation.duration:
-            kept = held or is_held_back(separation, attachment)
-            if not kept and separation.may_part(attachment):
+            kept = is_held_back(separation, attachment)
+            if not kept and separation.may_part(attachment, held):
                 raise RuntimeError(f"{spring.name} has not reached its stroke")
             ends[spring.name] = math.inf
     return ends

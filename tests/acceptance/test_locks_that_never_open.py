@@ -20,7 +20,8 @@ from drakesep.systems.equations.forces_of_run import spring_forces
 from drakesep.systems.equations.loads_of_run import joint_loads
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.joints import Joint
-from drakesep.systems.model.separation import Separation
+from drakesep.systems.model.separation import Attachment, Pair, Separation
+from drakesep.systems.model.springs import DisplacementSpring
 from drakesep.systems.simulation.simulation import Simulation
 
 
@@ -215,3 +216,42 @@ def test_the_word():
         symmetric_design(attachments=attachments)
     values = parse_changes(["a4.release_time_s=never", "a1.release_time_s=0.01"])
     assert values == {"a4.release_time_s": math.inf, "a1.release_time_s": 0.01}
+
+
+@pytest.mark.parametrize("stroke", [0.08, 9.0])
+def test_what_stays_shut_is_no_excuse_for_others(stroke):
+    """The lock is of sc; the spring of a cap on it has no such reason to be short."""
+    hinge = Joint(type="revolute", rigid=True)
+    design = stuck_design().separation
+    *_, stuck = design.attachments
+    cap = dataclasses.replace(design.bodies[1], name="cap", parts=())
+    spring = DisplacementSpring(name="pusher", force_max=500.0, stroke=stroke)
+    separation = dataclasses.replace(
+        design,
+        bodies=(*design.bodies, cap),
+        others=(Pair(A="sc", B="cap"),),
+        attachments=(
+            # It would let go at an angle that it never comes to.
+            dataclasses.replace(
+                stuck,
+                joint=hinge,
+                spring=None,
+                release_time=math.inf,
+                release_angle=3.0,
+            ),
+            Attachment(
+                name="c1",
+                A="sc",
+                B="cap",
+                p_AoPad_A=(1.2, 0.0, 0.0),
+                joint=hinge,
+                spring=spring,
+            ),
+        ),
+    )
+    run = Simulation(separation).run()
+    if stroke < 1.0:
+        assert run.motion is not None and run.held == ("a4",)
+        assert run.not_separated.startswith("a4 has not let go")
+    else:
+        assert run.message.startswith("pusher has not reached its stroke")

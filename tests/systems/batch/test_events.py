@@ -361,3 +361,21 @@ def test_known_times_end_with_the_run():
     lanes.latch(0.0)
     # Its spring ends where its pad is, at no known time.
     assert lanes.next_known == separation.duration
+
+
+def test_a_spring_of_no_force_is_out_at_its_release():
+    """Pressed in or not: its pad has no stroke to travel. Its neighbours have."""
+
+    def springs(name):
+        spring = dataclasses.replace(by_displacement(name), damping=0.0)
+        force = 0.0 if name == "spring_2" else spring.force_max
+        return dataclasses.replace(spring, force_max=force)
+
+    lanes = Lanes(pair(springs=springs), n=2)
+    lanes.latch(RELEASE, lanes.moved([0.0, -1e-3]))
+    assert np.asarray(lanes.latched.mode.spent).tolist() == [
+        [False, False],
+        [True, True],
+        [False, False],
+    ]
+    assert lanes.latched.stroke_ends[1] == pytest.approx([RELEASE, RELEASE])

@@ -224,3 +224,30 @@ def test_spring_that_is_past_its_stroke_when_it_is_let_go():
 def test_bad_profiles(profile):
     with pytest.raises(ValueError, match="must have two rows of two or more"):
         DisplacementSpring(name="s", force_max=1.0, stroke=0.1, profile=profile)
+
+
+@pytest.mark.parametrize("damping", [0.0, 300.0])
+def test_a_spring_of_no_force_is_out(damping):
+    """It need not travel its stroke, of 5 m here: the run is that without it.
+
+    Unless it damps: then it has not let go of its pad.
+    """
+    pair = by_displacement(generic_pair(duration=0.3))
+    first, *others = pair.attachments
+    none = dataclasses.replace(first.spring, force_max=0.0, stroke=5.0, damping=damping)
+    flown = dataclasses.replace(
+        pair, attachments=(dataclasses.replace(first, spring=none), *others)
+    )
+    run = Simulation(flown).run()
+    if damping:
+        assert run.message.startswith("spring_1 has not reached its stroke")
+        return
+    assert run.status is RunStatus.COMPLETED and not run.not_separated
+    assert run.stroke_ends["spring_1"] == run.releases["attachment_1"]
+    bare = dataclasses.replace(
+        pair, attachments=(dataclasses.replace(first, spring=None), *others)
+    )
+    expected = Simulation(bare).run()
+    # Its steps are the same but for its events.
+    got, wanted = (one.motion.relative_velocity[-1] for one in (run, expected))
+    assert got == pytest.approx(wanted, rel=1e-6)
