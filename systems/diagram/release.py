@@ -15,9 +15,10 @@ from drakesep.systems.equations.mated_stack import (
     pad_on_B,
 )
 from drakesep.systems.equations.pushers import push_displacement
+from drakesep.systems.equations.relative_motion import BodyState
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
-from drakesep.systems.vectors import Quaternion, Vector
+from drakesep.systems.vectors import Quaternion, Vector, dot, rotate, subtract
 
 
 _UP = 0.5
@@ -102,6 +103,27 @@ class Release(LatchingSystem):
             for i in self._by_motion
         )
 
+    def time_left(self, context: Context) -> float:
+        """Return when the next attachment will have moved far enough, s from now.
+
+        As fast as its joint moves now; infinite if none that waits for it does so.
+        """
+        released = self._get_latched(context)
+        waiting = [i for i in self._by_motion if math.isinf(released[i])]
+        return min((self._time_left(context, i) for i in waiting), default=math.inf)
+
+    def _time_left(self, context: Context, i: int) -> float:
+        row = self._rows.read(context)[i]
+        lefts = []
+        for limit, (value, rate) in (
+            (row.release_travel, self._slid(context, i)),
+            (row.release_angle, self._turned(context, i)),
+        ):
+            approach = math.copysign(rate, value * rate)
+            if math.isfinite(limit) and approach > 0.0:
+                lefts.append((limit - abs(value)) / approach)
+        return min(lefts, default=math.inf)
+
     def _get_command(self, context: Context) -> list[bool] | None:
         """Return which attachments are commanded to let go; None: by schedule."""
         n = len(self._ends)
@@ -118,16 +140,32 @@ class Release(LatchingSystem):
     def _has_moved(self, context: Context, i: int) -> bool:
         """Return whether an attachment's joint has turned, or slid, far enough."""
         row = self._rows.read(context)[i]
-        x = self._state.Eval(context).tolist()
-        A, B = (self._layout.read_one(x, body) for body in self._ends[i])
-        place = row.p_AoPad_A, row.p_BoPad_B, row.x_axis_A
-        travel, _ = push_displacement(A, B, *place)
+        travel, _ = self._slid(context, i)
         if abs(travel) >= row.release_travel:
             return True
         if not self._by_angle[i]:
             return False
-        angle = joint_laws.twist_angle(A.q_WB, B.q_WB, row.q_AB, row.x_axis_A, math)
+        angle, _ = self._turned(context, i)
         return abs(angle) >= row.release_angle
+
+    def _slid(self, context: Context, i: int) -> tuple[float, float]:
+        """Return how far an attachment's joint has slid, m, and how fast, m/s."""
+        row = self._rows.read(context)[i]
+        place = row.p_AoPad_A, row.p_BoPad_B, row.x_axis_A
+        return push_displacement(*self._read_ends(context, i), *place)
+
+    def _turned(self, context: Context, i: int) -> tuple[float, float]:
+        """Return how far it has turned, rad, and how fast, rad/s."""
+        row = self._rows.read(context)[i]
+        A, B = self._read_ends(context, i)
+        angle = joint_laws.twist_angle(A.q_WB, B.q_WB, row.q_AB, row.x_axis_A, math)
+        rate = dot(rotate(A.R_WB, row.x_axis_A), subtract(B.w_WB, A.w_WB))
+        return angle, rate
+
+    def _read_ends(self, context: Context, i: int) -> tuple[BodyState, BodyState]:
+        x = self._state.Eval(context).tolist()
+        a, b = self._ends[i]
+        return self._layout.read_one(x, a), self._layout.read_one(x, b)
 
     def _is_waiting(self, latched: list[float]) -> bool:
         return any(map(math.isinf, latched))

@@ -266,6 +266,16 @@ class SeparationForces(Diagram):
                 names |= system.parameters_read(separation)
         return names
 
+    def time_to_release(self, context: Context) -> float:
+        """Return in which time the next attachment lets go by its joint's motion, s.
+
+        As fast as that moves now.
+
+        Args:
+            context: of this diagram.
+        """
+        return self._release.time_left(self.GetSubsystemContext(self._release, context))
+
     def is_release_due(self, context: Context) -> bool:
         """Return whether an attachment holds that has turned or slid far enough.
 

@@ -235,6 +235,15 @@ class SeparationSystem(Diagram):
                 "listed as touching, which then do not push each other; got an overlap"
             )
 
+    def time_to_release(self, context: Context) -> float:
+        """Return in which time the next attachment lets go by its joint's motion, s.
+
+        As fast as that moves now.
+        """
+        return self.forces.time_to_release(
+            self.GetSubsystemContext(self.forces, context)
+        )
+
     def is_release_due(self, context: Context) -> bool:
         """Return whether an attachment holds that has turned or slid far enough."""
         return self.forces.is_release_due(

@@ -39,6 +39,8 @@ _MOST_STEPS = 100_000
 has it would take days."""
 _FIRST_STEP = 1e-3
 """Tried at the start, s."""
+_LEFT = 1e-7
+"""Time until a release by motion from which on it is searched, s."""
 _RECONTACT_STEP = 5e-3
 """The largest where parts may push each other, s: in free flight error control would
 step over a contact."""
@@ -161,6 +163,7 @@ class Simulation:
         )
         steps = itertools.count(1)
         by_motion = any(a.released_by_motion for a in separation.attachments)
+        approach = _Approach(self.integration.accuracy)
 
         def monitor(_: Context) -> EventStatus:
             recorder.note()
@@ -168,8 +171,13 @@ class Simulation:
             if next(steps) > _MOST_STEPS:
                 # Not EventStatus.Failed, which ends the process with a crash.
                 raise RuntimeError(f"it takes more than {_MOST_STEPS} steps")
-            if by_motion and system.is_release_due(context):
-                return EventStatus.ReachedTermination(system, "release by motion")
+            if by_motion:
+                if system.is_release_due(context):
+                    return EventStatus.ReachedTermination(system, "release by motion")
+                if approach.is_near(
+                    context.get_time(), system.time_to_release(context)
+                ):
+                    return EventStatus.ReachedTermination(system, "near a release")
             return EventStatus.DidNothing()
 
         simulator.set_monitor(monitor)
@@ -181,13 +189,46 @@ class Simulation:
             stops = find_breaks(
                 separation, separation.scheduled_releases | releases, strokes
             )
+            stop = next(t for t in stops if t > now + NANOSECOND)
+            if by_motion:
+                stop = min(stop, now + approach.step(system.time_to_release(context)))
             recorder.start_piece()
-            simulator.AdvanceTo(next(t for t in stops if t > now + NANOSECOND))
+            simulator.AdvanceTo(stop)
             recorder.end_piece()
             simulator.AdvancePendingEvents()
         releases = _releases(separation, released.Eval(context))
         names = [attachment.name for attachment in separation.attachments]
         return recorder, dict.fromkeys(names, math.inf) | releases
+
+
+class _Approach:
+    """How a release by motion is approached, whose time is foreseen from its pace.
+
+    A step that straddles it has its time searched by bisection, twenty tries of some
+    steps each: so it is to be a short one.
+    """
+
+    def __init__(self, accuracy: float):
+        # Drake's search ends within a hundredth of the accuracy, in seconds.
+        self._least = max(_LEFT, 0.01 * accuracy)
+        self._last = 0.0
+
+    def is_near(self, now: float, left: float) -> bool:
+        """Return whether a release may lie within the next step.
+
+        Args:
+            now: where a step has ended, s.
+            left: time until the release, s.
+        """
+        step, self._last = now - self._last, now
+        return self._least < left < 2.0 * step
+
+    def step(self, left: float) -> float:
+        """Return how long to go on, s: until just before it, and then well beyond it.
+
+        Drake ends the process when what it searches lies at the end of `AdvanceTo`.
+        """
+        return 0.99 * left if left > self._least else 3.0 * self._least
 
 
 def _releases(separation: Separation, released: Array) -> dict[str, float]:

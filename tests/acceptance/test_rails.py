@@ -63,6 +63,13 @@ def test_when_it_lets_go(joint):
     assert run.end_of("upper") == run.releases["rail"]
 
 
+def test_its_time_is_foreseen():
+    """One that is searched by bisection within a long step takes hundreds of steps."""
+    by_travel = Simulation(dispenser()).run()
+    by_time = dispenser(release_time=time_of_release(), release_travel=math.inf)
+    assert by_travel.steps <= Simulation(by_time).run().steps + 40
+
+
 def test_it_leads_until_then():
     """A CG beside the push turns both bodies as one, and free ones apart."""
     pair = dispenser(coaxial=False)
