@@ -10,6 +10,7 @@ from drakesep.cli.summaries import SUMMARIES, Row
 
 _VALUES = {
     str: "text",
+    int: "whole number",
     str | None: "text or null",
     list[str]: "list of texts",
     list[Row]: "list of objects",

@@ -10,6 +10,12 @@ from .results.reading import Results as Results
 from .results.reading import read_results as read_results
 from .studies.animate import animate as animate
 from .studies.animate import animate_results as animate_results
+from .studies.campaign.procedure import campaign as campaign
+from .studies.campaign.procedure import merge_campaign as merge_campaign
+from .studies.campaign.procedure import plan_campaign as plan_campaign
+from .studies.campaign.procedure import run_chunk as run_chunk
+from .studies.campaign.progress import CampaignProgress as CampaignProgress
+from .studies.campaign.result import Campaign as Campaign
 from .studies.clearance import Clearances as Clearances
 from .studies.clearance import clearance as clearance
 from .studies.simulate import Simulated as Simulated

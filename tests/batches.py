@@ -67,3 +67,22 @@ def assert_slopes(jacobian, differences, steps):
     got, expected = jacobian * steps, differences * steps
     scale = np.abs(expected).max(axis=1, keepdims=True)
     assert (np.abs(got - expected) <= 1e-6 * scale + 1e-11).all()
+
+
+def compiled_once(patch, *modules: str):
+    """Let batches of a separation and its names be made once for all that ask.
+
+    Args:
+        patch: of pytest, by which it ends.
+        modules: that make batches.
+    """
+    known = {}
+
+    def batch(separation, names, **how):
+        key = separation, tuple(names), repr({**how, "workers": None})
+        if key not in known:
+            known[key] = Batch(separation, names, **how)
+        return known[key]
+
+    for module in modules:
+        patch.setattr(f"{module}.Batch", batch)

@@ -27,6 +27,7 @@ CODES = {
     "simulate": OF_STUDY,
     "sweep": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "clearance": {**OF_STUDY, NOT_MET: 1},
+    "campaign": {**OF_STUDY, NOT_MET: 1},
     "animate": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "worst-case": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "verify": {**OF_STUDY, NOT_MET: 1, OTHER_RUN_FAILED: 4},
@@ -37,6 +38,7 @@ SETTINGS = {
     "simulate": ("--set", "upper.mass_kg=heavy"),
     "sweep": ("--engine", "steam"),
     "clearance": ("--set", "upper.mas_kg=1200"),
+    "campaign": ("--runs", "10"),
     "animate": ("--run", "worst_L1"),
     "worst-case": ("--objective", "L3"),
     "verify": ("--samples", "0"),
@@ -83,6 +85,9 @@ def arguments(command, outcome, folder):
         output = output / "page.html"
     more = [*SEARCH, "--objective", "PM"] if command == "worst-case" else []
     more = [*SEARCH] if command == "verify" else more
+    if command == "campaign":
+        more = ["--share", 0.99, "--confidence", 0.9, "--workers", 1]
+        more += [] if outcome == BAD_SETTING else ["--runs", 300]
     if command == "sweep":
         other = outcome == OTHER_RUN_FAILED
         more = ["s2.stroke_mm=110,5000" if other else "upper.mass_kg=1180:1220:3"]

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from drakesep.cli.campaign_commands import campaign
 from drakesep.cli.case_commands import cases, new, show
 from drakesep.cli.report import BAD_INPUT, print_json, say_error
 from drakesep.cli.run_commands import animate, clearance, simulate
@@ -52,6 +53,9 @@ _COMMANDS = (
 )
 for command in _COMMANDS:
     app.command(command.__name__.replace("_", "-"))(command)
+app.add_typer(
+    campaign, name="campaign", help="Tell what share of launches meets requirements."
+)
 
 
 def main() -> None:

@@ -10,6 +10,7 @@ from typing import NamedTuple, TypeAlias
 from rich import progress as rich_progress
 from rich.console import Console
 
+from drakesep.studies.campaign.progress import CONFIRM, CampaignProgress
 from drakesep.studies.sweep import SweepProgress
 from drakesep.studies.worst_case.effort import in_time
 from drakesep.studies.worst_case.pace import Remaining
@@ -31,7 +32,7 @@ class _Standing(NamedTuple):
     remaining: Remaining
 
 
-AnyProgress: TypeAlias = Progress | SweepProgress
+AnyProgress: TypeAlias = Progress | SweepProgress | CampaignProgress
 Tell: TypeAlias = Callable[[AnyProgress], None]
 
 
@@ -182,6 +183,10 @@ def _standing(progress: AnyProgress) -> _Standing:
     if isinstance(progress, SweepProgress):
         step, begins, plan = "sweep", progress.done == 0, str(progress)
         described = f"{progress.done} of {progress.total} variants"
+    elif isinstance(progress, CampaignProgress):
+        step, begins, plan = progress.step, not progress.step, str(progress)
+        where = " in Drake" if step == CONFIRM else ""
+        described = f"{progress.done} of {progress.total} draws{where}"
     else:
         step, plan = progress.search.search, str(progress.effort)
         begins, described = step == PLAN, _described(progress)

@@ -27,11 +27,22 @@ def requirement_lines(frame: pd.DataFrame, bodies: Sequence[str]) -> pd.DataFram
     """
     return pd.DataFrame(
         {
-            "requirement": _names(frame, bodies),
-            "limit": _limits(frame),
+            **requirement_names_and_limits(frame, bodies),
             **{name: frame[name] for name in _VALUES if name in frame},
         }
     )
+
+
+def requirement_names_and_limits(
+    frame: pd.DataFrame, bodies: Sequence[str]
+) -> dict[str, list[str]]:
+    """Return what names each requirement, and its limit, as columns.
+
+    Args:
+        frame: of `drakesep.tables.requirement_tables`, or of campaigns.
+        bodies: names of those that leave.
+    """
+    return {"requirement": _names(frame, bodies), "limit": _limits(frame)}
 
 
 def growth_lines(frame: pd.DataFrame, bodies: Sequence[str]) -> pd.DataFrame:

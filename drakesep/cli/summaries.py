@@ -13,6 +13,7 @@ import pandas as pd
 
 from drakesep.analysis.tolerances.box import Dispersion
 from drakesep.case_file.case import Case
+from drakesep.studies.campaign.result import Campaign
 from drakesep.studies.clearance import Clearances
 from drakesep.studies.remarks import notes_of
 from drakesep.studies.simulate import Simulated
@@ -85,7 +86,8 @@ class StudySummary:
     folder: str
     """That has the results."""
     verdict: str | None
-    """`met`, `not met`, `not looked at`; `clear`, `contact`; null: there is none."""
+    """`met`, `not met`, `not shown`, `not looked at`; `clear`, `contact`; null: there
+    is none."""
     notes: list[str]
     """What should be known of the runs; each begins with the label of another run than
     the nominal, or than the one that was flown."""
@@ -144,6 +146,18 @@ class VerifySummary(WorstCaseSummary):
 
 
 @dataclass(frozen=True, kw_only=True)
+class CampaignSummary(StudySummary):
+    """Of `campaign`, and of `campaign merge`."""
+
+    runs: int
+    """Draws."""
+    failed: int
+    """Of them, that failed and count as beyond every limit."""
+    requirements: list[Row]
+    """Rows of campaign.csv."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class AnimateSummary:
     """Of `animate`."""
 
@@ -162,6 +176,7 @@ SUMMARIES: dict[str, type[Any]] = {
     "simulate": SimulateSummary,
     "sweep": SweepSummary,
     "clearance": ClearanceSummary,
+    "campaign": CampaignSummary,
     "animate": AnimateSummary,
     "worst-case": WorstCaseSummary,
     "verify": VerifySummary,
@@ -268,6 +283,19 @@ def of_sweep(study: Sweep, folder: Path) -> SweepSummary:
         notes=notes_of(study.remarks, plain=""),
         engine=study.engine,
         variants=_rows(study.table),
+    )
+
+
+def of_campaign(study: Campaign, folder: Path) -> CampaignSummary:
+    """Return the summary of a campaign."""
+    return CampaignSummary(
+        case=study.case.name,
+        folder=str(folder),
+        verdict=study.verdict,
+        notes=[],
+        runs=study.plan.runs,
+        failed=len(study.failures),
+        requirements=_rows(study.requirements),
     )
 
 

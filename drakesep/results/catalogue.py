@@ -13,9 +13,9 @@ from drakesep.analysis.search.judge import CONFIDENCE
 
 SIMULATE, CLEARANCE = "simulate", "clearance"
 WORST_CASE, VERIFY = "worst-case", "verify"
-SWEEP = "sweep"
+SWEEP, CAMPAIGN = "sweep", "campaign"
 _OF_KEPT_RUNS = (SIMULATE, CLEARANCE, WORST_CASE, VERIFY)
-STUDIES = (*_OF_KEPT_RUNS, SWEEP)
+STUDIES = (*_OF_KEPT_RUNS, SWEEP, CAMPAIGN)
 """Those that write a folder."""
 STUDY, CASE = "study.json", "case.json"
 RUNS = "runs"
@@ -351,6 +351,151 @@ _VARIANTS = (
             Column("violated", "", "Limits that are not met."),
             Column("status", "", "`completed`, or `failed` with the reason."),
         ),
+    ),
+)
+
+_DRAW = (
+    Column("failure_case", "", "Its failure case; empty: none."),
+    Column("status", "", "`completed`, or `failed` with the reason."),
+    Column("{parameter}", "in the name", "Value of the parameter in the draw."),
+)
+_ESTIMATES = (
+    Column("mean", _SAME, "Of these draws."),
+    Column("mean_from", _SAME, "Where its interval begins, at 95 %."),
+    Column("mean_to", _SAME, "Where that ends."),
+    Column("deviation", _SAME, "Standard deviation."),
+    Column("least", _SAME, "Of all."),
+    Column("greatest", _SAME, "Of all."),
+    *(
+        Column(f"{name}{end}", _SAME, f"{words}{what}")
+        for name, words in (
+            ("low_3_sigma", "The value below which 0.135 % are"),
+            ("median", "The value below which half are"),
+            ("high_3_sigma", "The value below which 99.865 % are"),
+        )
+        for end, what in (
+            ("", "."),
+            ("_from", ": where its interval begins, at 95 %."),
+            ("_to", ": where that ends."),
+        )
+    ),
+)
+_CAMPAIGN = (
+    FileKind(
+        name="campaign.csv",
+        studies=(CAMPAIGN,),
+        what="What share of launches meets each requirement, by the draws.",
+        row="requirement and axis",
+        columns=(
+            *_LIMIT,
+            Column("runs", "", "Draws, all independent."),
+            Column(
+                "beyond",
+                "",
+                "Draws beyond the limit, runs that failed among them; empty if that "
+                "was not looked at.",
+            ),
+            Column("allowed", "", "How many may be, for the share to be shown."),
+            Column("share_shown", "", "That is within at least, at `at_confidence`."),
+            Column("bound_of", "", "The share of which the bound is told."),
+            Column("at_confidence", "", "At which it is."),
+            Column(
+                "bound",
+                _SAME,
+                "No worse is so large a share of launches, at the confidence; empty if "
+                "that is a run that failed. Of two limits together, as far beyond each "
+                "as the draw is that decides.",
+            ),
+            Column("margin", _SAME, "Of the bound; negative beyond the limit."),
+            Column("worst", _SAME, "Of all draws that have not failed."),
+            Column("worst_draw", "", "Number of the worst draw; of one that failed."),
+            Column("failed", "", "Runs that failed, which count as beyond."),
+            Column(
+                "verdict",
+                "",
+                "`met`: the share is shown; `not met`: that it is not met is shown, or "
+                "a run is beyond what every run must keep; `not shown`: neither, by so "
+                "few runs; `not looked at`: no run tells, Drake does not confirm, or "
+                "every run must, and none of these is beyond.",
+            ),
+            *_IDENTITY,
+        ),
+    ),
+    FileKind(
+        name="campaign_worst.csv",
+        studies=(CAMPAIGN,),
+        what="Draws that decide the verdicts, and some at random, flown in Drake.",
+        row="draw and quantity",
+        columns=(
+            Column("quantity", "", "That is compared, with its unit."),
+            Column("decides", "", "The limit that it decides; empty at random."),
+            Column("rank", "", "1: the worst of all draws; empty at random."),
+            Column("draw", "", "Its number, from 0, as `replay --run` takes it."),
+            _UNIT,
+            Column("value", _SAME, "By the batch engine."),
+            Column("in_drake", _SAME, "In Drake."),
+            *_DRAW[:1],
+            Column("status", "", "`confirmed`, or what is different in Drake."),
+            *_DRAW[2:],
+        ),
+    ),
+    FileKind(
+        name="campaign_statistics.csv",
+        studies=(CAMPAIGN,),
+        what="How each metric is distributed over the draws that tell it.",
+        row="metric",
+        columns=(
+            Column("metric", "", "With its unit."),
+            _UNIT,
+            Column("draws", "", "That tell it."),
+            Column("untold", "", "That do not: runs that failed."),
+            *_ESTIMATES,
+        ),
+    ),
+    FileKind(
+        name="campaign_sensitivities.csv",
+        studies=(CAMPAIGN,),
+        what="Spearman's rank correlation of each metric with each parameter, over the "
+        "first 100 000 draws.",
+        row="metric and parameter",
+        columns=(
+            Column("metric", "", "With its unit."),
+            Column("parameter", "", "With its unit."),
+            Column("rank_correlation", "", "1: it grows whenever the parameter does."),
+            Column("from", "", "Where its interval begins, at 95 %."),
+            Column("to", "", "Where that ends."),
+        ),
+    ),
+    FileKind(
+        name="campaign_runs.csv.gz",
+        studies=(CAMPAIGN,),
+        what="All draws, of a campaign of at most 20 000.",
+        row="draw",
+        columns=(
+            Column("draw", "", "Its number, from 0."),
+            *_DRAW,
+            Column("{metric}", "in the name", "The metric of the run, see metrics.md."),
+        ),
+    ),
+    FileKind(
+        name="campaign_runs.npz",
+        studies=(CAMPAIGN,),
+        what="All draws: `metrics` by `metric_names`, in SI; `failure_case` by its "
+        "place among those that may happen, -1 for none; `attempts`, how often values "
+        "were drawn before that cannot be; `failed` draws and `reasons`. What they "
+        "vary comes again from their numbers.",
+    ),
+    FileKind(
+        name="plan.json",
+        studies=(CAMPAIGN,),
+        what="The frozen plan: case, draws, seed, metrics, tolerance and versions, by "
+        "which its chunks are known.",
+    ),
+    FileKind(
+        name="campaign.png",
+        studies=(CAMPAIGN,),
+        what="How each quantity that is required is distributed over the draws, with "
+        "its limit, the bound of the share, and the worst draw.",
     ),
 )
 
@@ -745,6 +890,7 @@ FILES = (
     _REMARKS,
     *_OF_ONE_RUN,
     *_VARIANTS,
+    *_CAMPAIGN,
     *_WORST_CASES,
     *_PLOTS,
     *_OF_RUNS,

@@ -15,7 +15,7 @@ from drakesep.results.asked import Asked
 from drakesep.results.catalogue import CASE, GEOMETRY, RUNS, STUDY
 from drakesep.results.listing import files_in, names_of
 from drakesep.results.parts import has_parts, keep_part, kept_part, remove_parts
-from drakesep.results.recorded_case import recorded_text, staged_case
+from drakesep.results.recorded_case import read_case, recorded_text, staged_case
 from drakesep.results.study_record import (
     Ended,
     StudyRecord,
@@ -181,6 +181,49 @@ class ResultsFolder:
                 self._remove(str(file["name"]))
             self._others = {file: _identity(file) for file in self._files()}
         self.keep()
+
+    def go_on(self) -> StudyRecord:
+        """Go on with the study that another process has begun, and handed over.
+
+        Returns:
+            What was asked then.
+
+        Raises:
+            ValueError: there is none, or it has ended.
+        """
+        record = StudyRecord.read(self.path)
+        if record is None or not has_parts(self.path):
+            got = "none" if record is None else "one that has ended"
+            raise InputError(
+                f"output: must be a folder with a study under way, got {got} in "
+                f"{self.directory}"
+            )
+        case = read_case(self.path)
+        self._asked = Asked(
+            study=record.study,
+            case=case,
+            source=record.case["source"],
+            text=record.case["text"],
+            named_files=record.named_files,
+            arguments=record.arguments,
+            seed=record.seed,
+        )
+        self._record = replace(record, ended=Ended.UNDER_WAY, message="")
+        mine = {self.path / str(file["name"]) for file in record.files}
+        self._others = {f: _identity(f) for f in self._files() if f not in mine}
+        return record
+
+    @property
+    def asked(self) -> Asked:
+        """What is asked of the study that has begun."""
+        assert self._asked is not None
+        return self._asked
+
+    def hand_over(self) -> None:
+        """Leave the study under way, for other processes to go on with."""
+        with self._writing:
+            self.keep()
+            self._record = None
 
     def plan(self, options: Mapping[str, Any]) -> None:
         """Write down what the study has planned, before it does."""

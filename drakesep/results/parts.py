@@ -17,7 +17,7 @@ from drakesep.systems.checks import InputError
 
 _Kind = TypeVar("_Kind")
 _PARTS = ".parts"
-"""The folder that has them, within that of the results."""
+"""Name of the folder that has them."""
 
 
 def keep_part(folder: Path, name: str, records: Sequence[Any]) -> None:
@@ -28,7 +28,7 @@ def keep_part(folder: Path, name: str, records: Sequence[Any]) -> None:
         name: of the part.
         records: that it is.
     """
-    (folder / _PARTS).mkdir(exist_ok=True)
+    parts_folder(folder).mkdir(exist_ok=True)
     write_text(_file(folder, name), json.dumps(to_json(records)) + "\n")
 
 
@@ -62,16 +62,21 @@ def _no_part(file: Path, got: str) -> InputError:
     )
 
 
+def parts_folder(folder: Path) -> Path:
+    """Return the folder of the parts, within that of the results."""
+    return folder / _PARTS
+
+
 def has_parts(folder: Path) -> bool:
     """Return whether a study has left parts."""
-    return (folder / _PARTS).is_dir()
+    return parts_folder(folder).is_dir()
 
 
 def remove_parts(folder: Path) -> None:
     """Remove all parts."""
     if has_parts(folder):
-        shutil.rmtree(folder / _PARTS)
+        shutil.rmtree(parts_folder(folder))
 
 
 def _file(folder: Path, name: str) -> Path:
-    return folder / _PARTS / f"{name}.json"
+    return parts_folder(folder) / f"{name}.json"

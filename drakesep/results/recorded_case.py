@@ -50,7 +50,12 @@ def staged_case(
 
 def recorded_text(case: AnalysisCase) -> str:
     """Return what a results folder says of a case."""
-    return json.dumps(to_json(_with_meshes(case, _recorded)), indent=1) + "\n"
+    return json.dumps(to_json(as_recorded(case)), indent=1) + "\n"
+
+
+def as_recorded(case: AnalysisCase) -> AnalysisCase:
+    """Return a case as a results folder keeps it: its meshes are named within that."""
+    return _with_meshes(case, _recorded)
 
 
 def _recorded(part: Part, shape: Mesh) -> Mesh:
@@ -71,6 +76,11 @@ def read_case(folder: Path) -> AnalysisCase:
         raise InputError(f"{file}: must hold a case, got: {error}") from error
     if not isinstance(case, AnalysisCase):
         raise InputError(f"{file}: must hold a case, got {type(case).__name__}")
+    return with_meshes_in(case, folder)
+
+
+def with_meshes_in(case: AnalysisCase, folder: Path) -> AnalysisCase:
+    """Return a case as it was recorded, with the meshes of a results folder."""
 
     def here(_: Part, shape: Mesh) -> Mesh:
         return dataclasses.replace(shape, file=folder / shape.file)

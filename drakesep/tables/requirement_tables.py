@@ -44,7 +44,7 @@ def requirements_table(
         growth = of_all.get(requirement)
         rows.append(
             {
-                **_limit(requirement, unit),
+                **limit_columns(requirement, unit),
                 "nominal": unit.from_si(finding.nominal),
                 "worst": unit.from_si(finding.worst),
                 "which_run": finding.run,
@@ -54,7 +54,7 @@ def requirements_table(
                 "looked_up_to": math.nan if growth is None else growth.looked_up_to,
                 **_first_tolerance(finding, single_growths, box),
                 "verdict": finding.verdict.value,
-                **_identity(requirement, bodies),
+                **identity_columns(requirement, bodies),
             }
         )
     return pd.DataFrame(rows)
@@ -71,8 +71,8 @@ def limits_table(
     """
     return pd.DataFrame(
         {
-            **_limit(requirement, unit_of(requirement.metric)),
-            **_identity(requirement, bodies),
+            **limit_columns(requirement, unit_of(requirement.metric)),
+            **identity_columns(requirement, bodies),
         }
         for requirement in requirements
     )
@@ -93,11 +93,11 @@ def requirements_of_run_table(
         unit = unit_of(requirement.metric)
         rows.append(
             {
-                **_limit(requirement, unit),
+                **limit_columns(requirement, unit),
                 "value": unit.from_si(finding.worst),
                 "margin": unit.from_si(finding.margin),
                 "verdict": finding.verdict_on_runs.value,
-                **_identity(requirement, bodies),
+                **identity_columns(requirement, bodies),
             }
         )
     return pd.DataFrame(rows)
@@ -127,7 +127,7 @@ def tolerances_table(
         each = {"minus": from_si(sides.minus), "plus": from_si(sides.plus)}
         rows.append(
             {
-                **_limit(requirement, _unit(requirement, functions)),
+                **limit_columns(requirement, _unit(requirement, functions)),
                 "parameter": with_unit(box.names[i]),
                 **each,
                 # A side that is none stays so, however large the factor.
@@ -138,7 +138,7 @@ def tolerances_table(
                 "factor": growth.factor,
                 "looked_up_to": growth.looked_up_to,
                 "status": _how(growth) if math.isnan(growth.factor) else "",
-                **_identity(requirement, bodies),
+                **identity_columns(requirement, bodies),
             }
         )
     return pd.DataFrame(rows)
@@ -159,7 +159,8 @@ def _how(growth: "Growth | None") -> str:
     return "ray" if growth.along_ray else "search"
 
 
-def _limit(requirement: Requirement, unit: Unit) -> dict[str, str | float]:
+def limit_columns(requirement: Requirement, unit: Unit) -> dict[str, str | float]:
+    """Return what a row says of a requirement first: what is limited, and how."""
     return {
         "requirement": _named(requirement),
         "axis": requirement.quantity[1],
@@ -174,7 +175,8 @@ def _limit(requirement: Requirement, unit: Unit) -> dict[str, str | float]:
     }
 
 
-def _identity(requirement: Requirement, bodies: Sequence[str]) -> dict[str, str]:
+def identity_columns(requirement: Requirement, bodies: Sequence[str]) -> dict[str, str]:
+    """Return what a row says of a requirement last: whose it is, and where from."""
     return {
         "pair": _whose(requirement, bodies),
         "id": requirement.id,

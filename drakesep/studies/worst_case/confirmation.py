@@ -104,14 +104,28 @@ def _confirmed(study: WorstCases, found: WorstCase, run: Run) -> LabelledRun:
         return labelled
     in_drake = _value(study, objective, labelled)
     nominal = _value(study, objective, nominal_of(study.runs))
-    within = _CONFIRMED * max(abs(found.value), abs(nominal))
-    within += objective.resolution(_accuracy(study.case))
+    within = may_differ(objective, study.case, found.value, nominal)
     outcome = CONFIRMED
     if not abs(in_drake - found.value) <= within:
         outcome = failed(
             f"Drake gives {in_drake:.9g} where the search found {found.value:.9g} (SI)"
         )
     return replace(labelled, outcome=outcome, objective_in_drake=in_drake)
+
+
+def may_differ(
+    objective: Objective, case: AnalysisCase, value: float, nominal: float
+) -> float:
+    """Return by how much two engines may differ, each at its accuracy.
+
+    Args:
+        objective: in question.
+        case: that is flown.
+        value: of the objective.
+        nominal: its nominal.
+    """
+    within = _CONFIRMED * max(abs(value), abs(nominal))
+    return within + objective.resolution(_accuracy(case))
 
 
 def _value(study: WorstCases, objective: Objective, labelled: LabelledRun) -> float:
@@ -183,8 +197,7 @@ def functions_compared(study: _Study) -> _Study:
             margins = {label: limit.margin(value) for label, value in values.items()}
             worst = min(margins, key=margins.__getitem__)
             nominal = values[nominal_of(runs).label]
-            within = _CONFIRMED * max(abs(own), abs(nominal))
-            within += objective.resolution(_accuracy(study.case))
+            within = may_differ(objective, study.case, own, nominal)
             if margins[worst] < limit.margin(own) - within:
                 why = f"{worst} is worse, {values[worst]:.6g} {function.unit}".strip()
                 runs = _beaten(runs, objective.name, worst, why)

@@ -11,6 +11,7 @@ import warnings
 
 import pandas as pd
 import pytest
+from batches import compiled_once
 from command_line import run
 from outcomes import (
     BAD_FILE,
@@ -36,9 +37,19 @@ ALWAYS = ["format", "command", "exit_code", "error", "warnings"]
 VERDICTS = {
     ("verify", GOOD): "met",
     ("verify", NOT_MET): "not met",
+    ("campaign", GOOD): "met",
+    ("campaign", NOT_MET): "not met",
     ("clearance", GOOD): "clear",
     ("clearance", NOT_MET): "contact",
 }
+
+
+@pytest.fixture(scope="module", autouse=True)
+def quick():
+    """A batch is compiled once for all campaigns of a case."""
+    with pytest.MonkeyPatch.context() as patch:
+        compiled_once(patch, "drakesep.analysis.campaigns.flights")
+        yield
 
 
 @pytest.fixture
@@ -163,6 +174,7 @@ def test_every_command_has_a_shape():
         ("verify", {"requirements": "requirements", "runs": "worst_cases"}),
         ("worst-case", {"worst_cases": "evidence"}),
         ("clearance", {"clearances": "clearance_summary"}),
+        ("campaign", {"requirements": "campaign"}),
     ],
 )
 def test_rows_are_those_of_the_tables(command, tables, said, tmp_path):

@@ -52,6 +52,13 @@ OPTIONS = {
         )
     },
     "sweep": {"--engine": ("batch", {"engine": "batch"})},
+    "campaign": {
+        "--runs": (350, {"runs": 350}),
+        "--seed": (2, {"seed": 2}),
+        "--share": (0.98, {"share": 0.98}),
+        "--confidence": (0.8, {"confidence": 0.8}),
+        "--metric": (["final_rate_x"], {"metrics": ["final_rate_x"]}),
+    },
     "clearance": {
         "--set": (
             ["upper.mass_kg=1180", "two.position_y_mm=-390"],
@@ -83,6 +90,7 @@ ELSEWHERE = {
     "animate": {"--output", "-o", "--runs", "--run"},
     "simulate": {"--output", "-o"},
     "sweep": {"--output", "-o", "--workers"},
+    "campaign": {"--output", "-o", "--workers", "--resume", "--dask"},
     "clearance": {"--output", "-o"},
     "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes", "--resume"},
     "verify": {
@@ -92,6 +100,8 @@ ELSEWHERE = {
 }
 """Tested below."""
 SWEPT = {"upper.mass_kg": [1180.0, 1200.0, 1220.0]}
+FEW = {"runs": 300, "share": 0.99, "confidence": 0.9}
+"""Of a campaign: enough to show so much."""
 OF_ALL = {"--quiet", "--json"}
 """Tested in test_report.py."""
 
@@ -123,7 +133,13 @@ def quick(monkeypatch, batches):
     monkeypatch.setattr("drakesep.studies.worst_case.session.Batch", batch)
     monkeypatch.setattr("drakesep.studies.variant_engines.Batch", batch)
     monkeypatch.setattr(Session, "draw", lambda *_: None)
-    drawn = ("motion.save_motion", "clearance_plots.save_clearance", "sweep.save_sweep")
+    monkeypatch.setattr("drakesep.analysis.campaigns.flights.Batch", batch)
+    drawn = (
+        "campaign.save_campaign",
+        "motion.save_motion",
+        "clearance_plots.save_clearance",
+        "sweep.save_sweep",
+    )
     for module in drawn:
         monkeypatch.setattr(f"drakesep.plots.{module}", lambda *_, **__: None)
     monkeypatch.setattr("drakesep.plots.swept_volume.save_swept", lambda *_: None)
@@ -151,7 +167,10 @@ def tables(folder):
 
 
 def options_of(command):
-    parameters = typer.main.get_command(app).commands[command].params
+    found = typer.main.get_command(app).commands[command]
+    if command == "campaign":  # which flies, if no other of the group is named
+        found = found.commands["run"]
+    parameters = found.params
     named = [p for p in parameters if p.param_type_name == "option"]
     return {name for p in named for name in (*p.opts, *p.secondary_opts)}
 
@@ -184,6 +203,9 @@ def called(command, case, folder, arguments):
         study = getattr(drakesep, command)(case, **arguments)
         study.save(folder)
         return
+    if command == "campaign":
+        drakesep.campaign(case, output=folder, workers=1, **{**FEW, **arguments})
+        return
     if command == "sweep":
         drakesep.sweep(case, SWEPT, output=folder, **arguments)
         return
@@ -199,6 +221,9 @@ def called(command, case, folder, arguments):
 def typed(command, case, folder, option, value):
     """The words of a command line that ask for the same."""
     words = [command, case, "-o", folder, *in_words(option, value)]
+    if command == "campaign":
+        few = {"--runs": 300, "--share": 0.99, "--confidence": 0.9, "--workers": 1}
+        words += [w for k, x in few.items() if k != option for w in (k, x)]
     if command == "sweep":
         words.insert(2, "upper.mass_kg=1180:1220:3")
     if command in ("worst-case", "verify"):

@@ -20,6 +20,7 @@ def studies(case, folder):
     drakesep.clearance(case, output=folder / "clearance")
     drakesep.verify(case, output=folder / "verify", growth=True, corners=1, **quick)
     drakesep.sweep(case, {"payload.mass_kg": [1880]}, output=folder / "sweep")
+    drakesep.campaign(case, 100, output=folder / "campaign", workers=1)
     chosen = ["PM", "lowest_clearance"]
     drakesep.worst_case(case, chosen, output=folder / "worst-case", **quick)
 

@@ -1,0 +1,273 @@
+"""Commands of campaigns: fly one at once; or plan it, fly its chunks, merge them."""
+
+import contextlib
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from drakesep.cli.options import CaseArgument, JsonOption, OutputOption, QuietOption
+from drakesep.cli.report import Report
+from drakesep.cli.results_folder import load, results_folder, say
+
+
+if TYPE_CHECKING:
+    from drakesep.studies.campaign.result import Campaign
+
+
+RUN = "run"
+
+
+class RunByDefault(TyperGroup):
+    """A group of commands, of which `run` is meant where none of them is named."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put `run` before what is no command of the group."""
+        if args and args[0] not in (*self.commands, "--help"):
+            args = [RUN, *args]
+        return super().parse_args(ctx, args)
+
+
+campaign = typer.Typer(cls=RunByDefault, no_args_is_help=True)
+
+RunsOption = Annotated[
+    int | None,
+    typer.Option(
+        help="Draws; 100000 if not given. Their number is fixed beforehand: to fly on "
+        "until the verdict pleases would void its confidence."
+    ),
+]
+SeedOption = Annotated[int, typer.Option(min=0, help="Of the draws.")]
+ShareOption = Annotated[
+    float | None,
+    typer.Option(
+        help="Of launches that must meet each requirement that names none, such as "
+        "0.99865; if not given, every run must, which no campaign shows."
+    ),
+]
+ConfidenceOption = Annotated[
+    float | None, typer.Option(help="At which that is to be shown, such as 0.9.")
+]
+MetricOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--metric",
+        help="A metric that is kept beside those of the requirements; can be repeated.",
+    ),
+]
+FolderArgument = Annotated[
+    Path, typer.Argument(metavar="DIR", help="The folder of a campaign.")
+]
+DrakeWorkersOption = Annotated[
+    int | None,
+    typer.Option(min=1, help="Processes that fly Drake; one per core if not given."),
+]
+
+
+@campaign.command(RUN)
+def run(
+    case: CaseArgument,
+    runs: RunsOption = None,
+    seed: SeedOption = 0,
+    share: ShareOption = None,
+    confidence: ConfidenceOption = None,
+    metrics: MetricOption = None,
+    resume: Annotated[
+        bool,
+        typer.Option(
+            "--resume",
+            help="Go on from the chunks that the same campaign has left in its folder.",
+        ),
+    ] = False,
+    dask: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Of a Dask scheduler, whose workers fly; needs drakesep[cluster].",
+        ),
+    ] = None,
+    output: OutputOption = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            help="Processes, each with one core; if not given, this one flies on all "
+            "cores, which is as fast.",
+        ),
+    ] = None,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Tell what share of launches meets the requirements: campaign.csv, a plot.
+
+    Exits with 1 unless the share is shown of every requirement.
+    """
+    with Report("campaign", quiet=quiet, as_json=as_json) as report:
+        loaded = load(report, case)
+        from drakesep.cli.progress import progress_bar
+        from drakesep.studies.campaign import procedure
+
+        with (
+            results_folder(output, loaded.name, "campaign") as folder,
+            _executor(workers, dask) as executor,
+            progress_bar(report.aside) as on_progress,
+        ):
+            study = procedure.campaign(
+                loaded,
+                procedure.RUNS if runs is None else runs,
+                seed=seed,
+                share=share,
+                confidence=confidence,
+                metrics=metrics or (),
+                executor=executor,
+                output=folder,
+                resume=resume,
+                workers=workers,
+                on_progress=on_progress,
+            )
+        _say(report, folder, study)
+
+
+@campaign.command()
+def plan(
+    case: CaseArgument,
+    runs: RunsOption = None,
+    seed: SeedOption = 0,
+    share: ShareOption = None,
+    confidence: ConfidenceOption = None,
+    metrics: MetricOption = None,
+    output: OutputOption = None,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Write the plan of a campaign, whose chunks others fly: plan.json."""
+    with Report("campaign plan", quiet=quiet, as_json=as_json) as report:
+        loaded = load(report, case)
+        from drakesep.studies.campaign import procedure
+
+        with (
+            results_folder(output, loaded.name, "campaign") as folder,
+            report.aside.status("planning"),
+        ):
+            recorded = procedure.plan_campaign(
+                loaded,
+                procedure.RUNS if runs is None else runs,
+                output=folder,
+                seed=seed,
+                share=share,
+                confidence=confidence,
+                metrics=metrics or (),
+            )
+        chunks = recorded.plan.chunks
+        report.add(folder=str(folder.path), runs=recorded.plan.runs, chunks=chunks)
+        report.console.print(
+            f"{recorded.plan.runs} draws in {chunks} chunks, 0 to {chunks - 1}: "
+            f"`drakesep campaign run-chunk {folder.directory} I` flies one, "
+            f"`drakesep campaign merge {folder.directory}` tells what came of all",
+            markup=False,
+        )
+
+
+@campaign.command("run-chunk")
+def run_chunk(
+    directory: FolderArgument,
+    chunks: Annotated[
+        list[int], typer.Argument(metavar="I...", help="Numbers of chunks, from 0.")
+    ],
+    again: Annotated[
+        bool, typer.Option("--again", help="Fly them although they are there.")
+    ] = False,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Fly chunks of a campaign that is planned; those that are there stay."""
+    with Report("campaign run-chunk", quiet=quiet, as_json=as_json) as report:
+        from drakesep.studies.campaign import procedure
+
+        flown = []
+        for number in chunks:
+            with report.aside.status(f"flying chunk {number}"):
+                if procedure.run_chunk(directory, number, again=again):
+                    flown.append(number)
+        report.add(folder=str(directory.absolute()), chunks=flown)
+        there = "; the others were there" if len(flown) < len(chunks) else ""
+        report.console.print(f"Flown: {len(flown)} of {len(chunks)} chunks{there}")
+
+
+@campaign.command()
+def merge(
+    directory: FolderArgument,
+    workers: DrakeWorkersOption = None,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Tell what came of a campaign whose chunks have been flown, as `run` does.
+
+    Exits with 4 if a chunk is missing, and says which.
+    """
+    with Report("campaign merge", quiet=quiet, as_json=as_json) as report:
+        from drakesep.cli.progress import progress_bar
+        from drakesep.studies.campaign import procedure
+
+        with (
+            results_folder(directory, "", "campaign") as folder,
+            progress_bar(report.aside) as on_progress,
+        ):
+            study = procedure.merge_campaign(
+                folder, workers=workers, on_progress=on_progress
+            )
+        report.add(case=study.case.name)
+        _say(report, folder, study)
+
+
+@campaign.command()
+def slurm(
+    directory: FolderArgument,
+    tasks: Annotated[
+        int, typer.Option(min=1, help="Of the array at most, as its queue allows.")
+    ] = 1000,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Print a script that flies the chunks of a planned campaign as a Slurm array."""
+    with Report("campaign slurm", quiet=quiet, as_json=as_json) as report:
+        from drakesep.studies.campaign.slurm import array_script
+
+        script = array_script(directory, tasks)
+        report.add(folder=str(directory.absolute()), script=script)
+        report.answer.out(script, end="", highlight=False)
+
+
+def _say(report: Report, folder: Any, study: "Campaign") -> None:
+    """Say what a campaign has shown, and end with its exit code."""
+    from drakesep.cli.campaign_lines import print_campaign, print_shown
+    from drakesep.cli.summaries import of_campaign
+
+    summary = of_campaign(study, folder.path)
+    say(report, folder, summary, partial(print_campaign, study=study))
+    print_shown(report.console, study)
+    if study.failure and study.verdict != "not met":
+        report.fail(study.failure)
+    if study.failure:
+        report.not_met(study.failure)
+    if study.verdict is not None and not study.passed:
+        report.not_well()
+
+
+@contextlib.contextmanager
+def _executor(workers: int | None, dask: str | None) -> Iterator[Executor | None]:
+    """Give what flies; None: this process."""
+    from drakesep.studies.campaign.executors import dask_cluster, own_processes
+
+    if dask is not None:
+        with dask_cluster(dask) as executor:
+            yield executor
+    elif workers is not None and workers > 1:
+        with own_processes(workers) as executor:
+            yield executor
+    else:
+        yield None

@@ -1,0 +1,1 @@
+"""The study of what share of launches meets the requirements."""

@@ -1,0 +1,177 @@
+"""Draws of a campaign flown in Drake, and held against the batch engine."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from drakesep.analysis.campaigns.plan import CampaignPlan
+from drakesep.analysis.campaigns.shares import ShareFinding
+from drakesep.analysis.engines.drake_pool import DrakePool
+from drakesep.analysis.metrics.objectives import highest
+from drakesep.analysis.metrics.of_run import metrics_of_run
+from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.studies.campaign.result import Campaign
+from drakesep.studies.worst_case.confirmation import may_differ
+from drakesep.systems.model.run import Run, RunStatus
+from drakesep.tables.campaign_tables import ConfirmedDraw
+from drakesep.tables.roles import CONFIRMED, Outcome, failed
+
+
+MOST = 32
+"""Draws of a requirement that are flown in Drake: of more that decide its verdict, the
+worst, the one that is its bound, and others evenly between."""
+SAMPLE = 16
+"""Draws at random that are flown in Drake."""
+
+
+class Chosen(NamedTuple):
+    """A draw that is to be flown in Drake."""
+
+    draw: int
+    requirement: Requirement | None = None
+    """Whose verdict it decides; None: it was drawn at random."""
+    rank: int | None = None
+    """1: the worst of all draws."""
+    is_bound: bool = False
+    """Whether the verdict is that on this draw: those that are worse may be beyond."""
+
+    def is_within(self, value: float) -> bool:
+        """Return whether a value of it meets its requirement, if it has one."""
+        required = self.requirement
+        return required is None or required.keeps(required.margin(value))
+
+
+def most_confirmed(plan: CampaignPlan) -> int:
+    """Return how many draws are flown in Drake at most."""
+    return SAMPLE + MOST * len(plan.case.requirements)
+
+
+def chosen(study: Campaign) -> list[Chosen]:
+    """Return the draws that decide the verdicts, and some at random."""
+    draws = [one for finding in study.findings for one in _deciding(finding)]
+    # None of those that were drawn: another stream, of the same seed.
+    rng = np.random.default_rng([study.plan.seed, SAMPLE])
+    count = min(SAMPLE, study.plan.runs)
+    sample = sorted(rng.choice(study.plan.runs, size=count, replace=False).tolist())
+    return [*draws, *map(Chosen, sample)]
+
+
+def _deciding(finding: ShareFinding) -> Iterator[Chosen]:
+    if finding.beyond is None or finding.size.allowed is None:
+        return
+    last = finding.size.allowed
+    ranks = np.unique(np.linspace(0, last, min(MOST, last + 1)).round().astype(int))
+    for rank in ranks.tolist():
+        draw = int(finding.ranked[rank])
+        yield Chosen(draw, finding.requirement, rank + 1, rank == last)
+
+
+def confirmed_draws(
+    study: Campaign,
+    draws: Sequence[Chosen],
+    pool: DrakePool,
+    on_progress: Callable[[int, int], None] = lambda *_: None,
+) -> list[ConfirmedDraw]:
+    """Return what Drake says of the draws that decide the verdicts, and of a sample.
+
+    Args:
+        study: with all draws.
+        draws: that are chosen.
+        pool: that flies its separation in Drake.
+        on_progress: told how many are done, and of how many.
+    """
+    numbers = sorted({one.draw for one in draws})
+    values = study.flights.values(numbers)
+    # What differs from the nominal by nothing tells what that is.
+    nominal, *runs = pool.fly([{}, *values], on_progress)
+    told = _Told(study, dict(zip(numbers, values, strict=True)), nominal)
+    flown = dict(zip(numbers, map(told.metrics, runs), strict=True))
+    return [
+        told.confirmed(one, metric, flown[one.draw])
+        for one in draws
+        for metric in _compared(one, study)
+    ]
+
+
+def _compared(one: Chosen, study: Campaign) -> Sequence[str]:
+    """Return the metrics that are compared: of a draw at random all that judge."""
+    if one.requirement is not None:
+        return (one.requirement.judged_by,)
+    judges = (each.requirement.judged_by for each in study.findings)
+    return [name for name in dict.fromkeys(judges) if name in study.plan.metrics]
+
+
+class _Told:
+    """What Drake tells of draws."""
+
+    def __init__(
+        self, study: Campaign, values: Mapping[int, Mapping[str, float]], nominal: Run
+    ):
+        self._study, self._values = study, values
+        self._nominal, _ = self.metrics(nominal)
+
+    def metrics(self, run: Run) -> tuple[Mapping[str, float], str]:
+        """Return the metrics of a run, or why it failed."""
+        if run.status is RunStatus.FAILED or run.not_separated:
+            return {}, run.message or run.not_separated
+        case = self._study.case
+        return metrics_of_run(run, case.limits_of_pairs, self._study.plan.metrics), ""
+
+    def confirmed(
+        self, one: Chosen, metric: str, in_drake: tuple[Mapping[str, float], str]
+    ) -> ConfirmedDraw:
+        """Return a draw, with what both engines say of a metric."""
+        study, (metrics, drake_failed) = self._study, in_drake
+        column = study.plan.metrics.index(metric)
+        value = float(study.flown.metrics[one.draw, column])
+        told = metrics.get(metric, math.nan)
+        which = int(study.flown.failure[one.draw])
+        batch_failed = study.flown.reasons.get(one.draw, "")
+        if batch_failed or drake_failed:
+            never = any(map(math.isinf, self._values[one.draw].values()))
+            outcome = _of_failed(batch_failed, drake_failed or never)
+        else:
+            nominal = np.nan_to_num(self._nominal.get(metric, 0.0))
+            within = may_differ(highest(metric), study.case, value, float(nominal))
+            outcome = _of_values(one, value, told, within)
+        return ConfirmedDraw(
+            draw=one.draw,
+            metric=metric,
+            value=value,
+            in_drake=told,
+            values=self._values[one.draw],
+            failure=study.flights.failures[which].name if which >= 0 else "",
+            requirement=one.requirement,
+            rank=one.rank,
+            outcome=outcome,
+        )
+
+
+def _of_failed(on_batch: str, in_drake: str | bool) -> Outcome:
+    """Return whether a run that failed did so in both engines.
+
+    Args:
+        on_batch: why it failed there; empty if it did not.
+        in_drake: the same; or whether something never lets go, which Drake flies.
+    """
+    if on_batch and in_drake:
+        return CONFIRMED
+    if on_batch:
+        return failed(f"on the batch engine alone: {on_batch}")
+    return failed(f"in Drake alone: {in_drake}")
+
+
+def _of_values(one: Chosen, value: float, in_drake: float, within: float) -> Outcome:
+    """Return whether both engines say the same of a draw.
+
+    Of the bound, also whether it is within the limit: a limit that lies between what
+    both say decides nothing.
+    """
+    same_side = one.is_within(value) == one.is_within(in_drake)
+    if abs(in_drake - value) <= within and (same_side or not one.is_bound):
+        return CONFIRMED
+    return failed(
+        f"Drake gives {in_drake:.9g} where the batch engine gives {value:.9g} (SI)"
+    )

@@ -1,0 +1,150 @@
+"""Who flies the chunks of a campaign: this process, or any executor's workers."""
+
+import contextlib
+import functools
+import itertools
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from pathlib import Path
+
+from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
+from drakesep.analysis.engines.processes import end_processes, start_processes
+from drakesep.results.campaign_files import RecordedPlan
+from drakesep.systems.checks import InputError
+
+
+_IN_HAND = 2
+"""Chunks for each worker that are flown or wait: so many results may lie in memory."""
+
+
+def flown_here(
+    flights: CampaignFlights,
+    numbers: Sequence[int],
+    on_progress: Callable[[int], None] = lambda _: None,
+) -> Iterator[tuple[int, FlownDraws]]:
+    """Yield chunks flown in this process, on all its cores, by their numbers.
+
+    Args:
+        flights: of the campaign.
+        numbers: of the chunks.
+        on_progress: told how many draws are done.
+    """
+    done = 0
+
+    def tell(part: int, _: int) -> None:
+        on_progress(done + part)
+
+    for number in numbers:
+        flown = flights.chunk(number, tell)
+        done += len(flown)
+        yield number, flown
+
+
+def flown_by(
+    executor: Executor,
+    recorded: RecordedPlan,
+    folder: Path,
+    numbers: Sequence[int],
+    on_progress: Callable[[int], None] = lambda _: None,
+) -> Iterator[tuple[int, FlownDraws]]:
+    """Yield chunks flown by an executor, in whichever order they come.
+
+    Its workers are told the plan as a text, and bring back what they have flown: they
+    need no disk of ours. What has been flown is yielded, whatever becomes of the rest.
+
+    Args:
+        executor: any of `concurrent.futures`.
+        recorded: the plan.
+        folder: of the campaign.
+        numbers: of the chunks.
+        on_progress: told how many draws are done.
+    """
+    workers = getattr(executor, "_max_workers", None) or os.cpu_count() or 1
+    ahead, done = iter(numbers), 0
+    under_way: dict[Future[FlownDraws], int] = {}
+
+    def submit(count: int) -> None:
+        for number in itertools.islice(ahead, count):
+            task = executor.submit(fly_chunk, recorded.text, str(folder), number)
+            under_way[task] = number
+
+    submit(_IN_HAND * workers)
+    try:
+        while under_way:
+            for task in wait(under_way, return_when=FIRST_COMPLETED).done:
+                flown = task.result()
+                number = under_way.pop(task)
+                submit(1)
+                done += len(flown)
+                on_progress(done)
+                yield number, flown
+    finally:
+        for task in under_way:
+            task.cancel()
+
+
+def fly_chunk(text: str, folder: str, number: int) -> FlownDraws:
+    """Return a chunk of a plan, flown in this process on one core.
+
+    Args:
+        text: of the plan.
+        folder: of the campaign, whose meshes a case may name.
+        number: of the chunk.
+
+    Raises:
+        ValueError: this is another version than that of the plan.
+    """
+    return _flights(text, folder).chunk(number)
+
+
+@functools.lru_cache(maxsize=1)
+def _flights(text: str, folder: str) -> CampaignFlights:
+    """Return what flies a plan: a worker's programs are made once."""
+    recorded = RecordedPlan.parsed(text, Path(folder))
+    return CampaignFlights(recorded.plan, workers=1)
+
+
+@contextlib.contextmanager
+def own_processes(count: int) -> Iterator[Executor]:
+    """Give so many processes of this machine, spawned, that end with the block."""
+    pool = start_processes(count, _nothing)
+    try:
+        yield pool
+    finally:
+        end_processes(pool)
+
+
+def _nothing() -> None:
+    """Prepare nothing: a worker learns what it flies with its first chunk."""
+
+
+@contextlib.contextmanager
+def dask_cluster(address: str) -> Iterator[Executor]:
+    """Give the workers of a Dask cluster.
+
+    Args:
+        address: of its scheduler.
+
+    Raises:
+        ValueError: Dask is not installed, or nobody answers there.
+    """
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise InputError(
+            "dask: needs distributed, which `pip install drakesep[cluster]` installs"
+        ) from error
+    try:
+        client = Client(address, timeout=_ANSWER)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"dask: must be the address of a scheduler, got {address!r} ({error})"
+        ) from error
+    with client:
+        # Results are files' content: to fly a chunk twice is no fault.
+        yield client.get_executor(pure=True)
+
+
+_ANSWER = 10.0
+"""For which a scheduler is waited for, s."""

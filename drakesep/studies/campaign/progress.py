@@ -1,0 +1,87 @@
+"""How far a campaign has come, and what it will do."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from drakesep.studies.worst_case.effort import in_time
+from drakesep.studies.worst_case.pace import Pace, Remaining
+
+
+FLY, CONFIRM = "fly", "confirmation"
+"""Its steps."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignProgress:
+    """Where a campaign stands."""
+
+    step: str
+    """`FLY` or `CONFIRM`; empty as it begins, with what it will do."""
+    done: int
+    """Draws of the step."""
+    total: int
+    """Draws of the step."""
+    flown_before: int
+    """Draws that an earlier campaign has flown, from which this one goes on."""
+    remaining: Remaining
+    """What is left of it."""
+
+    def __str__(self) -> str:
+        """Return what it will do, in a line."""
+        before = self.flown_before
+        there = f", {before} of them flown before" if before else ""
+        return (
+            f"{self.total} draws{there}, flown on the batch engine; then those that "
+            f"decide in Drake; about {in_time(self.remaining.seconds)}"
+        )
+
+
+OnProgress: TypeAlias = Callable[[CampaignProgress], None]
+
+
+class Telling:
+    """Tells the user how far a campaign has come."""
+
+    def __init__(self, on_progress: OnProgress | None, runs: int, flown_before: int):
+        """Prepare.
+
+        Args:
+            on_progress: called as it goes on; None: nobody is told.
+            runs: draws of the campaign.
+            flown_before: that are there already.
+        """
+        self._on_progress, self._runs = on_progress, runs
+        self._before = flown_before
+        self._pace = Pace({})
+
+    def plan(self, seconds: float, confirming: float) -> None:
+        """Tell what will be done, and how long it takes.
+
+        Args:
+            seconds: of what is flown on the batch engine.
+            confirming: seconds of what is flown in Drake.
+        """
+        self._pace = Pace({FLY: seconds, CONFIRM: confirming}, time.monotonic)
+        self._tell("", 0, self._runs)
+
+    def flown(self, done: int) -> None:
+        """Tell how many draws are flown, beside those that were before."""
+        self._tell(FLY, done, self._runs - self._before)
+
+    def confirmed(self, done: int, total: int) -> None:
+        """Tell how many draws are flown in Drake."""
+        self._tell(CONFIRM, done, total)
+
+    def _tell(self, step: str, done: int, total: int) -> None:
+        if self._on_progress is not None:
+            self._on_progress(
+                CampaignProgress(
+                    step=step,
+                    done=done,
+                    total=total,
+                    flown_before=self._before,
+                    remaining=self._pace.at(step or FLY, done, total),
+                )
+            )

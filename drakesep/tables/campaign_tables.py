@@ -1,0 +1,234 @@
+"""Tables of campaigns: what share of launches meets each requirement, and the draws."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
+from drakesep.analysis.campaigns.plan import CampaignPlan
+from drakesep.analysis.campaigns.sensitivity import rank_correlations
+from drakesep.analysis.campaigns.shares import ShareFinding
+from drakesep.analysis.campaigns.statistics import Estimate, Summary, quantile_within
+from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.systems.model.parameters import parameters
+from drakesep.tables.columns import in_units
+from drakesep.tables.requirement_tables import identity_columns, limit_columns
+from drakesep.tables.roles import COMPLETED, Outcome, failed
+from drakesep.units import Unit, unit_of, with_unit
+
+
+def campaign_table(
+    findings: Sequence[ShareFinding], flown: FlownDraws, bodies: Sequence[str]
+) -> pd.DataFrame:
+    """Return a row for each requirement and axis: the share that is shown.
+
+    Args:
+        findings: of each requirement.
+        flown: all draws.
+        bodies: names of those that leave; that of the first pair is the first.
+    """
+    frame = pd.DataFrame([_finding(one, flown, bodies) for one in findings])
+    return frame.astype({name: "Int64" for name in _WHOLE if name in frame})
+
+
+_WHOLE = ("beyond", "allowed", "worst_draw", "rank")
+"""Columns of whole numbers that may be empty."""
+
+
+def _finding(
+    finding: ShareFinding, flown: FlownDraws, bodies: Sequence[str]
+) -> dict[str, object]:
+    requirement, size = finding.requirement, finding.size
+    unit = unit_of(requirement.metric)
+    answer, ranked = finding.answer, finding.ranked
+    return {
+        **limit_columns(requirement, unit),
+        "runs": size.runs,
+        "beyond": finding.beyond,
+        "allowed": size.allowed if requirement.statistical else 0,
+        "share_shown": math.nan if answer is None else answer.share_shown,
+        "bound_of": size.share,
+        "at_confidence": size.confidence,
+        "bound": unit.from_si(finding.bound),
+        "margin": unit.from_si(finding.margin),
+        "worst": unit.from_si(finding.worst),
+        "worst_draw": ranked[0] if ranked else None,
+        "failed": len(flown.reasons),
+        "verdict": finding.verdict.value,
+        **identity_columns(requirement, bodies),
+    }
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConfirmedDraw:
+    """A draw flown in Drake: what both engines say of a metric."""
+
+    draw: int
+    """Its number."""
+    metric: str
+    """That is compared."""
+    value: float
+    """By the batch engine, in SI; NaN of a run that failed."""
+    in_drake: float
+    """NaN of a run that failed."""
+    values: Mapping[str, float]
+    """What it changes of the separation, in SI, by name."""
+    failure: str = ""
+    """Name of its failure case."""
+    requirement: Requirement | None = None
+    """Whose verdict it decides; None: it was drawn at random."""
+    rank: int | None = None
+    """1: the worst of all draws; None: it was drawn at random."""
+    outcome: Outcome = COMPLETED
+    """Whether both say the same."""
+
+
+def confirmed_table(
+    confirmed: Sequence[ConfirmedDraw], names: Sequence[str], case: AnalysisCase
+) -> pd.DataFrame:
+    """Return a row for each draw that was flown in Drake, and metric.
+
+    Args:
+        confirmed: the draws.
+        names: of the parameters that vary.
+        case: with their nominal values.
+    """
+    nominal = parameters(case.separation)
+    rows = []
+    for one in confirmed:
+        unit = unit_of(one.metric)
+        quantity = with_unit(one.metric)
+        rows.append(
+            {
+                "quantity": quantity,
+                "decides": "" if one.requirement is None else _limit(one.requirement),
+                "rank": one.rank,
+                "draw": one.draw,
+                "unit": unit.symbol,
+                "value": unit.from_si(one.value),
+                "in_drake": unit.from_si(one.in_drake),
+                "failure_case": one.failure,
+                "status": str(one.outcome),
+                **in_units({n: one.values.get(n, nominal[n]) for n in names}),
+            }
+        )
+    frame = pd.DataFrame(rows)
+    return frame.astype({name: "Int64" for name in _WHOLE if name in frame})
+
+
+def _limit(requirement: Requirement) -> str:
+    """Return a limit in words."""
+    limit = unit_of(requirement.metric).from_si(requirement.limit)
+    return f"{with_unit(requirement.metric)} {requirement.sense} {limit:g}"
+
+
+def draws_table(flights: CampaignFlights, flown: FlownDraws) -> pd.DataFrame:
+    """Return a row for each draw: what it varies, and what came of it.
+
+    In a failure case, what has failed has its failed value.
+
+    Args:
+        flights: that know what was drawn.
+        flown: what came of it.
+    """
+    plan, names, failures = flights.plan, flights.names, flights.failures
+    nominal = parameters(plan.case.separation)
+    drawn = flights.drawn(range(flown.first, flown.first + len(flown)))
+    also = [name for one in failures for name in one.values if name not in names]
+    columns = {name: drawn.values[:, i].copy() for i, name in enumerate(names)}
+    for name in dict.fromkeys(also):
+        columns[name] = np.full(len(flown), nominal[name])
+    for k, failure in enumerate(failures):
+        for name, value in failure.values.items():
+            columns[name][flown.failure == k] = value
+    labels = np.array(["", *(one.name for one in failures)], dtype=object)
+    status = np.full(len(flown), str(COMPLETED), dtype=object)
+    for i, why in flown.reasons.items():
+        status[i - flown.first] = str(failed(why))
+    return pd.DataFrame(
+        {
+            "draw": np.arange(flown.first, flown.first + len(flown)),
+            "failure_case": labels[flown.failure + 1],
+            "status": status,
+            **{with_unit(n): x * unit_of(n).per_si for n, x in columns.items()},
+            **{
+                with_unit(name): flown.metrics[:, i] * unit_of(name).per_si
+                for i, name in enumerate(plan.metrics)
+            },
+        }
+    )
+
+
+def statistics_table(plan: CampaignPlan, flown: FlownDraws) -> pd.DataFrame:
+    """Return a row for each metric: mean, deviation, and quantiles with intervals.
+
+    Runs that failed are left out, and counted.
+
+    Args:
+        plan: of the campaign.
+        flown: all draws.
+    """
+    rows = []
+    for i, name in enumerate(plan.metrics):
+        unit, values = unit_of(name), flown.metrics[:, i]
+        told = values[np.isfinite(values)]
+        summary = Summary.of(told, (0.0, 1.0))
+        mean = summary.mean_within(INTERVALS)
+        row: dict[str, object] = {
+            "metric": with_unit(name),
+            "unit": unit.symbol,
+            "draws": len(told),
+            "untold": len(values) - len(told),
+            **_interval("mean", mean, unit),
+            "deviation": unit.from_si(summary.deviation),
+            "least": unit.from_si(summary.least if len(told) else math.nan),
+            "greatest": unit.from_si(summary.greatest if len(told) else math.nan),
+        }
+        for label, share in QUANTILES.items():
+            nothing = Estimate(math.nan, math.nan, math.nan)
+            found = quantile_within(told, share, INTERVALS) if len(told) else nothing
+            row |= _interval(label, found, unit)
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+QUANTILES = {"low_3_sigma": 0.00135, "median": 0.5, "high_3_sigma": 0.99865}
+"""Shares of draws that are below, by the names of columns."""
+INTERVALS = 0.95
+"""Confidence of intervals of means, quantiles and correlations."""
+
+
+def _interval(name: str, estimate: Estimate, unit: Unit) -> dict[str, object]:
+    value, low, high = map(unit.from_si, estimate)
+    return {name: value, f"{name}_from": low, f"{name}_to": high}
+
+
+def sensitivities_table(flights: CampaignFlights, flown: FlownDraws) -> pd.DataFrame:
+    """Return a row for each metric and parameter: their rank correlation.
+
+    Args:
+        flights: that know what was drawn.
+        flown: draws.
+    """
+    first = range(flown.first, flown.first + min(len(flown), _CORRELATED))
+    values, metrics = flights.drawn(first).values, flown.metrics[: len(first)]
+    found = rank_correlations(values, metrics, INTERVALS)
+    return pd.DataFrame(
+        {
+            "metric": with_unit(metric),
+            "parameter": with_unit(parameter),
+            "rank_correlation": found.value[i, j],
+            "from": found.low[i, j],
+            "to": found.high[i, j],
+        }
+        for j, metric in enumerate(flights.plan.metrics)
+        for i, parameter in enumerate(flights.names)
+    )
+
+
+_CORRELATED = 100_000
+"""Draws of which correlations are told at most: they are within 0.01 by these."""

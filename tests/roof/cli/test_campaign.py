@@ -1,0 +1,108 @@
+"""The commands of campaigns: planned, flown chunk by chunk, and merged."""
+
+import json
+import subprocess
+
+import pytest
+from batches import compiled_once
+from command_line import run
+from small_case import small_case, write_case
+
+from drakesep.results.campaign_files import chunk_file
+
+
+@pytest.fixture(scope="module", autouse=True)
+def quick():
+    with pytest.MonkeyPatch.context() as patch:
+        compiled_once(patch, "drakesep.analysis.campaigns.flights")
+        patch.setattr("drakesep.plots.campaign.save_campaign", lambda *_: None)
+        patch.setattr("drakesep.analysis.campaigns.plan.CHUNK", 100)
+        patch.setattr("drakesep.studies.campaign.procedure.CHUNK", 100)
+        yield
+
+
+@pytest.fixture
+def drakesep_(capsys, monkeypatch):
+    def call(*words):
+        code, out, err = run(capsys, monkeypatch, "campaign", *words)
+        return code, out, err
+
+    return call
+
+
+@pytest.fixture
+def case(tmp_path):
+    data = small_case(published=None, objectives=None, failure_cases=None)
+    data["requirements"] = data["requirements"][:1]
+    return write_case(tmp_path, data)
+
+
+SHOWN = ("--runs", 250, "--share", 0.99, "--confidence", 0.9)
+
+
+def test_in_parts_it_is_as_at_once(case, tmp_path, drakesep_):
+    parts, once = tmp_path / "parts", tmp_path / "once"
+    assert drakesep_(case, *SHOWN, "-o", once, "--workers", 1)[0] == 0
+    code, out, _ = drakesep_("plan", case, *SHOWN, "-o", parts, "--json")
+    told = json.loads(out)
+    assert (code, told["runs"], told["chunks"]) == (0, 250, 1)
+    code, _, err = drakesep_("merge", parts)
+    assert code == 4
+    assert err.startswith(f"drakesep: {parts}: of 1 chunks 1 are not there, or damaged")
+    assert drakesep_("run-chunk", parts, 0)[0] == 0
+    code, out, _ = drakesep_("run-chunk", parts, 0, "--json")
+    assert (code, json.loads(out)["chunks"]) == (0, [])  # it is there
+    code, _, err = drakesep_("run-chunk", parts, 1)
+    assert (code, err) == (2, "drakesep: chunk: must be from 0 to 0, got 1\n")
+    chunk_file(parts, 0).write_bytes(b"PK")
+    assert drakesep_("merge", parts, "--workers", 1)[0] == 4
+    assert drakesep_("run-chunk", parts, 0)[0] == 0
+    code, out, _ = drakesep_("merge", parts, "--workers", 1)
+    assert code == 0
+    assert "The share is shown of every requirement" in out.replace("\n", " ")
+    for name in ("campaign.csv", "campaign_runs.npz", "plan.json"):
+        assert (parts / name).read_bytes() == (once / name).read_bytes()
+    assert drakesep_("merge", parts)[0] == 2
+
+
+def test_script_for_slurm(case, tmp_path, drakesep_):
+    """Its tasks together fly each chunk once."""
+    folder = tmp_path / "it's"
+    drakesep_("plan", case, *SHOWN, "-o", folder)
+    code, out, _ = drakesep_("slurm", folder)
+    assert code == 0
+    assert out.startswith(
+        "#!/bin/bash\n#SBATCH --job-name=small\n#SBATCH --array=0-0\n"
+    )
+    script = out.replace("drakesep campaign run-chunk", "echo")
+    flown = subprocess.run(
+        ["bash", "-c", script],
+        env={"SLURM_ARRAY_TASK_ID": "0"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert flown.stdout == f"{folder} 0 --quiet\n"
+    assert drakesep_("slurm", tmp_path)[0] == 2
+
+
+def test_every_run_must_exits_with_1_and_says_how_to_ask(case, tmp_path, drakesep_):
+    code, out, _ = drakesep_(case, "--runs", 250, "-o", tmp_path / "out")
+    assert code == 1
+    said = " ".join(out.split())
+    assert "1 requirements are of every run, which no campaign shows" in said
+    assert "--share 0.99865 --confidence 0.9 asks for three sigma" in said
+
+
+def test_a_case_that_bears_the_name_of_a_command(tmp_path, drakesep_):
+    """Is flown by `campaign run`."""
+    code, _, err = drakesep_("run", "plan", "-o", tmp_path / "out")
+    assert code == 2
+    assert "plan" in err
+
+
+def test_dask_without_dask_or_scheduler(case, tmp_path, drakesep_):
+    words = (case, *SHOWN, "-o", tmp_path / "out", "--dask", "nowhere")
+    code, _, err = drakesep_(*words)
+    assert code == 2
+    assert err.splitlines()[-1].startswith("drakesep: dask: ")

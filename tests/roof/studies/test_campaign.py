@@ -1,0 +1,294 @@
+"""Campaigns of the small case: the same whoever flies, in whichever order, resumed."""
+
+import dataclasses
+import random
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pandas as pd
+import pytest
+from batches import compiled_once
+from left_behind import whole
+from small_case import small_case, write_case
+
+import drakesep
+from drakesep.analysis.campaigns.flights import CampaignFlights
+from drakesep.analysis.engines.drake_pool import DrakePool
+from drakesep.analysis.metrics.of_run import metrics_of_run
+from drakesep.results.campaign_files import DRAWS, chunk_file
+from drakesep.studies.campaign import confirmation, executors, procedure
+
+
+RUNS, CHUNK = 300, 64
+SHARE = {"share": 0.99, "confidence": 0.9}
+"""230 runs show it without a failure: 0.99^230 = 0.099."""
+HOW = {"seed": 3, "chunk": CHUNK, **SHARE}
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory):
+    data = small_case(published=None, objectives=None, failure_cases=None)
+    data["requirements"] = data["requirements"][:2]
+    return write_case(tmp_path_factory.mktemp("case"), data)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def quick():
+    """A batch is compiled once for all campaigns of a case, and few are confirmed."""
+    with pytest.MonkeyPatch.context() as patch:
+        compiled_once(patch, "drakesep.analysis.campaigns.flights")
+        patch.setattr(confirmation, "SAMPLE", 2)
+        patch.setattr("drakesep.plots.campaign.save_campaign", lambda *_: None)
+        yield
+
+
+@pytest.fixture(scope="module")
+def reference(case, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("reference")
+    return drakesep.campaign(case, RUNS, output=folder, **HOW), folder
+
+
+def tables(folder):
+    names = (DRAWS, "campaign.csv", "campaign_worst.csv", "campaign_runs.csv.gz")
+    return {name: (folder / name).read_bytes() for name in names}
+
+
+def test_metrics_are_those_of_runs_in_drake(reference):
+    """Draw by draw, whichever chunk it is in; to what the engines promise."""
+    study, _ = reference
+    draws = [0, 63, 64, 150, 299]
+    with DrakePool(study.case.separation, study.case.integration, workers=1) as pool:
+        runs = pool.fly(study.flights.values(draws))
+    for draw, run in zip(draws, runs, strict=True):
+        told = metrics_of_run(run, study.case.limits_of_pairs, study.plan.metrics)
+        for name, value in zip(
+            study.plan.metrics, study.flown.metrics[draw], strict=True
+        ):
+            assert value == pytest.approx(told[name], rel=1e-5)
+
+
+def test_shares_are_those_of_the_rows(reference):
+    study, folder = reference
+    rows = pd.read_csv(folder / "campaign_runs.csv.gz", keep_default_na=False)
+    table = pd.read_csv(folder / "campaign.csv")
+    assert rows["draw"].tolist() == [*range(RUNS)]
+    assert set(rows["status"]) == {"completed"}
+    speeds = rows["longitudinal_speed_after_separation_m_s"].to_numpy()
+    row = table.iloc[0]
+    assert row["beyond"] == (speeds < row["limit"]).sum() == 0
+    assert row["worst"] == speeds.min()
+    assert row["worst_draw"] == speeds.argmin()
+    assert row["allowed"] == 0  # 388 would be needed for one
+    assert row["bound"] == pytest.approx(speeds.min(), rel=1e-14)
+    assert study.verdict == "met"
+    assert study.passed and study.completed
+
+
+def test_what_varies_is_within_the_tolerances_and_of_the_seed(case, reference):
+    study, _ = reference
+    other = drakesep.campaign(case, RUNS, **{**HOW, "seed": 4})
+    masses = [one.draws["upper.mass_kg"] for one in (study, other)]
+    assert all(each.between(1150.0, 1250.0).all() for each in masses)
+    assert (masses[0] != masses[1]).all()
+
+
+def test_more_draws_begin_with_the_same(case, reference):
+    study, _ = reference
+    fewer = drakesep.campaign(case, 250, **{**HOW, "chunk": 50})
+    np.testing.assert_array_equal(fewer.flown.metrics, study.flown.metrics[:250])
+
+
+def test_planned_flown_and_merged_in_any_order_it_is_the_same(
+    case, reference, tmp_path
+):
+    recorded = drakesep.plan_campaign(case, RUNS, output=tmp_path, **HOW)
+    numbers = [*range(recorded.plan.chunks), 1, 3]
+    random.Random(0).shuffle(numbers)
+    missing = numbers[-1]
+    flown = [drakesep.run_chunk(tmp_path, n) for n in numbers if n != missing]
+    assert sum(flown) == recorded.plan.chunks - 1  # what is there stays
+    with pytest.raises(RuntimeError, match=f"1 are not there.*: {missing};"):
+        drakesep.merge_campaign(tmp_path)
+    assert drakesep.run_chunk(tmp_path, missing)
+    assert drakesep.run_chunk(tmp_path, missing, again=True)
+    study = drakesep.merge_campaign(tmp_path)
+    assert tables(tmp_path) == tables(reference[1])
+    assert whole(tmp_path, but=("again",)) == whole(reference[1], but=("again",))
+    assert study.verdict == "met"
+    with pytest.raises(ValueError, match="must be a folder with a study under way"):
+        drakesep.merge_campaign(tmp_path)
+
+
+def test_an_executor_flies_the_same(case, reference, tmp_path):
+    with ThreadPoolExecutor(2) as executor:
+        drakesep.campaign(case, RUNS, executor=executor, output=tmp_path, **HOW)
+    assert tables(tmp_path) == tables(reference[1])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", [1, 2, 7])
+def test_processes_fly_the_same(workers, case, reference, tmp_path):
+    with executors.own_processes(workers) as executor:
+        drakesep.campaign(case, RUNS, executor=executor, output=tmp_path, **HOW)
+    assert tables(tmp_path) == tables(reference[1])
+
+
+@pytest.mark.slow
+def test_a_dask_cluster_flies_the_same(case, reference, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    cluster = distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None
+    )
+    with cluster, executors.dask_cluster(cluster.scheduler_address) as executor:
+        drakesep.campaign(case, RUNS, executor=executor, output=tmp_path, **HOW)
+    assert tables(tmp_path) == tables(reference[1])
+
+
+def interrupted(case, folder, after, **how):
+    """Fly until so many chunks are there, and be interrupted."""
+    wrote = []
+
+    def write(*arguments):
+        if len(wrote) == after:
+            raise KeyboardInterrupt
+        wrote.append(arguments)
+        write_chunk(*arguments)
+
+    write_chunk = procedure.write_chunk
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(procedure, "write_chunk", write)
+        with pytest.raises(KeyboardInterrupt):
+            drakesep.campaign(case, RUNS, output=folder, **{**HOW, **how})
+
+
+def test_interrupted_it_goes_on_and_ends_the_same(
+    case, reference, tmp_path, monkeypatch
+):
+    """No chunk is flown twice but one that is damaged."""
+    interrupted(case, tmp_path, after=3)
+    damaged = chunk_file(tmp_path, 1)
+    damaged.write_bytes(damaged.read_bytes()[:-100])
+    flown, fly = [], CampaignFlights.chunk
+
+    def noted(self, number, tell=None):
+        flown.append(number)
+        return fly(self, number, tell)
+
+    monkeypatch.setattr(CampaignFlights, "chunk", noted)
+    study = drakesep.campaign(case, RUNS, output=tmp_path, resume=True, **HOW)
+    assert flown == [1, 3, 4]
+    assert tables(tmp_path) == tables(reference[1])
+    resumed = whole(tmp_path, but=("again",))
+    assert resumed == whole(reference[1], but=("again",))
+    assert study.passed
+    with pytest.raises(ValueError, match=r"^resume: .*, completed$"):
+        drakesep.campaign(case, RUNS, output=tmp_path, resume=True, **HOW)
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({"seed": 5}, "seed = 3, got 5"),
+        ({"share": 0.98}, "arguments.share = 0.99, got 0.98"),
+    ],
+)
+def test_another_campaign_does_not_go_on(changed, told, case, tmp_path):
+    interrupted(case, tmp_path, after=2)
+    with pytest.raises(ValueError, match=r"^resume: must be") as error:
+        drakesep.campaign(
+            case, RUNS, output=tmp_path, resume=True, **{**HOW, **changed}
+        )
+    assert told in str(error.value) or "one that differs" in str(error.value)
+    assert chunk_file(tmp_path, 0).exists()
+
+
+def test_what_is_refused(case, tmp_path):
+    with pytest.raises(ValueError, match=r"^runs: must be 230 or more to show a share"):
+        drakesep.campaign(case, 229, **HOW)
+    with pytest.raises(ValueError, match="must have share and confidence"):
+        drakesep.campaign(case, RUNS, share=0.99)
+    with pytest.raises(ValueError, match=r"^output: .* to resume, got None"):
+        drakesep.campaign(case, RUNS, resume=True)
+    nothing = write_case(
+        tmp_path, small_case(requirements=None, objectives=None, published=None)
+    )
+    with pytest.raises(ValueError, match=r"^requirements: a campaign needs one"):
+        drakesep.campaign(nothing, RUNS)
+
+
+def test_every_run_must_is_not_shown_by_any_number(case):
+    study = drakesep.campaign(case, RUNS, seed=3, chunk=CHUNK)
+    assert study.verdict == "not looked at"
+    assert study.of_every_run == len(study.findings) == 4
+
+
+def test_what_drake_does_not_confirm_is_not_met(case, monkeypatch):
+    """An engine that tells a speed too high by a thousandth."""
+    fly = CampaignFlights.fly
+
+    def too_high(self, indices, tell=None):
+        flown = fly(self, indices, tell)
+        metrics = flown.metrics * ([1.001] + [1.0] * (flown.metrics.shape[1] - 1))
+        return dataclasses.replace(flown, metrics=metrics)
+
+    monkeypatch.setattr(CampaignFlights, "fly", too_high)
+    study = drakesep.campaign(case, RUNS, **HOW)
+    assert not study.completed
+    assert study.verdict == "not looked at"
+    verdicts = study.requirements["verdict"].tolist()
+    assert verdicts == ["not looked at", "met", "met", "met"]
+    assert study.failure.startswith("Drake does not confirm 3 of ")
+    failed = study.worst[study.worst["status"].str.startswith("failed")]
+    assert set(failed["quantity"]) == {"longitudinal_speed_after_separation_m_s"}
+
+
+def test_a_run_that_fails_is_beyond_and_told(tmp_path):
+    """A stroke that the end of the run cuts short, in some draws."""
+    data = small_case(published=None, objectives=None, failure_cases=None)
+    data["requirements"] = data["requirements"][:1]
+    data["requirements"][0]["at_least"] = 0.1
+    spring = data["attachments"]["two"]["spring"]
+    del spring["design_mass_kg"]
+    spring["law"] = "displacement"
+    data["dispersions"] = {"s2.stroke_mm": 100.0}
+    data["run"] = {"duration_s": 0.25}
+    study = drakesep.campaign(write_case(tmp_path, data), RUNS, **HOW)
+    failed = len(study.failures)
+    assert 0 < failed < RUNS
+    assert all("stroke" in why for why in study.failures.values())
+    [finding] = study.findings
+    assert finding.beyond == failed
+    assert finding.ranked[:failed] == (*study.failures,)
+    assert study.draws["status"].str.startswith("failed: ").sum() == failed
+    assert study.completed  # Drake says so, too
+    assert study.verdict == "not shown"
+
+
+def test_what_fails_in_a_launch_is_flown_as_it_failed(tmp_path):
+    """A worn spring, which does not vary, and one whose attachment never lets go."""
+    data = small_case(published=None, objectives=None)
+    data["requirements"] = data["requirements"][:1]
+    data["failure_cases"]["stuck"] = {"two.release_time_s": "never"}
+    case = dataclasses.replace(
+        drakesep.load_case(write_case(tmp_path, data)).in_si(),
+        failure_probabilities={"s1_worn": 0.2, "stuck": 0.05},
+    )
+    study = drakesep.campaign(case, RUNS, **HOW)
+    rows = study.draws
+    worn, stuck = (rows["failure_case"] == name for name in ("s1_worn", "stuck"))
+    assert 0.1 < worn.mean() < 0.3  # 0.2 within four deviations
+    assert 0 < stuck.sum() < 40
+    assert (rows.loc[worn, "s1.force_max_N"] == 1180.0).all()
+    assert (rows.loc[stuck, "status"].str.contains("does not separate")).all()
+    assert (rows["status"] != "completed").sum() == stuck.sum()
+    [finding] = study.findings
+    assert finding.beyond == stuck.sum()
+    assert study.verdict == "not shown"
+    draws = rows.index[worn][:3].tolist()
+    with DrakePool(study.case.separation, study.case.integration, workers=1) as pool:
+        runs = pool.fly(study.flights.values(draws))
+    for draw, run in zip(draws, runs, strict=True):
+        told = metrics_of_run(run, study.case.limits_of_pairs, study.plan.metrics)
+        [name], [value] = study.plan.metrics, study.flown.metrics[draw]
+        assert value == pytest.approx(told[name], rel=1e-5)
+    assert study.completed  # Drake confirms that, too
