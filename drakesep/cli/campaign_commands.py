@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from drakesep.cli.campaign_size import size
 from drakesep.cli.options import CaseArgument, JsonOption, OutputOption, QuietOption
 from drakesep.cli.report import Report
 from drakesep.cli.results_folder import load, results_folder, say
@@ -33,6 +34,7 @@ class RunByDefault(TyperGroup):
 
 
 campaign = typer.Typer(cls=RunByDefault, no_args_is_help=True)
+campaign.command()(size)
 
 RunsOption = Annotated[
     int | None,
@@ -87,7 +89,7 @@ def run(
         str | None,
         typer.Option(
             metavar="ADDRESS",
-            help="Of a Dask scheduler, whose workers fly; needs drakesep[cluster].",
+            help="Of a Dask scheduler, whose workers fly; needs drakesep\\[cluster].",
         ),
     ] = None,
     output: OutputOption = None,

@@ -37,7 +37,7 @@ class Connector:
 
     name: str
     force_max: float
-    """Largest force with which it resists, N; 0: it does not, and is gone at release."""
+    """Largest force with which it resists, N; 0: none, and it is gone at release."""
     travel: float
     """Displacement at which it is gone, m."""
     profile: Profile = CONSTANT
