@@ -118,15 +118,16 @@ def test_worst_case_that_turns_over_as_tolerances_grow():
     assert found[0].factor == pytest.approx(k, rel=2e-3)
 
 
-def test_limit_beyond_reach_and_limit_already_passed():
-    far, passed = grow(
-        problem(lambda v: v[0]),
-        [
-            Limit(objective=0, value=2.0 * MOST, u=(1.0, 0.0, 0.0)),
-            Limit(objective=0, value=-1.0, u=(1.0, 0.0, 0.0)),
-        ],
-    )
+@pytest.mark.slow
+def test_limit_beyond_reach():
+    limit = Limit(objective=0, value=2.0 * MOST, u=(1.0, 0.0, 0.0))
+    [far] = grow(problem(lambda v: v[0]), [limit])
     assert math.isinf(far.factor)
+
+
+def test_limit_already_passed():
+    limit = Limit(objective=0, value=-1.0, u=(1.0, 0.0, 0.0))
+    [passed] = grow(problem(lambda v: v[0]), [limit])
     assert passed.factor == 0.0
 
 
