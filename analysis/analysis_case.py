@@ -191,8 +191,7 @@ class AnalysisCase:
         with named("ellipsoids"):
             admitted = ToleranceSet(self.separation, box, self.ellipsoids)
         object.__setattr__(self, "tolerance_set", admitted)
-        with named("correlations"):
-            joint = JointDistribution(box, self.correlations, self.ellipsoids)
+        joint = JointDistribution(box, self.correlations, self.ellipsoids)
         object.__setattr__(self, "joint_distribution", joint)
         self._check_requirements()
         self._check_parts_measured()

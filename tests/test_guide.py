@@ -11,6 +11,7 @@ from ruamel.yaml import YAML
 import drakesep
 from drakesep.analysis.metrics.objectives import Needs, highest
 from drakesep.analysis.metrics.registry import forget_metric
+from drakesep.analysis.tolerances.distributions import distribution_of
 from drakesep.case_file.case import Case
 from drakesep.case_file.others import RequirementSection
 from drakesep.case_file.reader import builtin_cases
@@ -23,6 +24,7 @@ GUIDE = DOCS / "guide.md"
 WORST_CASES = DOCS / "worst_cases.md"
 CLEARANCE = DOCS / "clearance.md"
 METRICS_PAGE = DOCS / "metrics.md"
+CAMPAIGNS = DOCS / "campaigns.md"
 
 
 def blocks(page, language):
@@ -31,7 +33,7 @@ def blocks(page, language):
 
 
 COMMAND_LINE = DOCS / "command_line.md"
-PAGES = (GUIDE, WORST_CASES, CLEARANCE, METRICS_PAGE, COMMAND_LINE)
+PAGES = (GUIDE, WORST_CASES, CLEARANCE, METRICS_PAGE, CAMPAIGNS, COMMAND_LINE)
 BLOCKS = [b for page in PAGES for b in blocks(page, "python")]
 
 
@@ -148,6 +150,24 @@ def test_ellipsoids_of_the_page_on_worst_cases():
     assert first.names == ("payload.cg_y", "payload.cg_z")
     assert first.correlation is None
     assert second.correlation == ((1.0, 0.8), (0.8, 1.0))
+
+
+def test_draws_of_the_page_on_campaigns(capsys):
+    """What it shows can be read, and of VEGA's draws 2.3 % have to be drawn again."""
+    [block] = [b for b in blocks(CAMPAIGNS, "yaml") if "correlations" in b]
+    data = YAML(typ="safe").load(builtin_cases()["vega"])
+    data |= YAML(typ="safe").load(block)
+    del data["published"]  # of other tolerances
+    case = Case.model_validate(data).in_si()
+    kinds = [distribution_of(t).kind for t in case.tolerances.values()]
+    assert kinds == [
+        *("uniform", "normal", "normal", "normal"),
+        *("lognormal", "lognormal", "table", "triangular", "triangular"),
+    ]
+    assert case.failure_probabilities == {"spring_3_out": 0.001}
+    *_, share = run(containing("draws.at(["), capsys)
+    # Of 10 000: the standard error is 0.15.
+    assert share == pytest.approx(2.3, abs=0.5)
 
 
 def test_objectives_of_the_page_on_worst_cases(capsys):

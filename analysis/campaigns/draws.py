@@ -38,6 +38,8 @@ _LEAST_SHARE = 1e-3
 """Of values that must be possible for draws to be found among them."""
 _ENOUGH = 10_000
 """Values after which it is judged."""
+_MOST = 100_000
+"""Attempts at one draw: of a thousandth possible, 1e-43 of draws need more."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +52,8 @@ class Drawn:
     """(N, n) of the dispersed parameters, in SI; of what has failed, those of the
     failure case."""
     failure: Whole
-    """(N,) what fails, by its place in `Draws.failures`; -1: nothing."""
+    """(N,) what fails, by its place in `Draws.failures`; -1: nothing. What it changes
+    and is not dispersed, the case has `in_failure`."""
     attempts: Whole
     """(N,) how often values were drawn that cannot be, before these."""
     independent: bool = True
@@ -153,14 +156,16 @@ class Draws:
         open_, tried = np.flatnonzero(~possible), len(numbers)
         while len(open_):
             found = len(numbers) - len(open_)
-            if tried >= _ENOUGH and found < _LEAST_SHARE * tried:
+            hardly = tried >= _ENOUGH and found < _LEAST_SHARE * tried
+            attempts[open_] += 1
+            attempt = int(attempts[open_[0]])
+            if hardly or attempt > _MOST:
                 raise InputError(
                     "dispersions: a campaign needs values of which a thousandth can "
                     f"be, got {found} of {tried}; narrow the tolerances of the inertia"
                 )
-            attempts[open_] += 1
             values[open_], possible = self._attempt(
-                numbers[open_], failure[open_], int(attempts[open_[0]])
+                numbers[open_], failure[open_], attempt
             )
             open_, tried = open_[~possible], tried + len(open_)
         return values, failure, attempts

@@ -31,7 +31,7 @@ from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.analysis.tolerances.sides import Distribution
 from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
-from drakesep.systems.checks import InputError, unknown
+from drakesep.systems.checks import InputError, named, unknown
 
 
 class _Group(Protocol):
@@ -81,14 +81,17 @@ class JointDistribution:
             distribution_of(d.tolerance) for d in box.dispersions
         )
         in_ellipsoids = {name for one in ellipsoids for name in one.names}
-        for correlation in correlations:
-            self._check(correlation, in_ellipsoids)
+        with named("correlations"):
+            for correlation in correlations:
+                self._check(correlation, in_ellipsoids)
+            correlated = correlated_normals(correlations)
         groups: list[_Group] = [
-            self._correlated(normals.names, normals.matrix)
-            for normals in correlated_normals(correlations)
+            self._correlated(normals.names, normals.matrix) for normals in correlated
         ]
         for ellipsoid in ellipsoids:
-            if self._kind(ellipsoid) is Normal:
+            with named("ellipsoids"):
+                kind = self._kind(ellipsoid)
+            if kind is Normal:
                 groups.append(self._correlated(ellipsoid.names, ellipsoid.matrix))
             else:
                 groups.append(_Within(self._indices(ellipsoid.names), ellipsoid, box))

@@ -4,6 +4,7 @@ import dataclasses
 import functools
 import itertools
 import math
+import pickle
 import re
 
 import numpy as np
@@ -290,6 +291,14 @@ def test_hardly_anything_possible_is_refused(monkeypatch):
     monkeypatch.setattr("drakesep.analysis.campaigns.draws._ENOUGH", 1000)  # of 10 000
     with pytest.raises(InputError, match="can be, got 0 of 1000; narrow the tolerance"):
         Draws(hardly, 1).at([5])
+    monkeypatch.setattr("drakesep.analysis.campaigns.draws._MOST", 50)
+    with pytest.raises(InputError, match="can be, got 0 of 51; narrow the tolerance"):
+        Draws(hardly, 1).at([5])
+
+
+def test_sent_to_another_process():
+    sent = pickle.loads(pickle.dumps(draws()))
+    assert sent.at([77]).values.tobytes() == draws().at([77]).values.tobytes()
 
 
 def test_nothing_dispersed():

@@ -193,7 +193,7 @@ def test_ellipsoids_say_how_their_parameters_go():
     ellipsoid = Ellipsoid(names=("a", "g"))
     with pytest.raises(InputError, match="of a, b: a must stand in no ellipsoid"):
         joint([("ab", 0.5)], [ellipsoid])
-    message = "ellipsoid: its parameters must be all normal, or all uniform .* a normal"
+    message = "ellipsoids: ellipsoid: its parameters must be all normal, or all uniform"
     with pytest.raises(InputError, match=message):
         joint((), [Ellipsoid(names=("a", "c"))])
 
