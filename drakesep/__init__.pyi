@@ -15,6 +15,7 @@ from .studies.campaign.procedure import merge_campaign as merge_campaign
 from .studies.campaign.procedure import plan_campaign as plan_campaign
 from .studies.campaign.procedure import run_chunk as run_chunk
 from .studies.campaign.progress import CampaignProgress as CampaignProgress
+from .studies.campaign.replay import replay as replay
 from .studies.campaign.result import Campaign as Campaign
 from .studies.clearance import Clearances as Clearances
 from .studies.clearance import clearance as clearance

@@ -2,6 +2,7 @@
 
 from small_case import small_case, write_case
 
+import drakesep
 from drakesep.systems.simulation.simulation import Simulation
 
 
@@ -28,6 +29,7 @@ CODES = {
     "sweep": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "clearance": {**OF_STUDY, NOT_MET: 1},
     "campaign": {**OF_STUDY, NOT_MET: 1},
+    "replay": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
     "animate": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "worst-case": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "verify": {**OF_STUDY, NOT_MET: 1, OTHER_RUN_FAILED: 4},
@@ -39,6 +41,7 @@ SETTINGS = {
     "sweep": ("--engine", "steam"),
     "clearance": ("--set", "upper.mas_kg=1200"),
     "campaign": ("--runs", "10"),
+    "replay": ("--run", "300"),
     "animate": ("--run", "worst_L1"),
     "worst-case": ("--objective", "L3"),
     "verify": ("--samples", "0"),
@@ -92,6 +95,11 @@ def arguments(command, outcome, folder):
         other = outcome == OTHER_RUN_FAILED
         more = ["s2.stroke_mm=110,5000" if other else "upper.mass_kg=1180:1220:3"]
     setting = SETTINGS[command] if outcome == BAD_SETTING else ()
+    if command == "replay":
+        campaign = folder / "campaign"
+        drakesep.plan_campaign(case, 300, output=campaign)
+        setting = setting or ("--run", "5", "--no-animation")
+        return [campaign, "-o", output, *setting]
     return [case, "-o", output, *more, *setting]
 
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from drakesep.cli.campaign_commands import campaign
+from drakesep.cli.campaign_commands import campaign, replay
 from drakesep.cli.case_commands import cases, new, show
 from drakesep.cli.report import BAD_INPUT, print_json, say_error
 from drakesep.cli.run_commands import animate, clearance, simulate
@@ -49,7 +49,7 @@ def options(
 _COMMANDS = (
     *(cases, show, new),
     *(simulate, sweep, clearance, animate),
-    *(worst_case, verify),
+    *(worst_case, verify, replay),
 )
 for command in _COMMANDS:
     app.command(command.__name__.replace("_", "-"))(command)

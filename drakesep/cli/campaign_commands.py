@@ -244,6 +244,62 @@ def slurm(
         report.answer.out(script, end="", highlight=False)
 
 
+def replay(
+    directory: FolderArgument,
+    number: Annotated[
+        int, typer.Option("--run", min=0, help="Number of the draw, from 0.")
+    ],
+    animation: Annotated[
+        bool,
+        typer.Option(
+            "--animation/--no-animation",
+            help="Write a page that a browser plays, FOLDER.html beside the results.",
+        ),
+    ] = True,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="Folder for the results; results/CASE/replay_NUMBER if not given.",
+        ),
+    ] = None,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Fly a draw of a campaign in Drake: what `simulate` writes, and an animation."""
+    with Report("replay", quiet=quiet, as_json=as_json) as report:
+        from drakesep.cli.results import print_simulated
+        from drakesep.cli.summaries import of_simulated
+        from drakesep.results.campaign_files import RecordedPlan
+        from drakesep.studies.campaign.replay import replay
+
+        name = RecordedPlan.read(directory).plan.case.name
+        report.add(case=name)
+        where = output or Path("results") / name / f"replay_{number}"
+        with (
+            results_folder(where, name, "simulate") as folder,
+            report.aside.status("flying"),
+        ):
+            result = replay(directory, number, output=folder)
+        if animation and result.completed:
+            with report.aside.status("measuring"):
+                _animate(where)
+        summary = of_simulated(result, folder.path)
+        say(report, folder, summary, partial(print_simulated, result=result))
+        if not result.completed:
+            report.fail(result.labelled.status)
+
+
+def _animate(folder: Path) -> None:
+    """Write the page of a folder's runs beside it."""
+    from drakesep.results.reading import read_results
+    from drakesep.studies.animate import animate_results
+
+    page = folder.parent / f"{folder.resolve().name}.html"
+    animate_results(read_results(folder), output=page)
+
+
 def _say(report: Report, folder: Any, study: "Campaign") -> None:
     """Say what a campaign has shown, and end with its exit code."""
     from drakesep.cli.campaign_lines import print_campaign, print_shown

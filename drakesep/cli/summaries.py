@@ -95,7 +95,7 @@ class StudySummary:
 
 @dataclass(frozen=True, kw_only=True)
 class SimulateSummary(StudySummary):
-    """Of `simulate`."""
+    """Of `simulate`, and of `replay`."""
 
     status: str
     """How the run ended."""
@@ -177,6 +177,7 @@ SUMMARIES: dict[str, type[Any]] = {
     "sweep": SweepSummary,
     "clearance": ClearanceSummary,
     "campaign": CampaignSummary,
+    "replay": SimulateSummary,
     "animate": AnimateSummary,
     "worst-case": WorstCaseSummary,
     "verify": VerifySummary,

@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from pathlib import Path
+from typing import Any
 
 from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
 from drakesep.analysis.engines.processes import end_processes, start_processes
@@ -130,13 +131,14 @@ def dask_cluster(address: str) -> Iterator[Executor]:
         ValueError: Dask is not installed, or nobody answers there.
     """
     try:
-        from distributed import Client
+        import distributed
     except ImportError as error:
         raise InputError(
             "dask: needs distributed, which `pip install drakesep[cluster]` installs"
         ) from error
+    dask: Any = distributed  # which says nothing of its types
     try:
-        client = Client(address, timeout=_ANSWER)
+        client = dask.Client(address, timeout=_ANSWER)
     except (OSError, ValueError) as error:
         raise InputError(
             f"dask: must be the address of a scheduler, got {address!r} ({error})"

@@ -8,6 +8,7 @@ from batches import compiled_once
 from command_line import run
 from small_case import small_case, write_case
 
+import drakesep
 from drakesep.results.campaign_files import chunk_file
 
 
@@ -27,6 +28,7 @@ def drakesep_(capsys, monkeypatch):
         code, out, err = run(capsys, monkeypatch, "campaign", *words)
         return code, out, err
 
+    call.patches = capsys, monkeypatch
     return call
 
 
@@ -106,3 +108,29 @@ def test_dask_without_dask_or_scheduler(case, tmp_path, drakesep_):
     code, _, err = drakesep_(*words)
     assert code == 2
     assert err.splitlines()[-1].startswith("drakesep: dask: ")
+
+
+def test_a_draw_is_flown_again_by_its_number(case, tmp_path, drakesep_, monkeypatch):
+    """In Drake, as the batch engine has flown it; with its motion and a page."""
+    folder, again = tmp_path / "out", tmp_path / "again"
+    monkeypatch.setattr("drakesep.plots.motion.save_motion", lambda *_: None)
+    assert drakesep_(case, *SHOWN, "-o", folder, "--workers", 1)[0] == 0
+    rows = drakesep.read_results(folder).table("campaign_runs.csv.gz")
+    result = drakesep.replay(folder, 123)
+    assert result.values == pytest.approx(
+        {name: rows.loc[123, name] for name in result.values}, rel=1e-14
+    )
+    speed = result.labelled.metrics["longitudinal_speed_after_separation"]
+    told = rows.loc[123, "longitudinal_speed_after_separation_m_s"]
+    assert speed == pytest.approx(told, rel=1e-5)
+    words = ("replay", folder, "--run", 123, "-o", again, "--json")
+    code, out, _ = run(*drakesep_.patches, *words)
+    assert (code, json.loads(out)["command"]) == (0, "replay")
+    assert (again / "motion.csv").exists()
+    assert "<html" in (tmp_path / "again.html").read_text()
+    table = drakesep.read_results(again).table("summary.csv")
+    assert table["upper.mass_kg"][0] == pytest.approx(
+        rows.loc[123, "upper.mass_kg"], rel=1e-14
+    )
+    with pytest.raises(ValueError, match="run: must be from 0 to 249, got 250"):
+        drakesep.replay(folder, 250)

@@ -39,7 +39,7 @@ LAST = {
     (OTHER_RUN_FAILED, "verify"): "drakesep: a run or a search failed; see status",
 }
 """With which the one line begins; a verdict is told on standard output."""
-BEGUN = ("simulate", "sweep", "campaign", "clearance")
+BEGUN = ("simulate", "sweep", "campaign", "clearance", "replay")
 """Whose folder is begun when the first run is interrupted."""
 
 

@@ -59,6 +59,7 @@ OPTIONS = {
         "--confidence": (0.8, {"confidence": 0.8}),
         "--metric": (["final_rate_x"], {"metrics": ["final_rate_x"]}),
     },
+    "replay": {},  # test_campaign.py
     "clearance": {
         "--set": (
             ["upper.mass_kg=1180", "two.position_y_mm=-390"],
@@ -91,6 +92,7 @@ ELSEWHERE = {
     "simulate": {"--output", "-o"},
     "sweep": {"--output", "-o", "--workers"},
     "campaign": {"--output", "-o", "--workers", "--resume", "--dask"},
+    "replay": {"--run", "--animation", "--no-animation", "--output", "-o"},
     "clearance": {"--output", "-o"},
     "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes", "--resume"},
     "verify": {
