@@ -1,6 +1,7 @@
 """The rigid joints of a batch, on lanes."""
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -269,6 +270,10 @@ class _LaneRows(Settler):
             return sums[0] if count == 1 else jnp.concatenate(sums)
 
         return jax.tree.map(total, values)
+
+    def law(self, law: Callable[..., Any], *fixed: Any) -> Callable[..., Any]:
+        """Return a law, some of whose first arguments are fixed."""
+        return functools.partial(law, *fixed)
 
     def held(self, values: Any, branch: Branch) -> Any:
         """Return values where a joint of a branch holds, and zero elsewhere."""

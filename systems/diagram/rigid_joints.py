@@ -43,7 +43,6 @@ class _Solved:
     A value that is set is copied, all that it holds.
     """
 
-    holds: bool = False
     bodies: Mapping[int, BodyState]
     """By their places among the joined ones, those that are held."""
     edges: Mapping[int, Wrench]
@@ -167,11 +166,8 @@ class RigidJoints(LeafSystem):
         return EventStatus.DidNothing()
 
     def _calc_solved(self, context: Context, output: AbstractValue) -> None:
-        holding: HoldingJoints | None = self._holding.Eval(context)
+        holding: HoldingJoints = self._holding.Eval(context)
         solved: _Solved = output.get_mutable_value()
-        solved.holds = holding is not None
-        if holding is None:
-            return
         x = self._state.Eval(context).tolist()
         entries = self._others.Eval(context).tolist()
         indices = {body: self._joints.bodies[body] for body in holding.bodies}
@@ -186,10 +182,14 @@ class RigidJoints(LeafSystem):
         }
         solved.edges = holding.wrenches(solved.bodies, others)
 
-    def _add_wrenches(self, context: Context, entries: list[float]) -> list[float]:
+    def _eval_solved(self, context: Context) -> _Solved | None:
+        """Return what the joints do; None if none holds."""
+        if self._holding.Eval(context) is None:
+            return None
         solved: _Solved = self._solved.Eval(context)
-        if not solved.holds:
-            return entries
+        return solved
+
+    def _add_wrenches(self, solved: _Solved, entries: list[float]) -> list[float]:
         each = wrenches_on_bodies(self._joints, solved.edges, solved.bodies)
         for body, (torque, force) in each.items():
             first = 6 * self._joints.bodies[body]
@@ -198,16 +198,21 @@ class RigidJoints(LeafSystem):
         return entries
 
     def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._add_wrenches(context, [0.0] * output.size()))
+        output.SetZero()
+        solved = self._eval_solved(context)
+        if solved is not None:
+            output.SetFromVector(self._add_wrenches(solved, [0.0] * output.size()))
 
     def _calc_total(self, context: Context, output: BasicVector) -> None:
-        others = self._others.Eval(context).tolist()
-        output.SetFromVector(self._add_wrenches(context, others))
+        others, solved = self._others.Eval(context), self._eval_solved(context)
+        if solved is not None:
+            others = self._add_wrenches(solved, others.tolist())
+        output.SetFromVector(others)
 
     def _calc_loads(self, context: Context, output: BasicVector) -> None:
         loads = [0.0] * output.size()
-        solved: _Solved = self._solved.Eval(context)
-        if solved.holds:
+        solved = self._eval_solved(context)
+        if solved is not None:
             shares = joint_shares(
                 self._joints,
                 self._places.read(context),

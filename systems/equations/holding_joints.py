@@ -37,6 +37,7 @@ from drakesep.systems.equations.rigid_joints import (
     joined,
     joint_equations,
 )
+from drakesep.systems.equations.straight_line import straight_line
 from drakesep.systems.vectors import Vector, subtract
 
 
@@ -205,9 +206,17 @@ def wrenches_on_bodies(
         bodies: by their places among the joined ones.
     """
     totals = dict.fromkeys(bodies, _NONE)
+    added = straight_line(_with_wrench)
     for edge, wrench in wrenches.items():
         a, b = joints.edges[edge]
-        arm = subtract(bodies[b].p_WBo, bodies[a].p_WBo)
-        totals[b] = add_wrenches(totals[b], wrench)
-        totals[a] = add_wrenches(totals[a], reaction(shifted_wrench(wrench, arm)))
+        A, B = bodies[a].p_WBo, bodies[b].p_WBo
+        totals[a], totals[b] = added(totals[a], totals[b], A, B, wrench)
     return totals
+
+
+def _with_wrench(
+    on_A: Wrench, on_B: Wrench, p_WAo: Vector, p_WBo: Vector, wrench: Wrench
+) -> tuple[Wrench, Wrench]:
+    """Return what acts on two bodies with a wrench on B, about its origin."""
+    back = reaction(shifted_wrench(wrench, subtract(p_WBo, p_WAo)))
+    return add_wrenches(on_A, back), add_wrenches(on_B, wrench)

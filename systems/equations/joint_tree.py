@@ -39,6 +39,7 @@ from drakesep.systems.equations.rigid_joints import (
     held_turns,
     joined,
 )
+from drakesep.systems.equations.straight_line import straight_line
 from drakesep.systems.model.joints import CONSTRAINTS, JointType
 from drakesep.systems.vectors import (
     Vector,
@@ -147,6 +148,13 @@ class Rows(Protocol):
     def settled(self, values: Any) -> Any:
         """Return values that are used several times: to be computed once."""
 
+    def law(self, law: Callable[..., Any], *fixed: Any) -> Callable[..., Any]:
+        """Return a law, some of whose first arguments are fixed, to be computed."""
+
+
+def _as_they_are(values: Any) -> Any:
+    return values
+
 
 class Alone:
     """Of bodies each of which is a group of its own, whose joints all hold."""
@@ -163,9 +171,8 @@ class Alone:
         """Return them."""
         return values
 
-    def settled(self, values: Any) -> Any:
-        """Return them."""
-        return values
+    settled = staticmethod(_as_they_are)
+    law = staticmethod(straight_line)
 
 
 class Group(NamedTuple):
@@ -209,7 +216,8 @@ def hold_tree(
     Returns:
         Beside them, what `hold_loops` does.
     """
-    carried = [rows.settled(_alone(group)) for group in groups]
+    alone = rows.law(_alone)
+    carried = [rows.settled(alone(group)) for group in groups]
     links = []
     for branch in tree.branches:
         inboard = rows.outward(groups[branch.inboard].bodies, branch)
@@ -223,13 +231,12 @@ def hold_tree(
     return _from_roots(links, transmitted, carried, rows), loops
 
 
-class _Link:
+class _Link(NamedTuple):
     """The bodies of a branch."""
 
-    def __init__(self, branch: Branch, inboard: BodyState, outboard: BodyState):
-        self.branch, self.outboard = branch, outboard
-        self.ends = (inboard, outboard) if branch.to_B else (outboard, inboard)
-        self.arm = subtract(outboard.p_WBo, inboard.p_WBo)
+    branch: Branch
+    inboard: BodyState
+    outboard: BodyState
 
 
 def _towards_roots(
@@ -241,17 +248,15 @@ def _towards_roots(
 ) -> list[Carried]:
     """Give to each inboard body what its branches transmit, and return that of each."""
     transmitted = []
-    for link, place in reversed(list(zip(links, places, strict=True))):
-        inboard = link.branch.inboard
-        through = _transmitted(link, place, carried[link.branch.group], rows)
-        D, wrench = rows.settled(through)
-        transmitted.append(Carried(D, wrench))
-        given = Carried(shifted_inertia(D, link.arm), shifted_wrench(wrench, link.arm))
-        given = rows.held(given, link.branch)
-        given = rows.inward(given, link.branch, len(tree.groups[inboard]))
-        D = sum_of_inertias(carried[inboard].inertia, given.inertia)
-        wrench = add_wrenches(carried[inboard].wrench, given.wrench)
-        carried[inboard] = rows.settled(Carried(D, wrench))
+    together = rows.law(_together)
+    for (branch, *ends), place in reversed(list(zip(links, places, strict=True))):
+        type, inboard = branch.joints[0].type, branch.inboard
+        through = rows.law(_through, rows.settled, type, branch.to_B)
+        own, given = through(*ends, place, carried[branch.group])
+        transmitted.append(own)
+        given = rows.held(given, branch)
+        given = rows.inward(given, branch, len(tree.groups[inboard]))
+        carried[inboard] = rows.settled(together(carried[inboard], given))
     return transmitted[::-1]
 
 
@@ -265,14 +270,15 @@ def _from_roots(
     wrenches = [each.wrench for each in carried]
     accelerations: dict[int, Acceleration] = {}
     found = []
-    for link, (D, wrench) in zip(links, transmitted, strict=True):
-        branch, inboard = link.branch, link.branch.inboard
+    accelerated, needed = rows.law(acceleration_by), rows.law(_needed)
+    for (branch, *ends), own in zip(links, transmitted, strict=True):
+        inboard = branch.inboard
         if inboard not in accelerations:
             accelerations[inboard] = rows.settled(
-                acceleration_by(carried[inboard].inertia, wrenches[inboard])
+                accelerated(carried[inboard].inertia, wrenches[inboard])
             )
-        V = shifted_acceleration(rows.outward(accelerations[inboard], branch), link.arm)
-        on_outboard = rows.held(subtract_wrenches(wrench_for(D, V), wrench), branch)
+        V = rows.outward(accelerations[inboard], branch)
+        on_outboard = rows.held(needed(*ends, own, V), branch)
         wrenches[branch.group] = add_wrenches(wrenches[branch.group], on_outboard)
         found.append(on_outboard)
     return found
@@ -284,18 +290,52 @@ def _alone(group: Group) -> Carried:
     return Carried(D, subtract_wrenches(group.others, of_rates))
 
 
-def _transmitted(
-    link: _Link, place: JointPlace, carried: Carried, rows: Rows
-) -> Carried:
-    """Return what a branch's joints transmit of what their outboard bodies carry."""
-    type, to_B = link.branch.joints[0].type, link.branch.to_B
-    motion = rows.settled(joined(type, place, *link.ends))
-    r = subtract(motion.p_WPad, link.outboard.p_WBo)
+def _through(
+    settled: Callable[[Any], Any],
+    type: JointType,
+    to_B: bool,
+    inboard: BodyState,
+    outboard: BodyState,
+    place: JointPlace,
+    carried: Carried,
+) -> tuple[Carried, Carried]:
+    """Return what a joint transmits of what its outboard body carries.
+
+    About the origins of both bodies, the outboard one first.
+    """
+    ends = (inboard, outboard) if to_B else (outboard, inboard)
+    motion = settled(joined(type, place, *ends))
+    r = subtract(motion.p_WPad, outboard.p_WBo)
     D, wrench = carried
     for S in _free_directions(type, motion, r):
-        D, wrench = rows.settled(without_direction(D, wrench, S))
+        D, wrench = settled(without_direction(D, wrench, S))
     needed = wrench_for(D, _given(type, motion, r, 1.0 if to_B else -1.0))
-    return Carried(D, subtract_wrenches(wrench, needed))
+    D, wrench = settled((D, subtract_wrenches(wrench, needed)))
+    arm = subtract(outboard.p_WBo, inboard.p_WBo)
+    given = Carried(shifted_inertia(D, arm), shifted_wrench(wrench, arm))
+    return Carried(D, wrench), given
+
+
+def _together(first: Carried, second: Carried) -> Carried:
+    """Return what two things that are carried are together, about the same point."""
+    D = sum_of_inertias(first.inertia, second.inertia)
+    return Carried(D, add_wrenches(first.wrench, second.wrench))
+
+
+def _needed(
+    inboard: BodyState, outboard: BodyState, own: Carried, V: Acceleration
+) -> Wrench:
+    """Return the wrench on an outboard body that accelerates it with the inboard one.
+
+    Args:
+        inboard: the body that holds it.
+        outboard: the body.
+        own: what the joint transmits, about its origin.
+        V: of the inboard body.
+    """
+    arm = subtract(outboard.p_WBo, inboard.p_WBo)
+    wrench = wrench_for(own.inertia, shifted_acceleration(V, arm))
+    return subtract_wrenches(wrench, own.wrench)
 
 
 def _free_directions(type: JointType, motion: Joined, r: Vector) -> list[Acceleration]:

@@ -114,12 +114,12 @@ class DisplacementSpringLaw(PushLaw):
             area = area + 0.5 * slope * (all_of_it**2 - passed**2)
         return p.force_max * p.stroke * area
 
-    @property
+    @functools.cached_property
     def corners(self) -> Sequence[float]:
         """Where the profile has kinks."""
         return [u for u, _ in self.profile[1:-1]]
 
-    @property
+    @functools.cached_property
     def way(self) -> int:
         """0 if the profile is negative somewhere: what pulls there is not let go."""
         return 0 if min(force for _, force in self.profile) < 0.0 else 1
@@ -186,7 +186,7 @@ class ConnectorLaw(PushLaw):
         """Return that of both bodies on springs of such forces and strokes, rad/s."""
         return ops.sqrt(count * (p.force_max / p.travel) * lightness)
 
-    @property
+    @functools.cached_property
     def corners(self) -> Sequence[float]:
         """Where the profile has kinks."""
         return [u for u, _ in self.profile[1:-1]]
