@@ -181,6 +181,11 @@ BAD = {
         changed("bodies.payload.inertia_kg_m2", 60),
         "bodies.payload.inertia_kg_m2: must be a mapping of keys, got 60",
     ),
+    "infinite release": (
+        changed("attachments.attachment_1.release_time_s", float("inf")),
+        "attachments.attachment_1.release_time_s: must be a finite number, or never, "
+        "got inf",
+    ),
     "negative release": (
         changed("attachments.attachment_1.release_time_s", -0.1),
         "attachment_1: release time must be >= 0, got -0.1",
@@ -214,22 +219,28 @@ BAD = {
     "share without confidence": (
         changed(
             "requirements",
-            [{"quantity": "angle_max_deg", "at_most": [9.0] * 3, "share": 0.99865}],
+            [
+                {
+                    "quantity": "rate_after_separation_deg_s",
+                    "at_most": [9.0] * 3,
+                    "share": 0.99865,
+                }
+            ],
         ),
-        "requirements (entry 1): angle_max_deg: must have share and confidence, got no "
-        "confidence",
+        "requirements (entry 1): rate_after_separation_deg_s: must have share and "
+        "confidence, got no confidence",
     ),
     "share in per cent": (
         changed(
             "requirements",
             [
                 {
-                    **{"quantity": "angle_max_deg", "at_most": [9.0] * 3},
+                    **{"quantity": "rate_after_separation_deg_s", "at_most": [9.0] * 3},
                     **{"share": 99.865, "confidence": 0.9},
                 }
             ],
         ),
-        "requirements (entry 1).share: must be < 1, got 99.865",
+        "requirements (entry 1).share: must be less than 1, got 99.865",
     ),
     "one side of two": (
         changed(

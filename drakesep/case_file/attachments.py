@@ -5,6 +5,7 @@ import math
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
+    BeforeValidator,
     PlainValidator,
     SerializeAsAny,
     ValidationInfo,
@@ -12,6 +13,7 @@ from pydantic import (
     model_validator,
 )
 
+from drakesep.case_file.errors import shown
 from drakesep.case_file.section import (
     Column,
     Gains,
@@ -169,6 +171,21 @@ def _read_spring(data: Any, info: ValidationInfo) -> SpringSection:
     return section.model_validate(given, context=info.context)
 
 
+NEVER = "never"
+"""Of a time of release."""
+
+
+def _check_release_time(value: Any) -> Any:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if value != NEVER and not (number and math.isfinite(value)):
+        raise ValueError(f"must be a finite number, or never, got {shown(value)}")
+    return value
+
+
+ReleaseTime = Annotated[float | Literal["never"], BeforeValidator(_check_release_time)]
+"""When something lets go, s."""
+
+
 class AttachmentSection(Section):
     """A place where two bodies are held together."""
 
@@ -184,7 +201,7 @@ class AttachmentSection(Section):
         Annotated[SerializeAsAny[SpringSection], PlainValidator(_read_spring)] | None
     ) = None
     """What pushes from the release on; none if left out."""
-    release_time_s: float | Literal["never"] | None = None
+    release_time_s: ReleaseTime | None = None
     """At which it lets go, 0 or later; by default 0, or never if there is an angle or a
     travel."""
     release_angle_deg: float | None = None
@@ -198,7 +215,7 @@ class AttachmentSection(Section):
         travel = self.release_travel_mm
         if time is None:
             time = 0.0 if angle is None and travel is None else math.inf
-        elif time == "never":
+        elif isinstance(time, str):
             time = math.inf
         with named(name):
             joint = self.joint.in_si()

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from drakesep.analysis.metrics.of_run import metric_named, signal_of_run
+from drakesep.systems.arrays import Array
 from drakesep.systems.equations.forces_of_run import spring_work
 from drakesep.systems.equations.mated_stack import mated_places, place_in_stack
 from drakesep.systems.equations.pair_signals import PairFacts
@@ -21,6 +22,8 @@ from drakesep.tables.columns import write_csv
 
 _STILL = 1e-6
 """Speed below which nothing moves, m/s."""
+_ACROSS = math.cos(math.radians(80.0))
+"""Of a speed, along a direction: with less, a body leaves across it."""
 _OFF = 0.1
 """Share of its energy by which a spring of Eq. 5 may miss it without a word."""
 _STEEP = math.radians(80.0)
@@ -145,14 +148,24 @@ def _of_directions(run: Run, told: set[str]) -> _Told:
 
 
 def _of_direction(run: Run, pair: Pair) -> str:
-    speed = _speed_at_end(run, pair)
+    velocity = _velocity_as_it_leaves(run, pair)
+    along, speed = float(velocity @ pair.direction), float(np.linalg.norm(velocity))
     written = f"[{', '.join(f'{x:g}' for x in pair.direction)}]"
-    if speed < -_STILL:
+    if speed <= _STILL:
+        return ""
+    if along < -_ACROSS * speed:
         return (
-            f"{pair.B} moves against its direction {written}, at {speed:.6g} m/s at "
-            "the end: see the direction of its pair."
+            f"{pair.B} moves against its direction {written}, at {along:.6g} m/s as "
+            "it leaves: see the direction of its pair."
         )
-    if speed > _STILL and _place_along(run.separation, pair) < 0.0:
+    if along < _ACROSS * speed:
+        return (
+            f"{pair.B} leaves across its direction {written}: at {speed:.6g} m/s, "
+            f"{_rounded(along, speed):.3g} m/s of it in that direction, which alone "
+            "is told by longitudinal speeds and displacements: see the direction of "
+            "its pair."
+        )
+    if _place_along(run.separation, pair) < 0.0:
         return (
             f"{pair.B} moves in its direction {written} and stands behind {pair.A} "
             "while mated, by their CGs: it passes through, if nothing leads it past."
@@ -160,9 +173,17 @@ def _of_direction(run: Run, pair: Pair) -> str:
     return ""
 
 
-def _speed_at_end(run: Run, pair: Pair) -> float:
-    velocity = run.motion_of(pair.B).relative_velocity[-1]
-    return float(velocity @ np.array(pair.direction))
+def _velocity_as_it_leaves(run: Run, pair: Pair) -> Array:
+    """Return (3,) the relative velocity at the first sample in which B is free."""
+    motion = run.motion_of(pair.B)
+    k = int(np.searchsorted(motion.time, run.end_of(pair.B)))
+    velocity: Array = motion.relative_velocity[min(k, len(motion.time) - 1)]
+    return velocity
+
+
+def _rounded(part: float, whole: float) -> float:
+    """Return a part of a whole; zero, if it is round-off."""
+    return part if abs(part) > 1e-9 * whole else 0.0
 
 
 def _place_along(separation: Separation, pair: Pair) -> float:

@@ -34,7 +34,7 @@ MIRRORED = {
 }
 
 
-def one_spring(direction, axis) -> Case:
+def one_spring(direction, axis, **changes) -> Case:
     """One spring of 20 J on the axis: sqrt(2 E / mu) = 0.316228 m/s."""
     spring = {"name": "s", "law": "displacement", "force_max_N": 500.0}
     return symmetric_design(
@@ -51,6 +51,7 @@ def one_spring(direction, axis) -> Case:
             }
         },
         run={"duration_s": 2.0, "accuracy": 1e-9},
+        **changes,
     )
 
 
@@ -96,7 +97,7 @@ def test_the_command_line_says_so(capsys, monkeypatch, tmp_path):
     assert table[["about", "run"]].to_numpy().tolist() == [["sc", "nominal"]]
 
 
-def espa(**changes) -> Case:
+def espa(direction=(0.0, 1.0, 0.0), **changes) -> Case:
     """Three payloads of 180 kg on radial ports of a ring, each pushed outward."""
     ports = [(0.0, 800.0, 0.0), (0.0, -400.0, 692.820323028)]
     ports.append((0.0, -400.0, -692.820323028))
@@ -136,7 +137,7 @@ def espa(**changes) -> Case:
         for i in range(3)
     }
     return symmetric_design(
-        pair={"A": "ring", "B": "sat0", "direction": [0.0, 1.0, 0.0]},
+        pair={"A": "ring", "B": "sat0", "direction": list(direction)},
         bodies=bodies,
         attachments=attachments,
         run={"duration_s": 3.0, "accuracy": 1e-8},
@@ -158,6 +159,23 @@ def test_payload_on_a_radial_port():
     # As it was mated is no deviation, however it was.
     assert told["deviation_at_separation_yaw"] == pytest.approx(0.0, abs=1e-6)
     assert simulated.remarks == []
+
+
+def test_a_direction_that_is_forgotten():
+    """Pushed along y; by default it is to leave along x, where it does not move."""
+    study = drakesep.simulate(espa(direction=FORTH))
+    [remark] = study.remarks
+    assert remark.about == ("sat0",)
+    assert "sat0 leaves across its direction [1, 0, 0]: at 0.7" in remark.text
+    assert ", 0 m/s of it in that direction" in remark.text
+
+
+def test_one_that_tumbles_is_told_of_as_it_leaves():
+    """Later, in axes that turn with A, it goes in circles."""
+    case = one_spring(FORTH, FORTH, before_separation={"rate_deg_s": [0, 0, 20]})
+    study = drakesep.simulate(case)
+    assert study.run.motion.relative_velocity[-1, 0] < -0.1
+    assert not any("against" in each.text for each in study.remarks)
 
 
 @pytest.mark.parametrize(("until", "verdict"), [(500, "met"), (5000, "not looked at")])
