@@ -391,19 +391,6 @@ class AnalysisCase:
         return self.tolerance_set.share_unphysical()
 
     @property
-    def dependences(self) -> tuple[str, ...]:
-        """What makes dispersed parameters depend on each other, in words.
-
-        Impossible inertias do, where the tolerances of several of a body's entries
-        reach some.
-        """
-        impossible = (
-            f"impossible values of {label}"
-            for label in self.tolerance_set.bounded_inertias
-        )
-        return (*self.joint_distribution.dependences, *impossible)
-
-    @property
     def objective_names(self) -> tuple[str, ...]:
         """Names of the case's objectives: the paper's, and of each requirement."""
         names = [objective.name for objective in self.paper_objectives]

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from drakesep.analysis.analysis_case import AnalysisCase
-from drakesep.analysis.campaigns.draws import DESIGN, Drawn, Launch
+from drakesep.analysis.campaigns.draws import DESIGN, Drawn, Draws
 from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
@@ -81,7 +81,7 @@ def designed(case: AnalysisCase, design: DesignName, count: int, seed: int) -> D
     names = case.tolerance_set.names
     points = design_points(design, count, len(names), seed)
     rows = case.joint_distribution.values(points)
-    kept = np.flatnonzero(Launch(case, names).can_be(rows))
+    kept = np.flatnonzero(Draws(case, seed).can_be(rows))
     return Drawn(
         indices=kept,
         values=rows[kept],

@@ -99,9 +99,9 @@ class Draws:
         )
         shares = [case.failure_probabilities[one.name] for one in self.failures]
         self._until = np.cumsum(shares)
-        self._design = Launch(case, self.names)
+        self._design = _Launch(case, self.names)
         self._failed = [
-            Launch(case.in_failure(one), self.names, one) for one in self.failures
+            _Launch(case.in_failure(one), self.names, one) for one in self.failures
         ]
 
     def at(self, indices: Sequence[int] | Whole) -> Drawn:
@@ -201,7 +201,7 @@ class Draws:
         return rows, possible
 
 
-class Launch:
+class _Launch:
     """What values can be in launches of a case, in which something may have failed."""
 
     def __init__(

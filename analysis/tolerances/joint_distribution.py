@@ -53,7 +53,6 @@ class JointDistribution:
         names: (n,) of the parameters.
         distributions: (n,) of each.
         nominal: (n,) values, in SI.
-        dependences: what makes parameters depend on each other, in words.
     """
 
     def __init__(
@@ -96,10 +95,6 @@ class JointDistribution:
             else:
                 groups.append(_Within(self._indices(ellipsoid.names), ellipsoid, box))
         self._groups = tuple(groups)
-        self.dependences = (
-            *(f"the {correlation.label}" for correlation in correlations),
-            *(f"the ellipsoid of {', '.join(one.names)}" for one in ellipsoids),
-        )
         together = {i for group in groups for i in group.indices}
         self._apart = [i for i in range(len(self.names)) if i not in together]
 

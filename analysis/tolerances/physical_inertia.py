@@ -5,8 +5,6 @@ possible ones form a convex set (see `drakesep.systems.model.inertia`), and so d
 their intersection with the box.
 """
 
-import itertools
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -98,13 +96,6 @@ class PhysicalInertia:
         second = xx * yy - xy * xy
         third = zz * second - xx * yz * yz - yy * xz * xz + 2.0 * xy * xz * yz
         return np.asarray((xx > 0.0) & (second > 0.0) & (third > 0.0))
-
-    def holds_everywhere(self, box: ToleranceBox) -> bool:
-        """Return whether all points of the box are possible: if its corners are."""
-        sides = [(box.lower[i], box.upper[i]) for i in self.indices]
-        corners = np.zeros((2 ** len(sides), len(box)))
-        corners[:, self.indices] = list(itertools.product(*sides))
-        return bool(self.holds(corners).all())
 
     def reach(self, u: Array) -> Array:
         """Return (...,) by what factor points (..., n) may be scaled and stay inside.

@@ -224,12 +224,6 @@ class ToleranceSet:
             points[:, within.indices] = within.draw(count, rng)
         return points
 
-    @property
-    def bounded_inertias(self) -> tuple[str, ...]:
-        """Of the bodies with tolerances that a body cannot have all of, the labels."""
-        of = (inertia for inertia in self._physical if len(inertia.indices) > 1)
-        return tuple(one.label for one in of if not one.holds_everywhere(self.box))
-
     def can_exist(self, points: Array) -> NDArray[np.bool_]:
         """Return (N,) whether a body can have the inertias of points (N, n).
 

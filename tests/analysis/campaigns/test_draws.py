@@ -239,27 +239,6 @@ def test_of_vega(vega):
     assert drawn.independent
 
 
-@pytest.mark.parametrize(
-    ("tolerances", "dependences"),
-    [
-        # All of a square in the disk of possible inertias; its corners outside of it.
-        (0.7 * REACH, ()),
-        (0.72 * REACH, ("impossible values of sc.inertia",)),
-    ],
-)
-def test_what_depends_on_each_other(tolerances, dependences):
-    entries = dict.fromkeys(("sc.inertia_xy", "sc.inertia_xz"), tolerances)
-    assert case(tolerances=entries).dependences == dependences
-    drawn = Draws(case(tolerances=entries), 1).at(range(20_000))
-    assert (drawn.share_impossible > 0.0) == bool(dependences)
-    # Of one alone none depends on another.
-    assert case(tolerances={"sc.inertia_xy": 0.72 * REACH}).dependences == ()
-    assert CASE.dependences[:2] == (
-        "the correlation of s1.force_max, s2.force_max",
-        "the ellipsoid of sc.cg_y, sc.cg_z",
-    )
-
-
 def test_impossible_under_a_failure():
     """A failure changes an inertia that does not vary, and so what else can be."""
     failure = FailureCase(name="slim", values={"sc.inertia_xx": 220.0})

@@ -58,12 +58,6 @@ def test_apart_each_has_its_own():
         one = BOX.dispersions[i].tolerance
         one = one if not isinstance(one, float) else Uniform(extent=one)
         assert values[:, i].tolist() == one.ppf(UNIT[:, i].copy(), 10.0).tolist(), name
-    assert joint().dependences == ()
-    ellipsoid = Ellipsoid(names=("a", "g"))
-    assert joint([("bc", 0.5)], [ellipsoid]).dependences == (
-        "the correlation of b, c",
-        "the ellipsoid of a, g",
-    )
 
 
 RANKS = [("abc", 0.8), ("de", -0.6), ("ga", 0.3)]
