@@ -75,7 +75,7 @@ def test_shares_are_those_of_the_rows(reference):
     assert set(rows["status"]) == {"completed"}
     speeds = rows["longitudinal_speed_after_separation_m_s"].to_numpy()
     row = table.iloc[0]
-    assert row["beyond"] == (speeds < row["limit"]).sum() == 0
+    assert row["failures"] == (speeds < row["limit"]).sum() == 0
     assert row["worst"] == speeds.min()
     assert row["worst_draw"] == speeds.argmin()
     assert row["allowed"] == 0  # 388 would be needed for one
