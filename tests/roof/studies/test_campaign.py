@@ -140,6 +140,7 @@ def test_a_dask_cluster_flies_the_same(case, reference, tmp_path):
         n_workers=2, threads_per_worker=1, dashboard_address=None
     )
     with cluster, executors.dask_cluster(cluster.scheduler_address) as executor:
+        assert executors._workers(executor) == 2
         drakesep.campaign(case, RUNS, executor=executor, output=tmp_path, **HOW)
     assert tables(tmp_path) == tables(reference[1])
 
