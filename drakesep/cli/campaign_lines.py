@@ -18,7 +18,7 @@ def print_campaign(console: Console, study: Campaign) -> None:
             {
                 **requirement_names_and_limits(frame, bodies),
                 "share": frame["share"],
-                "beyond": frame["beyond"],
+                "failures": frame["failures"],
                 "allowed": frame["allowed"],
                 "shown": frame["share_shown"],
                 "bound": frame["bound"],
@@ -47,9 +47,9 @@ def print_shown(console: Console, study: Campaign) -> None:
     """Print the verdict, and what no campaign can show."""
     if study.of_every_run:
         console.print(
-            f"{study.of_every_run} requirements are of every run, which no campaign "
-            "shows: `verify` looks for the worst; --share 0.99865 --confidence 0.9 "
-            "asks for three sigma."
+            f"Of every run are {study.of_every_run} of {len(study.findings)} "
+            "requirements, which no campaign shows: `verify` looks for the worst; "
+            "--share 0.99865 --confidence 0.9 asks for three sigma."
         )
     flown = len({one.draw for one in study.confirmed})
     match study.verdict:

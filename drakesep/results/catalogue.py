@@ -390,13 +390,14 @@ _CAMPAIGN = (
             *_LIMIT,
             Column("runs", "", "Draws, all independent."),
             Column(
-                "beyond",
+                "failures",
                 "",
                 "Draws beyond the limit, runs that failed among them; empty if that "
                 "was not looked at.",
             ),
             Column("allowed", "", "How many may be, for the share to be shown."),
             Column("share_shown", "", "That is within at least, at `at_confidence`."),
+            Column("share_at_most", "", "That is within at most, likewise."),
             Column("bound_of", "", "The share of which the bound is told."),
             Column("at_confidence", "", "At which it is."),
             Column(
@@ -409,7 +410,13 @@ _CAMPAIGN = (
             Column("margin", _SAME, "Of the bound; negative beyond the limit."),
             Column("worst", _SAME, "Of all draws that have not failed."),
             Column("worst_draw", "", "Number of the worst draw; of one that failed."),
+            Column("deciding_draw", "", "Number of the draw that is the bound."),
             Column("failed", "", "Runs that failed, which count as beyond."),
+            Column(
+                "consumers_risk",
+                "",
+                "The chance that a design with just too small a share would pass.",
+            ),
             Column(
                 "verdict",
                 "",

@@ -35,7 +35,7 @@ def campaign_table(
     return frame.astype({name: "Int64" for name in _WHOLE if name in frame})
 
 
-_WHOLE = ("beyond", "allowed", "worst_draw", "rank")
+_WHOLE = ("failures", "allowed", "worst_draw", "deciding_draw", "rank")
 """Columns of whole numbers that may be empty."""
 
 
@@ -48,16 +48,19 @@ def _finding(
     return {
         **limit_columns(requirement, unit),
         "runs": size.runs,
-        "beyond": finding.beyond,
+        "failures": finding.beyond,
         "allowed": size.allowed if requirement.statistical else 0,
         "share_shown": math.nan if answer is None else answer.share_shown,
+        "share_at_most": math.nan if answer is None else answer.share_at_most,
         "bound_of": size.share,
         "at_confidence": size.confidence,
         "bound": unit.from_si(finding.bound),
         "margin": unit.from_si(finding.margin),
         "worst": unit.from_si(finding.worst),
         "worst_draw": ranked[0] if ranked else None,
+        "deciding_draw": None if answer is None else answer.deciding_draw,
         "failed": len(flown.reasons),
+        "consumers_risk": size.consumers_risk,
         "verdict": finding.verdict.value,
         **identity_columns(requirement, bodies),
     }

@@ -61,7 +61,6 @@ def flown_by(
         numbers: of the chunks.
         on_progress: told how many draws are done.
     """
-    workers = getattr(executor, "_max_workers", None) or os.cpu_count() or 1
     ahead, done = iter(numbers), 0
     under_way: dict[Future[FlownDraws], int] = {}
 
@@ -70,7 +69,7 @@ def flown_by(
             task = executor.submit(fly_chunk, recorded.text, str(folder), number)
             under_way[task] = number
 
-    submit(_IN_HAND * workers)
+    submit(_IN_HAND * _workers(executor))
     try:
         while under_way:
             for task in wait(under_way, return_when=FIRST_COMPLETED).done:
@@ -83,6 +82,14 @@ def flown_by(
     finally:
         for task in under_way:
             task.cancel()
+
+
+def _workers(executor: Executor) -> int:
+    """Return how many chunks an executor flies at once, as far as it tells."""
+    client = getattr(executor, "_client", None)
+    if client is not None:  # of Dask
+        return max(1, sum(client.nthreads().values()))
+    return getattr(executor, "_max_workers", None) or os.cpu_count() or 1
 
 
 def fly_chunk(text: str, folder: str, number: int) -> FlownDraws:

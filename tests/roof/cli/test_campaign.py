@@ -92,7 +92,7 @@ def test_every_run_must_exits_with_1_and_says_how_to_ask(case, tmp_path, drakese
     code, out, _ = drakesep_(case, "--runs", 250, "-o", tmp_path / "out")
     assert code == 1
     said = " ".join(out.split())
-    assert "1 requirements are of every run, which no campaign shows" in said
+    assert "Of every run are 1 of 1 requirements, which no campaign shows" in said
     assert "--share 0.99865 --confidence 0.9 asks for three sigma" in said
 
 

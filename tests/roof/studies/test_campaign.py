@@ -75,7 +75,7 @@ def test_shares_are_those_of_the_rows(reference):
     assert set(rows["status"]) == {"completed"}
     speeds = rows["longitudinal_speed_after_separation_m_s"].to_numpy()
     row = table.iloc[0]
-    assert row["beyond"] == (speeds < row["limit"]).sum() == 0
+    assert row["failures"] == (speeds < row["limit"]).sum() == 0
     assert row["worst"] == speeds.min()
     assert row["worst_draw"] == speeds.argmin()
     assert row["allowed"] == 0  # 388 would be needed for one
@@ -140,6 +140,7 @@ def test_a_dask_cluster_flies_the_same(case, reference, tmp_path):
         n_workers=2, threads_per_worker=1, dashboard_address=None
     )
     with cluster, executors.dask_cluster(cluster.scheduler_address) as executor:
+        assert executors._workers(executor) == 2
         drakesep.campaign(case, RUNS, executor=executor, output=tmp_path, **HOW)
     assert tables(tmp_path) == tables(reference[1])
 
