@@ -1,27 +1,14 @@
 """How many runs a campaign needs, as the command line tells it."""
 
 import json
-import sys
 
 import pytest
-import typer
-
-from drakesep.cli.campaign_size import size
+from command_line import run
 
 
 @pytest.fixture
 def said(capsys, monkeypatch):
-    app = typer.Typer(pretty_exceptions_enable=False)
-    app.command()(size)
-
-    def call(*words):
-        monkeypatch.setattr(sys, "argv", ["size", *map(str, words)])
-        with pytest.raises(SystemExit) as exit_:
-            app()
-        captured = capsys.readouterr()
-        return exit_.value.code, captured.out, captured.err
-
-    return call
+    return lambda *words: run(capsys, monkeypatch, "campaign", "size", *words)
 
 
 def sizes(said, *words):
