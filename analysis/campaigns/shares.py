@@ -80,7 +80,7 @@ class ShareFinding:
         if self.answer is None:
             return Verdict.NOT_LOOKED_AT
         if not self.requirement.statistical:
-            beyond = self.answer.tally.beyond
+            beyond = self.answer.tally.beyond and self.confirmed
             return Verdict.NOT_MET if beyond else Verdict.NOT_LOOKED_AT
         if self.answer.verdict is Verdict.MET and not self.confirmed:
             return Verdict.NOT_LOOKED_AT

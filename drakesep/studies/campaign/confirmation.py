@@ -59,13 +59,15 @@ def chosen(study: Campaign) -> list[Chosen]:
 
 
 def _deciding(finding: ShareFinding) -> Iterator[Chosen]:
-    if finding.beyond is None or finding.size.allowed is None:
+    if finding.beyond is None:
         return
-    last = finding.size.allowed
+    last = finding.size.allowed or 0
+    # Of what every run must keep, the worst decides.
+    decides = last if finding.requirement.statistical else 0
     ranks = np.unique(np.linspace(0, last, min(MOST, last + 1)).round().astype(int))
     for rank in ranks.tolist():
         draw = int(finding.ranked[rank])
-        yield Chosen(draw, finding.requirement, rank + 1, rank == last)
+        yield Chosen(draw, finding.requirement, rank + 1, rank == decides)
 
 
 def confirmed_draws(

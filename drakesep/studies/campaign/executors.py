@@ -86,10 +86,12 @@ def flown_by(
 
 def _workers(executor: Executor) -> int:
     """Return how many chunks an executor flies at once, as far as it tells."""
-    client = getattr(executor, "_client", None)
+    client: Any = getattr(executor, "_client", None)
     if client is not None:  # of Dask
-        return max(1, sum(client.nthreads().values()))
-    return getattr(executor, "_max_workers", None) or os.cpu_count() or 1
+        threads: int = sum(client.nthreads().values())
+        return max(1, threads)
+    told: int | None = getattr(executor, "_max_workers", None)
+    return told or os.cpu_count() or 1
 
 
 def fly_chunk(text: str, folder: str, number: int) -> FlownDraws:

@@ -221,6 +221,27 @@ def test_every_run_must_is_not_shown_by_any_number(case):
     study = drakesep.campaign(case, RUNS, seed=3, chunk=CHUNK)
     assert study.verdict == "not looked at"
     assert study.of_every_run == len(study.findings) == 4
+    # The worst of each, which would disprove it, is flown in Drake.
+    assert [one.rank for one in study.confirmed if one.requirement] == [1] * 4
+
+
+def test_one_run_beyond_disproves_that_every_run_must(case, monkeypatch):
+    """If Drake says so, too."""
+    loaded = drakesep.load_case(case).in_si()
+    speed = dataclasses.replace(loaded.requirements[0], limit=0.52)
+    broken = dataclasses.replace(loaded, requirements=(speed,))
+    study = drakesep.campaign(broken, RUNS, seed=3, chunk=CHUNK)
+    assert (study.verdict, study.failure) == ("not met", "")
+    fly = CampaignFlights.fly
+
+    def too_low(self, indices, tell=None):
+        flown = fly(self, indices, tell)
+        return dataclasses.replace(flown, metrics=0.9 * flown.metrics)
+
+    monkeypatch.setattr(CampaignFlights, "fly", too_low)
+    doubted = drakesep.campaign(broken, RUNS, seed=3, chunk=CHUNK)
+    assert doubted.verdict == "not looked at"
+    assert "Drake gives" in doubted.failure
 
 
 def test_what_drake_does_not_confirm_is_not_met(case, monkeypatch):
