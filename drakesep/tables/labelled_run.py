@@ -77,6 +77,7 @@ def measured(
     run: Run,
     case: AnalysisCase,
     clearances: Collection[LowestClearance] = (),
+    likely: float = math.inf,
 ) -> LabelledRun:
     """Return a run with its metrics, and how near it comes where that is asked for.
 
@@ -85,13 +86,14 @@ def measured(
         run: completed or failed.
         case: whose requirements say what is looked at beside the registered metrics.
         clearances: that measure how near it comes.
+        likely: how near that is about, if it is known, m.
     """
     if run.motion is None:
         return LabelledRun(role=role, run=run, metrics={}, outcome=failed(run.message))
     # Its motion is told, and what it does not separate by can be met by nobody.
     outcome = failed(run.not_separated) if run.not_separated else COMPLETED
     metrics = metrics_of_run(run, case.limits_of_pairs, case.metrics)
-    nearest = {one.metric: one.nearest(run) for one in clearances}
+    nearest = {one.metric: one.nearest(run, likely) for one in clearances}
     for one in clearances:
         metrics[one.metric] = clearance_told(run, nearest[one.metric], one)
     return LabelledRun(

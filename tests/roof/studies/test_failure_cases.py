@@ -9,7 +9,10 @@ import pytest
 from small_case import small_case
 
 import drakesep
+from drakesep.analysis.metrics.objectives import OBJECTIVES
 from drakesep.analysis.metrics.of_run import metrics_of_run
+from drakesep.analysis.search.effort import SearchSettings
+from drakesep.studies.worst_case.effort import of_failure
 from drakesep.systems.checks import InputError
 from drakesep.systems.simulation.simulation import Simulation
 from drakesep.units import unit_of
@@ -108,6 +111,36 @@ def test_what_has_failed_is_held_in_every_run(study):
     assert (heavy["upper.mass_kg"] == 1250.0).all()
     assert heavy["s1.force_max_N"].between(1140.0, 1260.0).all()
     assert heavy["s1.force_max_N"].nunique() > 1  # what has not, varies
+
+
+def test_of_both_directions_of_a_limit_the_worse_is_flown(study):
+    """Which is in the tables, and is what the grid is held against."""
+    [weak] = [o for o in study[0].failed_cases if o.failure.name == "s1_weak"]
+    flown = {one.objective for one in weak.study.runs}
+    case = study[0].case
+    two = [ways for r in case.requirements if len(ways := case.names_towards(r)) == 2]
+    assert two
+    for ways in two:
+        assert len(flown.intersection(ways)) == 1
+    assert not {one.name for one in OBJECTIVES.values()} & flown  # the paper's
+
+
+@pytest.mark.parametrize(
+    ("searches", "expected"),
+    [
+        (("samples", "vertices", "sqp", "multistart"), ("samples", "corners", "best")),
+        (("samples", "corners", "multistart"), ("samples", "corners", "best")),
+        (("sqp",), ("best",)),
+        (("evolution",), ("evolution",)),
+    ],
+)
+def test_it_is_searched_from_where_the_design_is_worst(searches, expected):
+    cheap = [OBJECTIVES["L1"]]
+    names, settings = of_failure(searches, SearchSettings(flips=1), cheap)
+    assert names == expected
+    assert (settings.samples, settings.flips) == (2048, 1)  # no more than is asked for
+    _, few = of_failure(searches, SearchSettings(samples=1600), cheap)
+    assert (few.samples, few.flips) == (100, 4)
 
 
 def test_the_verdict_is_that_of_all(study):
