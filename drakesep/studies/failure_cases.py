@@ -33,10 +33,10 @@ _BY_FAR = 0.1
 """Share of the worse direction's value."""
 
 
-def failure_cases_verified(
-    study: Verification, under_way: Session
-) -> tuple[FailedCase, ...]:
-    """Return the failure cases of a study's plan, verified.
+def failure_cases_verified(study: Verification, under_way: Session) -> Verification:
+    """Return a study with the failure cases of its plan, verified.
+
+    The tables have each of them as soon as that is finished.
 
     Args:
         study: of the design, with its worst cases.
@@ -44,14 +44,15 @@ def failure_cases_verified(
     """
     failures = under_way.plan.failures
     if not failures:
-        return ()
+        return study
     tell = under_way.telling(FAILURES)
-    verified = []
-    for done, failure in enumerate(failures):
+    tell(0, len(failures))
+    for done, failure in enumerate(failures, 1):
+        one = _verified(study, failure, under_way)
+        study = replace(study, failed_cases=(*study.failed_cases, one))
+        under_way.write_down(study, Verification.write_failures)
         tell(done, len(failures))
-        verified.append(_verified(study, failure, under_way))
-    tell(len(failures), len(failures))
-    return tuple(verified)
+    return study
 
 
 def _verified(
@@ -73,6 +74,7 @@ def _verified(
         worst=(),
         growths=(),
         single_growths=(),
+        failed_cases=(),
     )
     if held:  # of such a run a function may know nothing
         return FailedCase(failure=failure, study=failed, held=held)

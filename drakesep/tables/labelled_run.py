@@ -1,8 +1,11 @@
 """Runs of a study under their labels, with their metrics."""
 
+import functools
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from drakesep.analysis.analysis_case import AnalysisCase, PublishedCase
 from drakesep.analysis.clearance.objective import LowestClearance
@@ -10,6 +13,7 @@ from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.systems.checks import named
+from drakesep.systems.equations.loads_of_run import joint_loads
 from drakesep.systems.model.run import Run
 from drakesep.tables.roles import (
     COMPLETED,
@@ -60,6 +64,23 @@ class LabelledRun:
     def objective(self) -> str | None:
         """Name of the objective that it was found for; None if none was."""
         return objective_of(self.role)
+
+    @property
+    def tells_nothing(self) -> bool:
+        """Whether it was not flown, or does not separate: it meets no requirement."""
+        return self.run.motion is None or bool(self.run.not_separated)
+
+    @functools.cached_property
+    def largest_loads(self) -> tuple[float, float]:
+        """The largest force, N, and torque, N m, of any joint; NaN if it failed."""
+        if self.run.trajectory is None:
+            return math.nan, math.nan
+        loads = np.concatenate([*joint_loads(self.run).values()])
+        force, torque = (
+            float(np.linalg.norm(part, axis=1).max())
+            for part in (loads[:, 3:], loads[:, :3])
+        )
+        return force, torque
 
     @property
     def at_most(self) -> dict[str, float]:

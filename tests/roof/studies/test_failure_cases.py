@@ -2,6 +2,7 @@
 
 import copy
 import itertools
+import json
 import math
 
 import pandas as pd
@@ -12,9 +13,11 @@ import drakesep
 from drakesep.analysis.metrics.objectives import OBJECTIVES
 from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.analysis.search.effort import SearchSettings
+from drakesep.studies import failure_cases
 from drakesep.studies.worst_case.effort import of_failure
 from drakesep.systems.checks import InputError
 from drakesep.systems.simulation.simulation import Simulation
+from drakesep.tables import labelled_run
 from drakesep.units import unit_of
 
 
@@ -178,6 +181,44 @@ def test_a_lock_beside_what_is_fixed_for_good_is_missed_nowhere():
     assert [one.held for one in study.failed_cases] == [("upper",)]
     assert study.failure_cases["verdict"].tolist() == ["met", "does not separate"]
     assert study.verdict == "not met"
+
+
+NOMINAL_ALONE = {"dispersions": None, "published": None, "objectives": None}
+
+
+def test_what_is_finished_is_written_down(tmp_path, monkeypatch):
+    """An interrupt in the second failure case leaves the rows of the first."""
+    two = {name: FAILURES[name] for name in ("s1_weak", "held")}
+    verify = failure_cases._verified
+
+    def interrupted(study, failure, under_way):
+        if failure.name == "held":
+            raise KeyboardInterrupt
+        return verify(study, failure, under_way)
+
+    monkeypatch.setattr(failure_cases, "_verified", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        drakesep.verify(
+            case(failure_cases=two, **NOMINAL_ALONE), failures=True, output=tmp_path
+        )
+    left = pd.read_csv(tmp_path / "failure_cases.csv")
+    assert left["failure_case"].tolist() == ["design", "s1_weak"]
+    listed = json.loads((tmp_path / "study.json").read_text())["files"]
+    for name in ("failure_cases", "failure_requirements", "failure_runs"):
+        assert f"{name}.csv" in {one["name"] for one in listed}
+
+
+def test_joint_loads_are_computed_once(monkeypatch):
+    computed = []
+    loads = labelled_run.joint_loads
+    monkeypatch.setattr(
+        labelled_run, "joint_loads", lambda run: computed.append(run) or loads(run)
+    )
+    two = {name: FAILURES[name] for name in ("s1_weak", "held")}
+    study = drakesep.verify(case(failure_cases=two, **NOMINAL_ALONE), failures=True)
+    for _ in range(3):
+        assert study.failure_cases["joint_force_N"].notna().all()
+    assert len(computed) == 3  # of the design, and of each failure case
 
 
 @pytest.mark.slow
