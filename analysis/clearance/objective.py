@@ -29,13 +29,15 @@ from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.geometry.moved_parts import displacements
 from drakesep.systems.geometry.relative_path import RelativePath
 from drakesep.systems.model.magnitudes import check_size
-from drakesep.systems.model.part_pairs import owners_of, pairs_apart
+from drakesep.systems.model.part_pairs import Names, owners_of, pairs_apart
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Pair, Separation, leaving_among
 
 
 LOWEST = f"lowest_{CLEARANCE}"
 """The objective that makes all parts come near."""
+_ABOUT = 4.0 * ACCURACY
+"""Within which a likely distance is about right, m."""
 _MOMENTS = 25
 """At which all pairs are looked at, for which of them may come nearest."""
 
@@ -120,9 +122,17 @@ class LowestClearance(LargestOfParts):
         assert self._prepared is not None
         return self._prepared
 
-    def nearest(self, run: Run) -> Clearance:
-        """Return how near the nearest pair comes in a completed run."""
-        found = self.nearer(run, math.inf)
+    def nearest(self, run: Run, likely: float = math.inf) -> Clearance:
+        """Return how near the nearest pair comes in a completed run.
+
+        Args:
+            run: a completed run.
+            likely: about how near that is, or more, if it is known: then it is sooner
+                told, m.
+        """
+        found = self.nearer(run, likely + _ABOUT)
+        if found is None:
+            found = self.nearer(run, math.inf)
         assert found is not None
         return found
 
@@ -142,9 +152,12 @@ class LowestClearance(LargestOfParts):
         """
         return ACCURACY + accuracy
 
-    def about(self, run: Run, limits: Limits) -> About:
-        """Return the objective, and how far its two nearest points are apart around."""
-        found = self.nearest(run)
+    def about(self, run: Run, limits: Limits, at_least: float = -math.inf) -> About:
+        """Return the objective, and how far its two nearest points are apart around.
+
+        So far apart, or nearer, their parts are in any run.
+        """
+        found = self.nearest(run, likely=-at_least)
         A, B = self._owners[found.first], self._owners[found.second]
         ends_there = found.time >= self._end(run)
         points = (found.first, found.p_AoCa_A), (found.second, found.p_BoCb_B)
@@ -164,23 +177,47 @@ class LowestClearance(LargestOfParts):
             -found.minimum,
             lambda other: -float(n_A @ second_from_first(other)) - rest,
             self.is_window_ended(run),
+            lambda other: -float(np.linalg.norm(second_from_first(other))),
         )
 
-    def linearised_parts(self, run: Run, around: Sequence[Run]) -> tuple[Array, Array]:
+    def linearised_parts(
+        self, run: Run, around: Sequence[Run], reach: Array | None = None
+    ) -> tuple[Array, Array]:
         """Return less the distances of all pairs at some moments, and their changes.
 
-        To first order: those of the nearest points, as for the smallest.
+        To first order: those of the nearest points, as for the smallest. What is too
+        far apart to become the smallest is -inf, and does not change.
         """
         times = np.linspace(0.0, self._end(run), _MOMENTS)
         flown = [one.completed_trajectory for one in (run, *around)]
+        ends_of = dict(zip(self._analysis.names, self._analysis.bodies, strict=True))
         places = {
             ends: [RelativePath(one, *ends).places(times) for one in flown]
-            for ends in set(self._analysis.bodies)
+            for ends in set(ends_of.values())
         }
-        values, changes = [], []
-        for pair in self._analysis.moments(run, times.tolist()):
-            R, p = (np.array(x) for x in zip(*places[pair[0].bodies], strict=True))
-            (a, b), near = pair[0].names, [there.nearest for there in pair]
+        stacked = {
+            ends: tuple(np.array(x) for x in zip(*each, strict=True))
+            for ends, each in places.items()
+        }
+        within = None
+        moved = any(displacements(run.separation, one.separation) for one in around)
+        if reach is not None and not moved:
+            within = np.array(
+                [
+                    reach @ self._most_moved(names, *stacked[ends_of[names]])
+                    for names in self._analysis.apart
+                ]
+            )
+        values = np.full((len(self._analysis.apart), len(times)), -np.inf)
+        changes = np.zeros((*values.shape, len(around)))
+        told = self._analysis.moments(run, times.tolist(), within)
+        for k, (names, pair) in enumerate(zip(self._analysis.apart, told, strict=True)):
+            (a, b), (R, p) = names, stacked[ends_of[names]]
+            known = [i for i, there in enumerate(pair) if there is not None]
+            near = [there.nearest for there in pair if there is not None]
+            if not near:
+                continue
+            R, p = R[:, known], p[:, known]
             n_A = np.nan_to_num([there.n_A for there in near])
             points = (
                 (a, [there.p_AoCa_A for there in near]),
@@ -190,9 +227,23 @@ class LowestClearance(LargestOfParts):
             first, second = (np.array(x) for x in zip(*carried, strict=True))
             second_A = p + np.einsum("rtij,rtj->rti", R, second)
             along = np.einsum("rti,ti->rt", second_A - (first - first[0]), n_A)
-            values.append([-there.nearest.distance for there in pair])
-            changes.append((along[0] - along[1:]).T)
-        return np.array(values), np.array(changes)
+            values[k, known] = [-there.distance for there in near]
+            changes[k, known] = (along[0] - along[1:]).T
+        return values, changes
+
+    def _most_moved(self, pair: Names, R_AB: Array, p_AoBo_A: Array) -> Array:
+        """Return (r, t) how far any point of a pair's second part is moved, at most, m.
+
+        Args:
+            pair: names of its parts.
+            R_AB: (1 + r, t, 3, 3) of a run and of those around it.
+            p_AoBo_A: (1 + r, t, 3) of the same, m.
+        """
+        centre, radius = self._analysis.ball_around(pair)
+        centres = p_AoBo_A + R_AB @ centre
+        turned = np.linalg.norm(R_AB[1:] - R_AB[0], axis=(2, 3))
+        moved = np.linalg.norm(centres[1:] - centres[0], axis=2)
+        return np.asarray(moved + radius * turned)
 
     def approach(
         self, run: Run, found: Clearance, count: int = 60

@@ -94,8 +94,10 @@ def _smallest_below(
     times = np.linspace(start, end, _LOOKS).tolist()
     best: _Moment | None = None
     if math.isinf(than):
-        best = _nearest_of([_Moment(t, parts.at(t)) for t in times])
-        than = best.nearest.distance
+        for t in times:
+            nearer = parts.at_below(t, than)
+            if nearer is not None:
+                best, than = _Moment(t, nearer), nearer.distance
     stack = list(itertools.pairwise(times))
     while stack and than > TOUCHING:
         a, b = stack.pop()

@@ -234,25 +234,54 @@ class ClearanceAnalysis:
             along = _first(parts, along)  # as it may be at the next time
         return found
 
-    def moments(self, run: Run, times: Sequence[float]) -> list[list[NearestPair]]:
+    def moments(
+        self, run: Run, times: Sequence[float], reach: Array | None = None
+    ) -> list[list[NearestPair | None]]:
         """Return where each pair is nearest at each of some times, s.
 
         Those that touch while mated are left out.
+
+        Args:
+            run: a completed run of the separation.
+            times: (t,) s.
+            reach: (k, t) by how much each pair of `apart` may be farther apart than
+                what is nearest of all, m: None is told of what is farther; if None, all
+                are told.
 
         Raises:
             RuntimeError: the run failed.
         """
         bodies = dict(zip(self.names, self.bodies, strict=True))
-        return [
-            [
-                NearestPair(
-                    parts.names, bodies[parts.names], parts.in_bodies(parts.at(t))
-                )
-                for t in times
-            ]
-            for parts in self._along_run(run)
-            if frozenset(parts.names) not in self._touching
+        along = [p for p in self._along_run(run) if p.names in self.apart]
+        found: list[list[NearestPair | None]] = [[] for _ in along]
+        least = math.inf
+        for i, t in enumerate(times):
+            for k, parts in enumerate(along):
+                within = math.inf if reach is None else least + reach[k, i]
+                there = parts.at_below(t, within)
+                if there is None:
+                    found[k].append(None)
+                    continue
+                least, there = min(least, there.distance), parts.in_bodies(there)
+                found[k].append(NearestPair(parts.names, bodies[parts.names], there))
+        return found
+
+    @property
+    def apart(self) -> list[Names]:
+        """The pairs of parts that do not touch while mated."""
+        return [names for names in self.names if frozenset(names) not in self._touching]
+
+    def ball_around(self, pair: Names) -> tuple[Array, float]:
+        """Return the centre (3,) in its body, and the radius of a ball around a part.
+
+        Args:
+            pair: whose second part it is.
+        """
+        [bodies] = [
+            b for n, b in zip(self.names, self.bodies, strict=True) if n == pair
         ]
+        root = self._proximities[bodies].roots[pair[1]]
+        return np.array(root.centre), root.radius
 
     def _along_run(self, run: Run) -> list[PartDistance]:
         return self._along(run.completed_trajectory, run.separation)

@@ -7,7 +7,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from drakesep.analysis.engines.evaluator import Evaluated, Progress
-from drakesep.analysis.metrics.objectives import About, Limits, Needs, Objective
+from drakesep.analysis.metrics.objectives import (
+    About,
+    LargestOfParts,
+    Limits,
+    Needs,
+    Objective,
+)
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run, RunStatus
@@ -126,7 +132,11 @@ class RunEvaluator:
             f"{name} = {x:.9g}" for name, x in zip(self.names, row, strict=True)
         )
         try:
-            about = objective.about(run, self._limits)
+            if isinstance(objective, LargestOfParts):
+                least = self._at_least(k, run)
+                about = objective.about(run, self._limits, least)
+            else:
+                about = objective.about(run, self._limits)
         except InputError:
             raise
         except Exception as error:  # whatever a user's function raises
@@ -146,6 +156,12 @@ class RunEvaluator:
                 self._last.popitem(last=False)
         return about
 
+    def _at_least(self, k: int, run: Run) -> float:
+        """Return what an objective is not below in a run, by other runs' answers."""
+        told = [about.at_least for (j, _), about in self._last.items() if j == k]
+        bounds = [bound(run) for bound in told[-_ASKED:] if bound is not None]
+        return max(bounds, default=-math.inf)
+
 
 def _why_not(run: Run) -> str:
     """Return why a run tells no objective; empty if it does.
@@ -157,5 +173,7 @@ def _why_not(run: Run) -> str:
 
 _ROWS = 64
 """Between two tellings of progress."""
+_ASKED = 8
+"""Of the last answers, those that bound the next."""
 _KEPT = 1024
 """Answers to expensive questions."""

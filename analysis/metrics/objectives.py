@@ -49,6 +49,8 @@ class About(NamedTuple):
     """Of runs all but equal: of the same value there, and the same slope."""
     ended: bool = True
     """Whether all that is looked at is within the run; else the value may rise yet."""
+    at_least: "Callable[[Run], float] | None" = None
+    """Of runs with other values: what the objective is not below, if that is known."""
 
 
 class Needs(enum.IntEnum):
@@ -187,12 +189,27 @@ class LargestOfParts(Objective):
     """An objective that is the largest of parts, which can be looked at apart."""
 
     @abstractmethod
-    def linearised_parts(self, run: Run, around: Sequence[Run]) -> tuple[Array, Array]:
+    def about(self, run: Run, limits: Limits, at_least: float = -math.inf) -> About:
+        """Return the objective of a completed run, and what it is like around.
+
+        Args:
+            run: a completed run.
+            limits: of the deviations, as `metrics_of_run` takes them.
+            at_least: a value that it is known to have, or to exceed: then it is sooner
+                told.
+        """
+
+    @abstractmethod
+    def linearised_parts(
+        self, run: Run, around: Sequence[Run], reach: Array | None = None
+    ) -> tuple[Array, Array]:
         """Return the parts at some moments of a run, and their changes around it.
 
         Args:
             run: a completed run.
             around: (r,) completed runs with other values.
+            reach: (r,) how many times such changes may add up: what stays below the
+                largest even so need not be told, and is -inf.
 
         Returns:
             (p, t) values of p parts at t moments; and (p, t, r) their changes, to first

@@ -8,7 +8,7 @@ most corners that are worst among their neighbours alone. It ends when several
 starts have come to the worst corner known.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -48,18 +48,24 @@ def flip_bounds(
     """Search the corners of the box by flips of one and two bounds.
 
     A corner that is not in the set is flown where the line from the nominal to it
-    leaves the set.
+    leaves the set. It begins at corners near likely points and the best known ones.
     """
     best = Best("corners", problem)
     set_ = problem.tolerances
     starts: dict[int, int] = {}
+    if settings.flips < _ROUND:  # of so few starts each should be a good one
+        known = [*known, *_scattered(problem, settings, best)]
 
     def task(k: int) -> Callable[[Callable[[_Asked], Array]], None]:
-        mine = [c for c in known if c.objective == k]
+        worst_first = sorted(
+            (c for c in known if c.objective == k), key=lambda c: -c.value
+        )
+        points = [problem.likely[k]] if k in problem.likely else []
+        points += [c.u for c in worst_first]
 
         def run(ask: Callable[[_Asked], Array]) -> None:
             search = _Flips(lambda corners: ask((k, corners)), problem, settings)
-            starts[k] = search.run(_corners_of(mine, set_.box))
+            starts[k] = search.run(_corners_near(points, set_.box))
 
         return run
 
@@ -91,14 +97,32 @@ def flip_bounds(
     )
 
 
-def _corners_of(known: list[Candidate], box: ToleranceBox) -> Array | None:
-    """Return the corners (c, n) that known points are nearest to, the worst first."""
-    if not known:
-        return None
-    worst_first = sorted(known, key=lambda c: -c.value)[:_ROUND]
+def _scattered(
+    problem: Problem, settings: SearchSettings, best: Best
+) -> Sequence[Candidate]:
+    """Return the worst of corners drawn at random, which all objectives share.
+
+    Of all corners, if they are fewer.
+    """
+    set_ = problem.tolerances
+    n, most = len(set_), settings.samples
+    if 2**n <= most:
+        signs = 2.0 * ((np.arange(2**n)[:, None] >> np.arange(n)) & 1) - 1.0
+    else:
+        rng = np.random.default_rng(settings.seed)
+        signs = rng.choice([-1.0, 1.0], size=(most, n))
+    u = set_.draw_back(set_.box.corners(signs))
+    told = problem.evaluator.all(set_.rows(u), None, problem.asked)
+    best.add(u, told.values, told.failures)
+    return best.searched("").candidates
+
+
+def _corners_near(points: list[tuple[float, ...]], box: ToleranceBox) -> Array:
+    """Return the different corners (c, n) that points are nearest to."""
     middle = 0.5 * (box.lower + box.upper)
-    corners = np.where(np.array([c.u for c in worst_first]) >= middle, 1.0, -1.0)
-    return np.array([*dict.fromkeys(map(tuple, corners.tolist()))])
+    corners = np.where(np.array(points).reshape(-1, len(box)) >= middle, 1.0, -1.0)
+    different = dict.fromkeys(map(tuple, corners.tolist()))
+    return np.array([*different]).reshape(-1, len(box))
 
 
 class _Flips:
@@ -114,8 +138,11 @@ class _Flips:
         i, j = np.triu_indices(n, 1)
         self._two = self._one[i] * self._one[j]
         self._values: dict[bytes, float] = {}
+        # Who affords fewer flips than corners of a round begins at fewer.
+        self._round = min(_ROUND, settings.flips)
+        self._paired = _PAIRED * self._round // _ROUND
 
-    def run(self, first: Array | None) -> int:
+    def run(self, first: Array) -> int:
         """Search, and return from how many corners.
 
         Args:
@@ -126,9 +153,9 @@ class _Flips:
         # A round that flies nothing new has seen all corners there are.
         while there < _THERE and flown < len(self._values) < self._settings.flips:
             flown = len(self._values)
-            corners = self._drawn(_ROUND)
-            if first is not None and not ends:
-                corners[: len(first)] = first
+            corners = self._drawn(self._round)
+            if not ends:
+                corners[: len(first)] = first[: self._round]
             ends += map(_key, self._freed(self._climbed(corners)))
             values = np.array([self._values[end] for end in ends])
             there = int((values >= values.max() - _least(values.max())).sum())
@@ -181,7 +208,7 @@ class _Flips:
             keys = [_key(corner) for corner in corners]
             values = np.array([self._values[key] for key in keys])
             order = np.argsort(-values, kind="stable")
-            worst = [*dict.fromkeys(keys[i] for i in order)][:_PAIRED]
+            worst = [*dict.fromkeys(keys[i] for i in order)][: self._paired]
             left = [key for key in worst if key not in looked]
             if not left:
                 return corners

@@ -109,11 +109,31 @@ def find_worst_cases(
             finite.
         RuntimeError: no run completed for an objective.
     """
+    done = search_for_worst(
+        problem,
+        searches,
+        settings or SearchSettings(),
+        finished=finished,
+        on_progress=on_progress,
+        on_search=on_search,
+    )
+    return judge(problem, done)
+
+
+def search_for_worst(
+    problem: Problem,
+    searches: Sequence[str],
+    settings: SearchSettings,
+    *,
+    finished: Sequence[Searched] = (),
+    on_progress: Callable[[SearchProgress], None] = lambda _: None,
+    on_search: Callable[[Searched], None] = lambda _: None,
+) -> list[Searched]:
+    """Return what comes of searches, as `find_worst_cases` takes them, unjudged."""
     if not searches:
         raise InputError("searches: must be one or more, got none")
     for name in searches:
         check_search(name)
-    settings = settings or SearchSettings()
     names = list(dict.fromkeys(searches))
     cheap, expensive = by_cost(problem)
     done = list(finished)
@@ -129,7 +149,7 @@ def find_worst_cases(
             known.extend(found.candidates)
             done.append(found if beside is None else beside.join(found))
             on_search(done[-1])
-    return judge(problem, done)
+    return done
 
 
 def _check_finished(finished: Sequence[Searched], names: Sequence[str]) -> None:

@@ -42,8 +42,10 @@ def linearised_corners(problem: Problem, k: int) -> list[Array]:
     runs = problem.evaluator.runs(set_.rows(around), k)
     if any(run.status is RunStatus.FAILED for run in runs):
         return []
-    values, changes = objective.linearised_parts(runs[0], runs[1:])
-    slopes = changes / np.diag(around[1:])
+    steps = np.diag(around[1:])
+    reach = _BENDS * np.maximum(-box.lower, box.upper) / np.abs(steps)
+    values, changes = objective.linearised_parts(runs[0], runs[1:], reach)
+    slopes = changes / steps
     rises = np.maximum(slopes * box.lower, slopes * box.upper).sum(axis=2)
     at = (values + rises).argmax(axis=1)
     parts = np.arange(len(values))

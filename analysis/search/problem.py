@@ -19,6 +19,8 @@ from drakesep.systems.argument_types import typed
 
 FROM_NOMINAL = "sqp"
 """Name of the search that begins at the nominal alone, as the paper's does."""
+FROM_BEST = "best"
+"""Name of the search that begins at the best point alone that is known."""
 
 
 @typed
@@ -31,6 +33,8 @@ class Problem:
     """With the objectives, on the parameters of the set in their order."""
     only: tuple[int, ...] | None = None
     """Which of the objectives; all if None."""
+    likely: Mapping[int, tuple[float, ...]] = field(default_factory=dict)
+    """A point of the set, scaled, by objective: what was worst in a like problem."""
 
     @property
     def asked(self) -> tuple[int, ...]:

@@ -11,6 +11,7 @@ from drakesep.analysis.search.corners import flip_bounds
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.evolution import evolve
 from drakesep.analysis.search.problem import (
+    FROM_BEST,
     FROM_NOMINAL,
     Known,
     OnProgress,
@@ -18,7 +19,11 @@ from drakesep.analysis.search.problem import (
     Search,
     Searched,
 )
-from drakesep.analysis.search.sqp_searches import sqp_from_many, sqp_from_nominal
+from drakesep.analysis.search.sqp_searches import (
+    sqp_from_best,
+    sqp_from_many,
+    sqp_from_nominal,
+)
 from drakesep.analysis.search.sweeps import sample, sweep_vertices
 from drakesep.systems.checks import InputError, unknown
 
@@ -27,6 +32,7 @@ SEARCHES: Mapping[str, Search] = MappingProxyType(
     {
         FROM_NOMINAL: sqp_from_nominal,
         "multistart": sqp_from_many,
+        FROM_BEST: sqp_from_best,
         "vertices": sweep_vertices,
         "corners": flip_bounds,
         "samples": sample,
@@ -34,7 +40,7 @@ SEARCHES: Mapping[str, Search] = MappingProxyType(
     }
 )
 """The searches by name."""
-SQP_SEARCHES = (FROM_NOMINAL, "multistart")
+SQP_SEARCHES = (FROM_NOMINAL, "multistart", FROM_BEST)
 """Those that go uphill; the others sweep: they fly very many runs."""
 
 

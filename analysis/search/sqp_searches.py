@@ -10,6 +10,7 @@ from drakesep.analysis.metrics.objectives import LargestOfParts
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.linearised_corners import different, linearised_corners
 from drakesep.analysis.search.problem import (
+    FROM_BEST,
     FROM_NOMINAL,
     Candidate,
     Known,
@@ -46,13 +47,7 @@ def sqp_from_many(
 
     An earlier ascent from the nominal is one of them.
     """
-    patience = dataclasses.replace(
-        settings.ascent,
-        max_iterations=min(settings.ascent.max_iterations, _PATIENCE),
-        tolerance=max(settings.ascent.tolerance, _ENOUGH),
-    )
-    settings = dataclasses.replace(settings, ascent=patience)
-    set_ = problem.tolerances
+    settings, set_ = _patient(settings), problem.tolerances
     done = any(candidate.search == FROM_NOMINAL for candidate in known)
     count = settings.starts - 1 if done else settings.starts
     nominal = [] if done else [np.zeros(len(set_))]
@@ -73,6 +68,54 @@ def sqp_from_many(
         drawn = set_.draw(max(count - len(best), 0), rng)
         starts[k] = [*best, *drawn]
     return _search("multistart", problem, settings, on_progress, starts)
+
+
+def sqp_from_best(
+    problem: Problem, settings: SearchSettings, known: Known, on_progress: OnProgress
+) -> Searched:
+    """Go up from the best point of each search, and from a likely one if it is better.
+
+    Of what nothing sweeps, from the corners where it may be worst; where nothing is
+    known, from the nominal.
+    """
+    likely, starts = _likely(problem), {}
+    for k in problem.asked:
+        mine = sorted(
+            (c for c in known if c.objective == k), key=lambda c: c.value, reverse=True
+        )
+        by_search = {c.search: c for c in reversed(mine)}
+        points = [np.array(c.u) for c in by_search.values()]
+        if k in likely and all(likely[k].value > c.value for c in mine):
+            points.append(np.array(likely[k].u))
+        points += linearised_corners(problem, k) + _worst_corners(problem, settings, k)
+        starts[k] = different(points) or [np.zeros(len(problem.tolerances))]
+    return _search(FROM_BEST, problem, _patient(settings, 3), on_progress, starts)
+
+
+def _likely(problem: Problem) -> dict[int, Candidate]:
+    """Return the likely points; with their values, unless these take long to tell."""
+    which = [k for k in problem.asked if k in problem.likely]
+    objectives, set_ = problem.evaluator.objectives, problem.tolerances
+    told = dict.fromkeys(which, math.inf)
+    cheap = [k for k in which if not objectives[k].expensive]
+    if cheap:
+        rows = set_.rows(np.array([problem.likely[k] for k in cheap]))
+        values = problem.evaluator.one(rows, cheap).values
+        told |= zip(cheap, values.tolist(), strict=True)
+    return {
+        k: Candidate(objective=k, u=problem.likely[k], value=value, search=FROM_BEST)
+        for k, value in told.items()
+    }
+
+
+def _patient(settings: SearchSettings, times: int = 1) -> SearchSettings:
+    """Return the settings of one of many ascents; of fewer, some times as patient."""
+    patience = dataclasses.replace(
+        settings.ascent,
+        max_iterations=min(settings.ascent.max_iterations, times * _PATIENCE),
+        tolerance=max(settings.ascent.tolerance, _ENOUGH),
+    )
+    return dataclasses.replace(settings, ascent=patience)
 
 
 def _worst_corners(problem: Problem, settings: SearchSettings, k: int) -> list[Array]:
@@ -131,10 +174,11 @@ def _search(
     for ascent in ascents:
         if ascent.status is SearchStatus.FAILED:
             failures[ascent.message] = failures.get(ascent.message, 0) + 1
-    origin = "the nominal"
-    if search != FROM_NOMINAL:
-        more = max(map(len, points.values()))
-        origin = f"{more} more start{'' if more == 1 else 's'}"
+    more = max(map(len, points.values()))
+    origin = {
+        FROM_NOMINAL: "the nominal",
+        FROM_BEST: "the best point known",
+    }.get(search, f"{more} more start{'' if more == 1 else 's'}")
     exact = any(map(problem.evaluator.exact, points))
     note = f"SQP from {origin}" + ("" if exact else ", slopes by differences")
     return Searched(

@@ -24,8 +24,8 @@ SearchOption = Annotated[
     list[str] | None,
     typer.Option(
         "--search",
-        help="sqp, multistart, vertices, corners, samples, evolution, in their order; "
-        "or drake alone; can be repeated. If not given: samples, vertices, sqp, "
+        help="sqp, multistart, best, vertices, corners, samples, evolution, in their "
+        "order; or drake alone; can be repeated. If not given: samples, vertices, sqp, "
         "multistart; corners where there are too many vertices.",
     ),
 ]

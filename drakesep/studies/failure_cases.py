@@ -9,25 +9,34 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.failure_cases import FailureCase
-from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
-from drakesep.analysis.search.judge import find_worst_cases
-from drakesep.analysis.search.problem import Problem, Searched
+from drakesep.analysis.metrics.objectives import Objective
+from drakesep.analysis.search.expensive_objectives import by_cost
+from drakesep.analysis.search.judge import judge, search_for_worst
+from drakesep.analysis.search.problem import FROM_BEST, Problem, Searched
+from drakesep.studies.tolerance_growth import ways_out
 from drakesep.studies.verified import FailedCase, Verification
 from drakesep.studies.worst_case.confirmation import Fly, confirmed, functions_compared
 from drakesep.studies.worst_case.effort import FAILURES, of_failure
 from drakesep.studies.worst_case.procedure import told
+from drakesep.studies.worst_case.result import better_directions
 from drakesep.studies.worst_case.session import Session
 from drakesep.systems.model.run import Run
 from drakesep.tables.labelled_run import measured
 from drakesep.tables.roles import Nominal
 
 
-def failure_cases_verified(
-    study: Verification, under_way: Session
-) -> tuple[FailedCase, ...]:
-    """Return the failure cases of a study's plan, verified.
+_BY_FAR = 0.1
+"""Share of the worse direction's value."""
+
+
+def failure_cases_verified(study: Verification, under_way: Session) -> Verification:
+    """Return a study with the failure cases of its plan, verified.
+
+    The tables have each of them as soon as that is finished.
 
     Args:
         study: of the design, with its worst cases.
@@ -35,14 +44,15 @@ def failure_cases_verified(
     """
     failures = under_way.plan.failures
     if not failures:
-        return ()
+        return study
     tell = under_way.telling(FAILURES)
-    verified = []
-    for done, failure in enumerate(failures):
+    tell(0, len(failures))
+    for done, failure in enumerate(failures, 1):
+        one = _verified(study, failure, under_way)
+        study = replace(study, failed_cases=(*study.failed_cases, one))
+        under_way.write_down(study, Verification.write_failures)
         tell(done, len(failures))
-        verified.append(_verified(study, failure, under_way))
-    tell(len(failures), len(failures))
-    return tuple(verified)
+    return study
 
 
 def _verified(
@@ -64,13 +74,14 @@ def _verified(
         worst=(),
         growths=(),
         single_growths=(),
+        failed_cases=(),
     )
     if held:  # of such a run a function may know nothing
         return FailedCase(failure=failure, study=failed, held=held)
     failed = told(failed)
     if objectives and nominal.motion is not None:
-        failed = _searched(failed, failure, under_way)
-        failed = functions_compared(told(confirmed(failed, fly)))
+        failed = _searched(failed, failure, under_way, study)
+        failed = functions_compared(told(confirmed(failed, fly, of=failed.deciding)))
     return FailedCase(failure=failure, study=failed)
 
 
@@ -89,7 +100,7 @@ def _held(design: AnalysisCase, nominal: Run) -> tuple[str, ...]:
 
 
 def _required(case: AnalysisCase, study: Verification) -> tuple[Objective, ...]:
-    """Return the objectives that lead out of requirements: not the paper's.
+    """Return the objectives that lead out of requirements, and ends of windows.
 
     Those that no run of the failure case tells are left out.
     """
@@ -99,11 +110,9 @@ def _required(case: AnalysisCase, study: Verification) -> tuple[Objective, ...]:
         if not requirement.measured_apart and not case.tells(requirement)
         for name in study.case.names_towards(requirement)
     }
-    return tuple(
-        objective
-        for objective in study.objectives
-        if objective.name not in OBJECTIVES and objective.name not in untold
-    )
+    leads = {name for _, name in ways_out(study.case, study.functions)}
+    leads |= {objective.name for objective in study.case.ends_of_windows}
+    return tuple(o for o in study.objectives if o.name in leads - untold)
 
 
 def _holding(failure: FailureCase, under_way: Session) -> Fly:
@@ -119,19 +128,64 @@ def _holding(failure: FailureCase, under_way: Session) -> Fly:
     return fly
 
 
+def _worst_of_design(
+    study: Verification, design: Verification
+) -> dict[int, tuple[float, ...]]:
+    """Return where each objective of a failure case is worst in the design, scaled.
+
+    What has failed does not vary; the rest is drawn into the set that it leaves.
+    """
+    set_, names = study.case.tolerance_set, design.case.box.names
+    free = [names.index(name) for name in set_.box.names]
+    worst = {one.name: np.array(one.u)[free] for one in design.worst}
+    return {
+        k: tuple(set_.draw_back(worst[objective.name]).tolist())
+        for k, objective in enumerate(study.objectives)
+    }
+
+
 def _searched(
-    study: Verification, failure: FailureCase, under_way: Session
+    study: Verification,
+    failure: FailureCase,
+    under_way: Session,
+    design: Verification,
 ) -> Verification:
     """Return a failure case with its worst cases, which an earlier study may have."""
     evaluator = under_way.evaluator_of(study.case, failure, study.objectives)
-    problem = Problem(tolerances=study.case.tolerance_set, evaluator=evaluator)
-    names, settings = of_failure(under_way.effort.searches, under_way.settings)
+    problem = Problem(
+        tolerances=study.case.tolerance_set,
+        evaluator=evaluator,
+        likely=_worst_of_design(study, design),
+    )
+    names, settings = of_failure(
+        under_way.effort.searches, under_way.settings, study.objectives
+    )
 
     def search() -> Sequence[Searched]:
-        done: list[Searched] = []
-        find_worst_cases(problem, names, settings, on_search=done.append)
-        return done
+        sweeps = [name for name in names if name != FROM_BEST]
+        done = search_for_worst(by_cost(problem)[0], sweeps, settings) if sweeps else []
+        deciding = replace(problem, only=_deciding(study, problem, done))
+        return search_for_worst(deciding, names, settings, finished=done)
 
     done = under_way.once(f"failure_{failure.name}", Searched, search)
-    worst = find_worst_cases(problem, names, settings, finished=done)
+    deciding = replace(problem, only=_deciding(study, problem, done))
+    worst = judge(deciding, done)
     return replace(study, searched=tuple(done), worst=tuple(worst))
+
+
+def _deciding(
+    study: Verification, problem: Problem, searched: Sequence[Searched]
+) -> tuple[int, ...]:
+    """Return the objectives that may decide a verdict, by what sweeps have found.
+
+    Not the direction of a requirement in which it is by far from its limit: there it is
+    followed to no end.
+    """
+    names = [objective.name for objective in study.objectives]
+    values: dict[str, float] = {}
+    for search in searched:
+        for one in search.candidates if search.search != FROM_BEST else ():
+            name = names[one.objective]
+            values[name] = max(one.value, values.get(name, -math.inf))
+    better = better_directions(study.case, values, _BY_FAR)
+    return tuple(k for k in problem.asked if names[k] not in better)

@@ -126,9 +126,9 @@ def verify(
                     study.worst, under_way, study.functions
                 )
                 study = replace(study, growths=growths, single_growths=single_growths)
-            failed = failure_cases_verified(study, under_way)
-            study = under_way.write_down(replace(study, failed_cases=failed))
-            if failed:
+            under_way.write_down(study)
+            study = failure_cases_verified(study, under_way)
+            if study.failed_cases:
                 under_way.draw(OfFailures(study.failure_requirements).save)
         return ended(study, folder)
 

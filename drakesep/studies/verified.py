@@ -1,5 +1,6 @@
 """What came of a verification: findings, verdict, growth of tolerances, failures."""
 
+import functools
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -55,12 +56,12 @@ class Verification(WorstCases):
     def _unsettled(self) -> set[Requirement]:
         """What may be broken by a run that was not flown, or not as it was found.
 
-        A run that cannot be flown may break any; of a worst case that is not confirmed,
-        what it was searched for; and what no search led out of.
+        A run that cannot be flown, or does not separate, may break any; of a worst case
+        that is not confirmed, what it was searched for; and what no search led out of.
         """
         ways = ways_out(self.case, self.functions)
         required = {*self.case.requirements, *(requirement for requirement, _ in ways)}
-        if self.failed_searches or any(one.run.motion is None for one in self.runs):
+        if self.failed_searches or any(one.tells_nothing for one in self.runs):
             return required
         unconfirmed = {one.objective for one in self.runs if one.outcome.failed}
         broken = {requirement for requirement, name in ways if name in unconfirmed}
@@ -105,6 +106,11 @@ class Verification(WorstCases):
                 write_csv(self.table_4, folder / "table_4.csv")
         if self.single_growths:
             write_csv(self.tolerances, folder / "tolerances.csv")
+        self.write_failures(results)
+
+    def write_failures(self, results: ResultsFolder) -> None:
+        """Write the tables of the failure cases that are verified."""
+        folder = results.path
         if self.failed_cases:
             write_csv(self.failure_cases, folder / "failure_cases.csv")
             write_csv(self.failure_requirements, folder / "failure_requirements.csv")
@@ -113,27 +119,16 @@ class Verification(WorstCases):
     @property
     def failure_cases(self) -> pd.DataFrame:
         """A row for the design and each failure case, with what came of it."""
-        nominal = nominal_of(self.runs).run
-        verdict = self.design_verdict
-        rows = [outcome_row(DESIGN, {}, nominal, self.requirements, verdict)]
-        rows += [
-            outcome_row(
-                one.failure.name,
-                one.failure.values,
-                nominal_of(one.study.runs).run,
-                one.study.requirements,
-                one.verdict,
-            )
-            for one in self.failed_cases
-        ]
-        return pd.DataFrame(rows)
+        nominal, verdict = nominal_of(self.runs), self.design_verdict
+        design = outcome_row(DESIGN, {}, nominal, self.requirements, verdict)
+        return pd.DataFrame([design, *(one.outcome for one in self.failed_cases)])
 
     @property
     def failure_requirements(self) -> pd.DataFrame:
         """The requirements of the design, and of each failure case."""
-        cases = {DESIGN: self}
-        cases |= {one.failure.name: one.study for one in self.failed_cases}
-        return under_each_other({k: one.requirements for k, one in cases.items()})
+        cases = {DESIGN: self.requirements}
+        cases |= {one.failure.name: one.requirements for one in self.failed_cases}
+        return under_each_other(cases)
 
     @property
     def failure_runs(self) -> pd.DataFrame:
@@ -218,6 +213,19 @@ class FailedCase:
     """Of the case in which it has failed."""
     held: tuple[str, ...] = ()
     """Bodies that leave in the design, and do not here, even nominally."""
+
+    @functools.cached_property
+    def requirements(self) -> pd.DataFrame:
+        """The requirements' rows; told once, as what follows: it is over."""
+        return self.study.requirements
+
+    @functools.cached_property
+    def outcome(self) -> dict[str, object]:
+        """What came of it, in a row."""
+        nominal, failure = nominal_of(self.study.runs), self.failure
+        return outcome_row(
+            failure.name, failure.values, nominal, self.requirements, self.verdict
+        )
 
     @property
     def verdict(self) -> str | None:

@@ -4,13 +4,11 @@ import math
 from collections.abc import Hashable, Mapping
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from drakesep.analysis.metrics.requirements import Verdict
-from drakesep.systems.equations.loads_of_run import joint_loads
-from drakesep.systems.model.run import Run
 from drakesep.tables.columns import in_units
+from drakesep.tables.labelled_run import LabelledRun
 
 
 CASE = "failure_case"
@@ -21,7 +19,7 @@ HELD = "does not separate"
 def outcome_row(
     name: str,
     changed: Mapping[str, float],
-    run: Run,
+    nominal: LabelledRun,
     requirements: pd.DataFrame,
     verdict: str | None,
 ) -> dict[str, object]:
@@ -30,11 +28,12 @@ def outcome_row(
     Args:
         name: of it.
         changed: parameters that have failed, in SI.
-        run: its nominal one.
+        nominal: its run.
         requirements: as `requirements_table` has them.
         verdict: on all of them; None: there is none.
     """
     not_met = requirements[requirements["verdict"] == Verdict.NOT_MET.value]
+    force, torque = nominal.largest_loads
     return {
         CASE: name,
         "changed": changed_text(changed),
@@ -42,7 +41,8 @@ def outcome_row(
         "not_met": len(not_met),
         "requirements": len(requirements),
         **_nearest(requirements),
-        **_largest_loads(run),
+        "joint_force_N": force,
+        "joint_torque_N_m": torque,
     }
 
 
@@ -81,16 +81,6 @@ def margin_share(row: Mapping[Hashable, Any]) -> float:
     """
     size = abs(row["limit"]) or abs(row["nominal"]) or abs(row["worst"]) or 1.0
     return float(row["margin"] / size)
-
-
-def _largest_loads(run: Run) -> dict[str, float]:
-    """Return the largest force and torque of any joint."""
-    if run.trajectory is None:
-        return {"joint_force_N": math.nan, "joint_torque_N_m": math.nan}
-    loads = [*joint_loads(run).values()]
-    force = max(float(np.linalg.norm(one[:, 3:], axis=1).max()) for one in loads)
-    torque = max(float(np.linalg.norm(one[:, :3], axis=1).max()) for one in loads)
-    return {"joint_force_N": force, "joint_torque_N_m": torque}
 
 
 def under_each_other(frames: Mapping[str, pd.DataFrame]) -> pd.DataFrame:

@@ -1,8 +1,11 @@
 """Runs of a study under their labels, with their metrics."""
 
+import functools
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from drakesep.analysis.analysis_case import AnalysisCase, PublishedCase
 from drakesep.analysis.clearance.objective import LowestClearance
@@ -10,6 +13,7 @@ from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.systems.checks import named
+from drakesep.systems.equations.loads_of_run import joint_loads
 from drakesep.systems.model.run import Run
 from drakesep.tables.roles import (
     COMPLETED,
@@ -62,6 +66,23 @@ class LabelledRun:
         return objective_of(self.role)
 
     @property
+    def tells_nothing(self) -> bool:
+        """Whether it was not flown, or does not separate: it meets no requirement."""
+        return self.run.motion is None or bool(self.run.not_separated)
+
+    @functools.cached_property
+    def largest_loads(self) -> tuple[float, float]:
+        """The largest force, N, and torque, N m, of any joint; NaN if it failed."""
+        if self.run.trajectory is None:
+            return math.nan, math.nan
+        loads = np.concatenate([*joint_loads(self.run).values()])
+        force, torque = (
+            float(np.linalg.norm(part, axis=1).max())
+            for part in (loads[:, 3:], loads[:, :3])
+        )
+        return force, torque
+
+    @property
     def at_most(self) -> dict[str, float]:
         """What clearances are at most, m: so near its parts come until it ends."""
         return {metric: found.minimum for metric, found in self.nearest.items()}
@@ -77,6 +98,7 @@ def measured(
     run: Run,
     case: AnalysisCase,
     clearances: Collection[LowestClearance] = (),
+    likely: float = math.inf,
 ) -> LabelledRun:
     """Return a run with its metrics, and how near it comes where that is asked for.
 
@@ -85,13 +107,14 @@ def measured(
         run: completed or failed.
         case: whose requirements say what is looked at beside the registered metrics.
         clearances: that measure how near it comes.
+        likely: how near that is about, if it is known, m.
     """
     if run.motion is None:
         return LabelledRun(role=role, run=run, metrics={}, outcome=failed(run.message))
     # Its motion is told, and what it does not separate by can be met by nobody.
     outcome = failed(run.not_separated) if run.not_separated else COMPLETED
     metrics = metrics_of_run(run, case.limits_of_pairs, case.metrics)
-    nearest = {one.metric: one.nearest(run) for one in clearances}
+    nearest = {one.metric: one.nearest(run, likely) for one in clearances}
     for one in clearances:
         metrics[one.metric] = clearance_told(run, nearest[one.metric], one)
     return LabelledRun(

@@ -9,9 +9,11 @@ from conserved import of_all_bodies
 from trade import symmetric_design
 
 import drakesep
+from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.analysis.metrics.registry import find_metric
+from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.cli.options import parse_changes
 from drakesep.results.reading import read_results
 from drakesep.studies.before_flight import check_verifiable
@@ -218,27 +220,20 @@ def test_the_word():
     assert values == {"a4.release_time_s": math.inf, "a1.release_time_s": 0.01}
 
 
-@pytest.mark.parametrize("stroke", [0.08, 9.0])
-def test_what_stays_shut_is_no_excuse_for_others(stroke):
-    """The lock is of sc; the spring of a cap on it has no such reason to be short."""
+def capped(stroke):
+    """A lock of sc that would let go at an angle it never comes to; a cap on sc."""
     hinge = Joint(type="revolute", rigid=True)
     design = stuck_design().separation
     *_, stuck = design.attachments
     cap = dataclasses.replace(design.bodies[1], name="cap", parts=())
     spring = DisplacementSpring(name="pusher", force_max=500.0, stroke=stroke)
-    separation = dataclasses.replace(
+    shut = {"release_time": math.inf, "release_angle": 3.0}
+    return dataclasses.replace(
         design,
         bodies=(*design.bodies, cap),
         others=(Pair(A="sc", B="cap"),),
         attachments=(
-            # It would let go at an angle that it never comes to.
-            dataclasses.replace(
-                stuck,
-                joint=hinge,
-                spring=None,
-                release_time=math.inf,
-                release_angle=3.0,
-            ),
+            dataclasses.replace(stuck, joint=hinge, spring=None, **shut),
             Attachment(
                 name="c1",
                 A="sc",
@@ -249,9 +244,25 @@ def test_what_stays_shut_is_no_excuse_for_others(stroke):
             ),
         ),
     )
-    run = Simulation(separation).run()
+
+
+@pytest.mark.parametrize("stroke", [0.08, 9.0])
+def test_what_stays_shut_is_no_excuse_for_others(stroke):
+    """The lock is of sc; the spring of its cap has no such reason to be short."""
+    run = Simulation(capped(stroke)).run()
     if stroke < 1.0:
         assert run.motion is not None and run.held == ("a4",)
         assert run.not_separated.startswith("a4 has not let go")
     else:
         assert run.message.startswith("pusher has not reached its stroke")
+
+
+def test_what_does_not_separate_meets_nothing():
+    """Neither where its motion is told, and within a limit."""
+    slow = Requirement(metric="longitudinal_speed_max", sense="<=", limit=9.0)
+    case = AnalysisCase(separation=capped(0.08), requirements=(slow,))
+    study = drakesep.verify(case)
+    assert study.runs[0].metrics["longitudinal_speed_max"] < 9.0
+    assert study.failure.startswith("nominal: failed: a4 has not let go")
+    assert study.requirements["verdict"].tolist() == ["not looked at"]
+    assert study.verdict is None and not study.passed

@@ -52,17 +52,28 @@ Fly: TypeAlias = Callable[
 
 
 def confirmed(
-    study: _Study, fly: Fly, on_progress: Callable[[int, int], None] = lambda *_: None
+    study: _Study,
+    fly: Fly,
+    on_progress: Callable[[int, int], None] = lambda *_: None,
+    *,
+    of: Sequence[WorstCase] | None = None,
 ) -> _Study:
-    """Return a study with the runs in Drake of what was found, held against that."""
-    case = study.case
+    """Return a study with the runs in Drake of what was found, held against that.
+
+    Args:
+        study: with its worst cases.
+        fly: flies them.
+        on_progress: told how many are done, and of how many.
+        of: worst cases that are flown; all if None.
+    """
+    case, worst = study.case, study.worst if of is None else of
     ends = [
         end
         for end in study.from_nominal
         if study.objectives[end.objective].name in OBJECTIVES
     ]
     found: list[Mapping[str, float]] = [case.box.values(end.u) for end in ends]
-    found += [worst.values for worst in study.worst]
+    found += [one.values for one in worst]
 
     flown = fly(found, on_progress)
     runs = [
@@ -70,7 +81,7 @@ def confirmed(
         *(_search_end(study, *one) for one in zip(ends, flown, strict=False)),
         *(
             _confirmed(study, *one)
-            for one in zip(study.worst, flown[len(ends) :], strict=True)
+            for one in zip(worst, flown[len(ends) :], strict=True)
         ),
     ]
     for clearance in study.clearances.values():
@@ -97,7 +108,7 @@ def _confirmed(study: WorstCases, found: WorstCase, run: Run) -> LabelledRun:
     objective = study.objectives[found.objective]
     mine = [one for one in study.clearances.values() if one is objective]
     labelled = replace(
-        measured(Worst(found.name), run, study.case, mine),
+        measured(Worst(found.name), run, study.case, mine, likely=-found.value),
         evaluations=sum(searched.points for searched in study.searched),
     )
     if labelled.outcome.failed:

@@ -18,7 +18,7 @@ from typing import TypeAlias
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Needs, Objective
 from drakesep.analysis.search.effort import Effort, SearchSettings, fewer_starts
-from drakesep.analysis.search.problem import FROM_NOMINAL
+from drakesep.analysis.search.problem import FROM_BEST, FROM_NOMINAL
 from drakesep.studies.worst_case.searches import (
     DRAKE,
     WantedSearches,
@@ -30,10 +30,10 @@ from drakesep.systems.checks import InputError, check_positive
 
 GROWTH, CONFIRMATION, FAILURES = "growth", "confirmation", "failure cases"
 """What follows the searches."""
-_OF_FAILURES = ("samples", "multistart")
-"""Searches of a failure case, of the design's: the nominal is one of the starts."""
-_FEWER = {"samples": 2048, "starts": 3}
-"""Of them, for a failure case: there are many of these."""
+_MOST_FLIPS, _MOST_SAMPLES = 4, 2048
+"""Of a failure case: there are many of these, and the design's worst are known."""
+_SHARE, _LEAST_SAMPLES = 16, 32
+"""Times fewer samples than of the design, but not fewer than so many."""
 _GRADES = 8
 MINUTES = 10.0
 """That a study may take, unasked: beyond these, something is left out."""
@@ -246,19 +246,26 @@ def _too_long(
 
 
 def of_failure(
-    searches: Sequence[str], settings: SearchSettings
+    searches: Sequence[str], settings: SearchSettings, objectives: Sequence[Objective]
 ) -> tuple[tuple[str, ...], SearchSettings]:
-    """Return how a failure case is searched: as the design is, but for what costs most.
+    """Return how a failure case is searched: from where the design is worst.
 
     Args:
         searches: of the design.
         settings: how hard they are.
+        objectives: of the failure case.
     """
-    few = tuple(name for name in _OF_FAILURES if name in searches)
-    if "multistart" not in few and FROM_NOMINAL in searches:
-        few += (FROM_NOMINAL,)
-    least = {name: min(getattr(settings, name), most) for name, most in _FEWER.items()}
-    return few or tuple(searches), replace(settings, **least)
+    cheap = not all(objective.expensive for objective in objectives)
+    instead = {
+        "samples": {"samples"},
+        "corners": {"vertices", "corners"} if cheap else set(),
+        FROM_BEST: {FROM_NOMINAL, "multistart"},
+    }
+    few = tuple(name for name, of in instead.items() if not of.isdisjoint(searches))
+    share = max(settings.samples // _SHARE, _LEAST_SAMPLES)
+    samples = min(settings.samples, share, _MOST_SAMPLES)
+    flips = min(settings.flips, _MOST_FLIPS)
+    return few or tuple(searches), replace(settings, samples=samples, flips=flips)
 
 
 def _unasked(
@@ -321,7 +328,8 @@ class _Costs:
         self._failures = failures
         self._drake_alone = drake_alone
         self._cheap = [o for o in objectives if not o.expensive]
-        self._dear = len(objectives) - len(self._cheap)
+        self._expensive = [o for o in objectives if o.expensive]
+        self._dear = len(self._expensive)
         self._runs = sum(o.needs is Needs.RUN for o in self._cheap)
         needs = {o.name: o.needs for o in objectives}
         self._ends = len(needs.keys() & set(OBJECTIVES)) + len(objectives)
@@ -360,12 +368,12 @@ class _Costs:
         if growth:
             seconds[GROWTH] = self._growth(settings, cores)
         if self._failures:
-            few, less = of_failure(names, settings)
+            few, less = of_failure(names, settings, (*self._cheap, *self._expensive))
             searched = sum(self._search(name, less, cores) for name in few)
             if self._cheap:  # else they are in it
-                starts = [_starts(name, fewer_starts(less.starts)) for name in few]
+                starts = [_starts(name, less.starts) for name in few]
                 searched += sum(starts) * self._of_measurements
-            flown = self._speed.drake + seconds[CONFIRMATION]
+            flown = self._speed.drake + 0.5 * seconds[CONFIRMATION]  # one side of two
             seconds[FAILURES] = self._failures * (searched + flown)
         return seconds
 
@@ -397,7 +405,8 @@ class _Costs:
     def _points(self, name: str, settings: SearchSettings) -> float:
         """Return how many points a sweep looks at; 0 of an ascent."""
         n, m = self._n, len(self._cheap)
-        a_round = 64 * n + 2 * n**2
+        corners = min(16, settings.flips)
+        a_round = 4 * corners * n + min(4, corners) * n**2 // 2
         flips = min(max(settings.flips, a_round), _ROUNDS * a_round, 2.0**n)
         points = {
             "samples": settings.samples,
@@ -451,7 +460,7 @@ class _Costs:
 
 def _starts(name: str, starts: int) -> int:
     """Return from how many starts a search goes up; 0 if it is a sweep."""
-    return {FROM_NOMINAL: 1, "multistart": starts}.get(name, 0)
+    return {FROM_NOMINAL: 1, FROM_BEST: 1, "multistart": starts}.get(name, 0)
 
 
 def in_time(seconds: float) -> str:

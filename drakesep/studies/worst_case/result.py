@@ -148,15 +148,15 @@ class WorstCases:
         return frame[~frame["objective"].isin(self._better_directions)]
 
     @property
+    def deciding(self) -> list[WorstCase]:
+        """The worst cases but for the better direction of each requirement."""
+        better = self._better_directions
+        return [case for case in self.worst if case.name not in better]
+
+    @property
     def _better_directions(self) -> set[str]:
-        """Objectives of requirements that have another, whose worst is worse."""
-        better = set()
         values = {case.name: case.value for case in self.worst}
-        for requirement in self.case.requirements:
-            names = self.case.names_towards(requirement)
-            known = [name for name in names if name in values]
-            better |= set(known) - {max(known, key=values.__getitem__, default="")}
-        return better
+        return better_directions(self.case, values)
 
     @property
     def motions(self) -> dict[str, pd.DataFrame]:
@@ -263,6 +263,28 @@ class WorstCases:
                 pair = found.pair.replace("_", " ")
                 approaches.append(Approach(metric, one.label, pair, x, distances))
         return approaches
+
+
+def better_directions(
+    case: AnalysisCase, values: Mapping[str, float], by: float = 0.0
+) -> set[str]:
+    """Return objectives of requirements that have another, whose worst is worse.
+
+    Args:
+        case: with the requirements.
+        values: of the worst by the objectives' names.
+        by: as a share of the worse, at least so much.
+    """
+    better = set()
+    for requirement in case.requirements:
+        known = [name for name in case.names_towards(requirement) if name in values]
+        worst = max(known, key=values.__getitem__, default="")
+        better |= {
+            name
+            for name in known
+            if name != worst and values[worst] - values[name] >= by * abs(values[worst])
+        }
+    return better
 
 
 def _of_paper(one: LabelledRun) -> bool:

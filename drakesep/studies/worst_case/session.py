@@ -199,11 +199,24 @@ class Session:
 
         return tell
 
-    def write_down(self, study: _Study) -> _Study:
-        """Return what a step leaves, with its tables in the folder, if there is one."""
-        if self.plan.folder is not None:
-            study.write_tables(self.plan.folder)
-            self.plan.folder.keep()
+    def write_down(
+        self,
+        study: _Study,
+        write: Callable[[_Study, ResultsFolder], None] | None = None,
+    ) -> _Study:
+        """Return what a step leaves, with its tables in the folder, if there is one.
+
+        Args:
+            study: as far as it has come.
+            write: writes those tables that are new; all if None.
+        """
+        folder = self.plan.folder
+        if folder is not None:
+            if write is None:
+                study.write_tables(folder)
+            else:
+                write(study, folder)
+            folder.keep()
         return study
 
     def draw(self, save: Callable[[Path], None]) -> None:

@@ -49,6 +49,7 @@ def closing(speed, drop=0.8, more=()):
 
 
 FAR = Part(name="far_ball", shape=Sphere(radius=0.1), p_BoGo_B=(0.0, 5.0, 0.0))
+MID = Part(name="mid_ball", shape=Sphere(radius=0.1), p_BoGo_B=(0.0, 0.3, 0.0))
 
 
 @pytest.mark.parametrize("more", [(), (FAR,)])
@@ -170,3 +171,38 @@ def test_bad_input():
         LowestClearance(separation, [("rock", "payload_bal")])
     with pytest.raises(ValueError, match=r"unknown metric"):
         highest("clearance")
+
+
+@pytest.mark.parametrize("likely", [math.inf, 0.5, 0.2, 0.1, 0.0, -1.0])
+def test_what_is_likely_changes_how_soon_it_is_told_alone(likely):
+    run = fly_by(0.5)
+    found = LowestClearance(run.separation).nearest(run, likely)
+    assert found.minimum == pytest.approx(0.2, abs=EXACT)
+
+
+@pytest.mark.parametrize("miss", [0.35, 0.49, 0.7])
+def test_two_points_of_the_parts_are_a_bound_in_any_run(miss):
+    run = fly_by(0.5)
+    objective = LowestClearance(run.separation)
+    other = fly_by(miss, when=0.45)
+    bound = objective.about(run, NO_LIMITS).at_least(other)
+    value = objective.of_run(other, NO_LIMITS)
+    assert bound <= value + EXACT
+    assert objective.about(other, NO_LIMITS, bound).value == value
+
+
+def test_parts_that_cannot_become_the_nearest_are_left_out():
+    """What is told is as without; what is not could not reach what is nearest."""
+    run = closing(0.5, more=(FAR, MID))
+    objective = LowestClearance(run.separation)
+    around = [closing(0.5 + 0.01, more=(FAR, MID)), closing(0.5, 0.8 + 0.1, (FAR, MID))]
+    reach = np.array([10.0, 3.0])
+    values, changes = objective.linearised_parts(run, around)
+    told, told_changes = objective.linearised_parts(run, around, reach)
+    known = np.isfinite(told)
+    assert known.any() and not known.all()
+    assert told[known] == pytest.approx(values[known], abs=1e-12)
+    assert told_changes[known] == pytest.approx(changes[known], abs=1e-12)
+    rises = np.abs(changes) @ reach
+    assert (values + rises)[~known].max() < values.max()
+    assert told.max() == values.max()

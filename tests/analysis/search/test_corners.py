@@ -175,7 +175,9 @@ def test_what_it_may_cost_bounds_the_starts():
     def rugged(u):
         return function(u * np.arange(1, 12)) + 10.0 * np.sin(1e3 * function(u))
 
-    few, _ = searched(rugged, flips=1)
+    few, _ = searched(rugged, flips=16)
     many, _ = searched(rugged)
     assert few.note.endswith("from 16 corners")
+    least, _ = searched(rugged, flips=2)
+    assert least.note.endswith("from 2 corners")
     assert few.points < many.points <= 2**11

@@ -151,7 +151,9 @@ def test_what_goes_wrong_in_them_is_raised():
 
 
 def test_sweeps_alone_are_refused():
-    with pytest.raises(InputError, match="must have sqp or multistart too, got samp"):
+    with pytest.raises(
+        InputError, match="must have sqp or multistart or best too, got samp"
+    ):
         find_worst_cases(problem(slope, slope), ("samples", "vertices"), SETTINGS)
 
 

@@ -11,7 +11,7 @@ from separations import generic_pair
 from drakesep.analysis.metrics.objectives import of_run
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.judge import find_worst_cases
-from drakesep.analysis.search.problem import Problem
+from drakesep.analysis.search.problem import Candidate, Problem
 from drakesep.analysis.search.registry import SEARCHES
 from drakesep.analysis.search.sweeps import sweep_vertices
 from drakesep.analysis.tolerances.box import ToleranceBox
@@ -26,7 +26,7 @@ NAMES = ("upper.cg_x", "upper.cg_y", "upper.cg_z", "upper.mass")
 BOX = ToleranceBox.around(PAIR, dict(zip(NAMES, (0.02, 0.01, 0.005, 1.0), strict=True)))
 SET = ToleranceSet(PAIR, BOX)
 QUICK = SearchSettings(starts=6, samples=300, generations=30)
-ALL = ("samples", "vertices", "corners", "sqp", "multistart", "evolution")
+ALL = ("samples", "vertices", "corners", "sqp", "multistart", "best", "evolution")
 
 
 def problem(*functions, tolerances=SET):
@@ -216,3 +216,37 @@ def test_unknown_search():
         find_worst_cases(problem(bump), ["vertex"])
     with pytest.raises(ValueError, match="searches: must be one or more"):
         find_worst_cases(problem(bump), [])
+
+
+HIGH = (0.3, 0.8, 0.8, 0.8)
+
+
+@pytest.mark.parametrize("likely", [HIGH, (-0.9,) * 4])
+def test_the_best_goes_up_from_each_search_and_from_what_is_likely(likely):
+    """But from no likely point that is no better than all that is known."""
+    of_searches = {"samples": (0.9,) * 4, "corners": (0.8,) * 4}
+    known = [
+        Candidate(objective=0, u=u, value=bump(np.array(u)), search=search)
+        for search, best in of_searches.items()
+        for u in (best, (-1.0,) * 4)
+    ]
+    asked = dataclasses.replace(problem(bump), likely={0: likely})
+    found = SEARCHES["best"](asked, QUICK, known, lambda _: None)
+    starts = {one.ascent.history[0].u for one in found.candidates}
+    assert starts == {*of_searches.values()} | ({likely} if likely == HIGH else set())
+    assert found.best(0).value == pytest.approx(1.0, abs=1e-5)
+
+
+def test_few_flips_begin_where_it_is_likely():
+    """To the one corner of 2^4 that counts nothing leads."""
+
+    def traps(u):
+        corner = np.sign(u)
+        return float((corner == np.sign(HIGH)).all()) + 0.1 * float(corner.prod() > 0.0)
+
+    few = dataclasses.replace(QUICK, flips=1, samples=1, seed=2)
+    asked = dataclasses.replace(problem(traps), likely={0: HIGH})
+    found = SEARCHES["corners"](asked, few, (), lambda _: None)
+    assert found.best(0).value == pytest.approx(1.1)
+    astray = SEARCHES["corners"](problem(traps), few, (), lambda _: None)
+    assert astray.best(0).value < 1.0

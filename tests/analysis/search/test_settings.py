@@ -36,7 +36,9 @@ FELT = {
     "vertices": {"vertices"},  # one more than there are, or one less
     "samples": {"samples", "seed"},
     "evolution": {"generations", "seed"},
-    "corners": {"seed"},  # of three parameters it sees all corners at once
+    "best": set(),
+    # Of three parameters it sees all corners at once, unless flips are few.
+    "corners": {"seed", "flips"},
 }
 """By which settings the points of each search differ."""
 

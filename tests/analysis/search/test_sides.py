@@ -122,7 +122,10 @@ class Largest(LargestOfParts):
     def of_run(self, run, limits):
         return float(self.parts(run).max())
 
-    def linearised_parts(self, run, around):
+    def about(self, run, limits, at_least=-np.inf):
+        return super().about(run, limits)
+
+    def linearised_parts(self, run, around, reach=None):
         values = self.parts(run)
         changes = np.array([[self.parts(one) - values] for one in around])
         return values[:, None], changes.transpose(2, 1, 0)

@@ -2,6 +2,7 @@
 
 import copy
 import itertools
+import json
 import math
 
 import pandas as pd
@@ -9,9 +10,14 @@ import pytest
 from small_case import small_case
 
 import drakesep
+from drakesep.analysis.metrics.objectives import OBJECTIVES
 from drakesep.analysis.metrics.of_run import metrics_of_run
+from drakesep.analysis.search.effort import SearchSettings
+from drakesep.studies import failure_cases
+from drakesep.studies.worst_case.effort import of_failure
 from drakesep.systems.checks import InputError
 from drakesep.systems.simulation.simulation import Simulation
+from drakesep.tables import labelled_run
 from drakesep.units import unit_of
 
 
@@ -110,6 +116,36 @@ def test_what_has_failed_is_held_in_every_run(study):
     assert heavy["s1.force_max_N"].nunique() > 1  # what has not, varies
 
 
+def test_of_both_directions_of_a_limit_the_worse_is_flown(study):
+    """Which is in the tables, and is what the grid is held against."""
+    [weak] = [o for o in study[0].failed_cases if o.failure.name == "s1_weak"]
+    flown = {one.objective for one in weak.study.runs}
+    case = study[0].case
+    two = [ways for r in case.requirements if len(ways := case.names_towards(r)) == 2]
+    assert two
+    for ways in two:
+        assert len(flown.intersection(ways)) == 1
+    assert not {one.name for one in OBJECTIVES.values()} & flown  # the paper's
+
+
+@pytest.mark.parametrize(
+    ("searches", "expected"),
+    [
+        (("samples", "vertices", "sqp", "multistart"), ("samples", "corners", "best")),
+        (("samples", "corners", "multistart"), ("samples", "corners", "best")),
+        (("sqp",), ("best",)),
+        (("evolution",), ("evolution",)),
+    ],
+)
+def test_it_is_searched_from_where_the_design_is_worst(searches, expected):
+    cheap = [OBJECTIVES["L1"]]
+    names, settings = of_failure(searches, SearchSettings(flips=1), cheap)
+    assert names == expected
+    assert (settings.samples, settings.flips) == (2048, 1)  # no more than is asked for
+    _, few = of_failure(searches, SearchSettings(samples=1600), cheap)
+    assert (few.samples, few.flips) == (100, 4)
+
+
 def test_the_verdict_is_that_of_all(study):
     study, folder = study
     assert study.design_verdict == "met"
@@ -145,6 +181,44 @@ def test_a_lock_beside_what_is_fixed_for_good_is_missed_nowhere():
     assert [one.held for one in study.failed_cases] == [("upper",)]
     assert study.failure_cases["verdict"].tolist() == ["met", "does not separate"]
     assert study.verdict == "not met"
+
+
+NOMINAL_ALONE = {"dispersions": None, "published": None, "objectives": None}
+
+
+def test_what_is_finished_is_written_down(tmp_path, monkeypatch):
+    """An interrupt in the second failure case leaves the rows of the first."""
+    two = {name: FAILURES[name] for name in ("s1_weak", "held")}
+    verify = failure_cases._verified
+
+    def interrupted(study, failure, under_way):
+        if failure.name == "held":
+            raise KeyboardInterrupt
+        return verify(study, failure, under_way)
+
+    monkeypatch.setattr(failure_cases, "_verified", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        drakesep.verify(
+            case(failure_cases=two, **NOMINAL_ALONE), failures=True, output=tmp_path
+        )
+    left = pd.read_csv(tmp_path / "failure_cases.csv")
+    assert left["failure_case"].tolist() == ["design", "s1_weak"]
+    listed = json.loads((tmp_path / "study.json").read_text())["files"]
+    for name in ("failure_cases", "failure_requirements", "failure_runs"):
+        assert f"{name}.csv" in {one["name"] for one in listed}
+
+
+def test_joint_loads_are_computed_once(monkeypatch):
+    computed = []
+    loads = labelled_run.joint_loads
+    monkeypatch.setattr(
+        labelled_run, "joint_loads", lambda run: computed.append(run) or loads(run)
+    )
+    two = {name: FAILURES[name] for name in ("s1_weak", "held")}
+    study = drakesep.verify(case(failure_cases=two, **NOMINAL_ALONE), failures=True)
+    for _ in range(3):
+        assert study.failure_cases["joint_force_N"].notna().all()
+    assert len(computed) == 3  # of the design, and of each failure case
 
 
 @pytest.mark.slow
