@@ -194,14 +194,17 @@ sys.path.insert(0, sys.argv[2])
 from test_campaign_files import planned, write_all
 from drakesep.results.campaign_files import missing_chunks
 folder, recorded, rng = Path(sys.argv[1]), planned(), random.Random(0)
+until = sorted(rng.randrange(150) for _ in range(int(sys.argv[3])))  # of 200
 kills = 0
 while True:
     writer = os.fork()
     if not writer:
         write_all(folder, recorded, missing_chunks(folder, recorded))
         os._exit(0)
-    if kills < int(sys.argv[3]):
-        time.sleep(rng.uniform(0.0, 0.3))
+    if kills < len(until):
+        while len([*folder.glob(".parts/chunk*")]) < until[kills]:
+            time.sleep(0.001)
+        time.sleep(rng.uniform(0.0, 0.003))  # in the midst of one
         os.kill(writer, signal.SIGKILL)
     if os.waitpid(writer, 0)[1] == 0:
         break
