@@ -98,7 +98,7 @@ def run(
         typer.Option(
             min=1,
             help="Processes, each with one core; if not given, this one flies on all "
-            "cores, which is as fast.",
+            "cores.",
         ),
     ] = None,
     quiet: QuietOption = False,
