@@ -1,10 +1,13 @@
 """What several test files share."""
 
+import functools
 from pathlib import Path
+from typing import Any
 
 import hypothesis
 import pytest
 from small_case import small_case, write_case
+from xdist.scheduler import LoadFileScheduling
 
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.metrics.requirements import deviation_limits
@@ -20,10 +23,23 @@ hypothesis.settings.register_profile("drakesep", deadline=None)
 hypothesis.settings.load_profile("drakesep")
 
 
-def pytest_itemcollected(item: pytest.Item) -> None:
-    """Let one process run what needs the main job, and else each file's tests."""
-    wants_vega = "vega_verification" in getattr(item, "fixturenames", ())
-    item.add_marker(pytest.mark.xdist_group("vega" if wants_vega else str(item.path)))
+class _ByFileAndMainJob(LoadFileScheduling):
+    """Gives whole files to processes, and all that want the main job to one of them."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        file = str(super()._split_scope(nodeid))
+        return "the main job" if _wants_main_job(file) else file
+
+
+@functools.cache
+def _wants_main_job(file: str) -> bool:
+    text = (Path(__file__).parents[1] / file).read_text(encoding="utf-8")
+    return "vega_verification" in text
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    return _ByFileAndMainJob(config, log)
 
 
 @pytest.fixture(scope="session")

@@ -197,6 +197,7 @@ def test_metrics_of_the_page_on_metrics(capsys):
         ("relative_rate_from_0.5_to_2_s_x", "<="),
         ("relative_rate_from_0.5_to_2_s_z", "<="),
         ("G_PM", "<="),
+        ("transverse_rate_after_separation", "<="),
     ]
     assert limits[3].id == "UM-4.2"
 

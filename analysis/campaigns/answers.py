@@ -102,6 +102,7 @@ class LaunchRequirement:
         return margins < 0.0
 
 
+@typed
 def launch_requirements(
     requirements: Sequence[Requirement],
 ) -> tuple[LaunchRequirement, ...]:

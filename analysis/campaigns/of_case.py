@@ -17,6 +17,7 @@ from drakesep.analysis.campaigns.subset_simulation import (
     Values,
     subset_simulation,
 )
+from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 
 
@@ -40,6 +41,7 @@ def dependences(case: AnalysisCase) -> list[str]:
     return of_ranks + together
 
 
+@typed
 def sobol_indices_of(
     case: AnalysisCase, metrics: Metrics, **settings: Any
 ) -> SobolIndices:
@@ -62,6 +64,7 @@ def sobol_indices_of(
     )
 
 
+@typed
 def probability_beyond(
     case: AnalysisCase, values: Values, limit: float, **settings: Any
 ) -> RareProbability:

@@ -67,6 +67,7 @@ def test_as_a_case_file_that_has_it_there():
         assert got == pytest.approx(expected, abs=SOLVER)
 
 
+@pytest.mark.slow
 def test_worst_clearance_over_the_neighbours_place():
     """Searched with runs of the batch engine, and flown in Drake."""
     case = passing(

@@ -88,8 +88,8 @@ def test_turns_are_counted(simulated):
 
 
 def test_angles_that_swing_are_remarked(simulated):
-    """Beside what is said of the direction, which turns with the launcher."""
-    _, remark = simulated.remarks
+    """And nothing of the direction: it leaves in it, and the launcher turns later."""
+    [remark] = simulated.remarks
     assert remark.about == ("sc",)
     assert "sc turns by 2400 deg in all and comes to a pitch of 88 deg" in remark.text
     assert simulated.motion["angle_pitch_deg"].abs().max() < 90.0

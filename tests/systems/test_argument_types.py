@@ -24,7 +24,8 @@ from drakesep.systems.simulation.simulation import Simulation
 
 PACKAGES = ("drakesep", "drakesep.systems", "drakesep.analysis")
 RESULTS = {
-    *("Ascent", "BatchEvaluator", "BatchResult", "Clearance", "Clearances", "Contact"),
+    *("Ascent", "BatchEvaluator", "BatchResult", "Campaign", "CampaignProgress"),
+    *("Clearance", "Clearances", "Contact", "Summary", "Tally"),
     *("ContactForces", "Evaluator", "Evidence", "Finding", "Growth", "Iteration"),
     *(
         "MassProperties",

@@ -232,7 +232,13 @@ def pressed_back() -> Load:
     )
 
 
-@pytest.mark.parametrize("loads", [(), (pressed_back(),)], ids=["free", "back"])
+@pytest.mark.parametrize(
+    "loads",
+    [
+        pytest.param((), id="free", marks=pytest.mark.slow),
+        pytest.param((pressed_back(),), id="back"),
+    ],
+)
 def test_release_at_an_angle_against_drake(closely_sampled, loads):
     separation = dataclasses.replace(hinged(), loads=loads)
     names = ("spring_1.force_max", "attachment_2.release_angle", "lower.mass")

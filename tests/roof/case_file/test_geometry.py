@@ -341,6 +341,7 @@ def test_a_doubtful_mesh_is_warned_of_by_the_caller(tmp_path, monkeypatch):
         drakesep.verify(case, samples=100)
 
 
+@pytest.mark.slow
 def test_pictures_that_fail_do_not_take_the_study_with_them(tmp_path, monkeypatch):
     def fail(*_):
         raise OSError("disk full")

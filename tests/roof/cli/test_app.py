@@ -174,6 +174,7 @@ def test_narrow_terminal_loses_nothing(drakesep, monkeypatch):
     assert max(map(len, out.splitlines())) <= 80
 
 
+@pytest.mark.slow
 def test_interrupt_ends_in_one_line(tmp_path):
     """Ctrl-C in the midst of a search: no traceback, of ours or of a library's."""
     script = (
