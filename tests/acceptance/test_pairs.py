@@ -65,6 +65,7 @@ def with_pairs(first: Pair, *others: Pair) -> Separation:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("first", "second"),
     [

@@ -174,6 +174,7 @@ def test_joints_that_ring_for_more_periods_than_are_followed_have_no_verdict(
     assert "joints ring" in one and "joints ring" in two
 
 
+@pytest.mark.slow
 def test_forces_of_joints_and_springs_have_limits():
     """1000 N on 2500 kg: four joints carry 200 N to 500 kg until they let go.
 

@@ -90,6 +90,7 @@ def test_worst_clearance(vega_verification, vega_folder):
     assert is_drawn(vega_folder / "worst_clearance.png")
 
 
+@pytest.mark.slow
 def test_slopes_of_the_clearance(vega, vega_batch):
     """Those of the nearest points, against differences of the rim in flown runs.
 

@@ -175,6 +175,7 @@ def staged() -> Separation:
     return dataclasses.replace(pair, attachments=attachments, loads=loads)
 
 
+@pytest.mark.slow
 def test_staged_release_under_loads_against_drake(closely_sampled):
     """Release times, starts of loads, a spring's damping and tilts vary too."""
     tilts = {"spring_2.tilt_y": 0.05, "spring_3.tilt_z": -0.03}
@@ -276,6 +277,7 @@ def spinning() -> Separation:
     return generic_pair(initial=initial, duration=4.0)
 
 
+@pytest.mark.slow
 def test_angles_that_jump(closely_sampled):
     separation = spinning()
     limits = (2.0, math.inf, math.inf)
@@ -406,6 +408,7 @@ def test_derivative_at_a_kink_is_between_those_of_both_sides():
         assert abs(slopes[1]) <= side * (1.0 + 1e-6)
 
 
+@pytest.mark.slow
 def test_jacobian_of_springs_that_end_together():
     """Each of four equal springs, found at the same time, has its own derivative."""
     pair = generic_pair()

@@ -46,6 +46,7 @@ def problem(function, tolerances=SET):
     return Problem(tolerances=tolerances, evaluator=evaluator)
 
 
+@pytest.mark.slow
 def test_sides_grow_in_proportion_about_the_nominal():
     """-1 to +4, none to +400 kg: the sum of what each gives at its worse bound."""
     sides = (Sides(minus=0.005, plus=0.02), 0.01, Sides(minus=0.0, plus=400.0))

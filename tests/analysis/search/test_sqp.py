@@ -130,6 +130,7 @@ def test_many_starts_go_up_together_and_find_each_its_own():
     assert [a.u for a in alone] == [a.u for a in ascents]
 
 
+@pytest.mark.slow
 def test_more_starts_than_go_side_by_side():
     starts = [Start(objective=i % 2, tolerances=SET, u=np.zeros(4)) for i in range(600)]
     evaluator = evaluator_of(lambda u: u[0], lambda u: -u[0], tolerances=SET)

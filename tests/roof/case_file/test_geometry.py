@@ -276,6 +276,7 @@ def tolerance(case, axis):
     return case.dispersions[f"payload.cg_{axis}_mm"]
 
 
+@pytest.mark.slow
 def test_a_worst_case_that_another_beats_has_failed():
     """Up the slope from the nominal there is nothing; the worst of L1 is beyond it."""
     study = drakesep.verify(boom_in_guide(), growth=False, searches=["vertices", "sqp"])
