@@ -28,7 +28,7 @@ class Contact:
 
 def first_contact(parts: PartDistance, start: float, end: float) -> Contact | None:
     """Return the first contact between two times, s; None if there is none."""
-    stack = [(start, end)]
+    stack, touching = [(start, end)], None
     while stack:
         a, b = stack.pop()
         nearest = parts.may_come_below(a, b, TOUCHING)
@@ -38,10 +38,11 @@ def first_contact(parts: PartDistance, start: float, end: float) -> Contact | No
             return contact_at(parts, a)
         middle = 0.5 * (a + b)
         if nearest.distance <= TOUCHING:
-            stack = [(a, middle)]
+            stack, touching = [(a, middle)], middle
         else:
             stack += [(middle, b), (a, middle)]
-    return None
+    # What is earlier is apart by less than round-off.
+    return None if touching is None else contact_at(parts, touching)
 
 
 def contact_at(parts: PartDistance, t: float) -> Contact:
