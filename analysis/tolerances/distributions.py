@@ -57,16 +57,10 @@ class _OfNormal(Distribution):
         return self.of_normal(np.asarray(ndtri(q)), nominal)
 
 
-@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Uniform(_ByQuantiles):
-    """All values of an extent are alike.
+class _OverExtent(_ByQuantiles):
+    """One that is all within an extent, which searches look at."""
 
-    Raises:
-        ValueError: the extent or what searches look at is not positive.
-    """
-
-    kind: ClassVar[str] = "uniform"
     extent: Extent
     """From the nominal."""
     within: Extent | None = None
@@ -78,6 +72,18 @@ class Uniform(_ByQuantiles):
     def usual_sides(self, nominal: float) -> Sides:
         """See `Distribution`."""
         return Sides.of(self.extent)
+
+
+@typed
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Uniform(_OverExtent):
+    """All values of an extent are alike.
+
+    Raises:
+        ValueError: the extent or what searches look at is not positive.
+    """
+
+    kind: ClassVar[str] = "uniform"
 
     def ppf(self, q: Array, nominal: float) -> Array:
         """See `Distribution`."""
@@ -87,7 +93,7 @@ class Uniform(_ByQuantiles):
 
 @typed
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Triangular(_ByQuantiles):
+class Triangular(_OverExtent):
     """Most likely at the nominal, and ever less towards the ends of an extent.
 
     Raises:
@@ -95,17 +101,6 @@ class Triangular(_ByQuantiles):
     """
 
     kind: ClassVar[str] = "triangular"
-    extent: Extent
-    """From the nominal."""
-    within: Extent | None = None
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        _check_extents(self)
-
-    def usual_sides(self, nominal: float) -> Sides:
-        """See `Distribution`."""
-        return Sides.of(self.extent)
 
     def ppf(self, q: Array, nominal: float) -> Array:
         """See `Distribution`."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
-from drakesep.systems.model.inertia import second_moment
+from drakesep.systems.model.inertia import is_positive_definite, second_moment
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Body
 
@@ -83,19 +83,17 @@ class PhysicalInertia:
     def holds(self, u: Array) -> NDArray[np.bool_]:
         """Return (N,) whether points (N, n), in the box or beyond, are possible.
 
-        By the leading minors (Sylvester), entry by entry: that of a point does not
-        depend on those beside it.
+        What is said of a point does not depend on those beside it.
         """
         moment = {(i, j): self._nominal[i, j] for i in range(3) for j in range(i, 3)}
         for index, slope in zip(self.indices, self._slopes, strict=True):
             for i, j in moment:
                 if slope[i, j]:
                     moment[i, j] = moment[i, j] + slope[i, j] * u[:, index]
-        xx, xy, xz = moment[0, 0], moment[0, 1], moment[0, 2]
-        yy, yz, zz = moment[1, 1], moment[1, 2], moment[2, 2]
-        second = xx * yy - xy * xy
-        third = zz * second - xx * yz * yz - yy * xz * xz + 2.0 * xy * xz * yz
-        return np.asarray((xx > 0.0) & (second > 0.0) & (third > 0.0))
+        return is_positive_definite(
+            *(moment[i, i] for i in range(3)),
+            *(moment[i, j] for i, j in ((0, 1), (0, 2), (1, 2))),
+        )
 
     def reach(self, u: Array) -> Array:
         """Return (...,) by what factor points (..., n) may be scaled and stay inside.

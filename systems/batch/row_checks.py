@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 from types import SimpleNamespace
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from drakesep.systems.arrays import Array
 from drakesep.systems.checks import check_finite
 from drakesep.systems.equations.pushers import values_of
 from drakesep.systems.equations.springs import law_of
+from drakesep.systems.model.inertia import Entry, is_positive_definite
 from drakesep.systems.model.parameters import (
     declarations,
     names_of,
@@ -21,9 +21,6 @@ from drakesep.systems.model.parameters import (
 from drakesep.systems.model.pushers import Pusher
 from drakesep.systems.model.separation import Attachment, Separation
 
-
-Entry: TypeAlias = float | Array
-"""One, or that of each row (n,)."""
 
 _MARGIN = 1e-9
 """Relative: what is nearer to its edge is looked at closely."""
@@ -117,12 +114,7 @@ def _is_possible(
     """Return (n,) whether an inertia is one that a rigid body has, clearly.
 
     Its second moment of mass (see `drakesep.systems.model.inertia`), less what is too
-    near to the edge, is positive definite: its pivots are above zero. Eigenvalues take
-    ten times as long.
+    near to the edge, is positive definite.
     """
-    half_trace = 0.5 * (xx + yy + zz)
-    inner = (1.0 - _MARGIN) * half_trace
-    first = inner - xx
-    second = inner - yy - xy**2 / first
-    third = inner - zz - xz**2 / first - (yz + xy * xz / first) ** 2 / second
-    return np.asarray((first > 0.0) & (second > 0.0) & (third > 0.0))
+    inner = (1.0 - _MARGIN) * 0.5 * (xx + yy + zz)
+    return is_positive_definite(inner - xx, inner - yy, inner - zz, -xy, -xz, -yz)

@@ -19,6 +19,9 @@ from drakesep.systems.model.magnitudes import check_size
 Inertia: TypeAlias = tuple[float, float, float, float, float, float]
 """Matrix entries xx, yy, zz, xy, xz, yz (I_xy = -integral of x y dm), kg m^2."""
 
+Entry: TypeAlias = float | NDArray[np.float64]
+"""One of a matrix, or that of each of n matrices (n,)."""
+
 ENTRIES = ("xx", "yy", "zz", "xy", "xz", "yz")
 """Names of the entries, in order."""
 
@@ -61,6 +64,19 @@ def physical_margin(I_BBcm_B: ArrayLike) -> NDArray[np.float64]:
     """
     eigenvalues = np.linalg.eigvalsh(second_moment(I_BBcm_B))
     return np.asarray(eigenvalues[..., 0], dtype=np.float64)
+
+
+def is_positive_definite(
+    xx: Entry, yy: Entry, zz: Entry, xy: Entry, xz: Entry, yz: Entry
+) -> NDArray[np.bool_]:
+    """Return (n,) whether symmetric matrices are, by their leading minors (Sylvester).
+
+    Entry by entry: that of one does not depend on those beside it. Eigenvalues take ten
+    times as long.
+    """
+    second = xx * yy - xy * xy
+    third = zz * second - xx * yz * yz - yy * xz * xz + 2.0 * xy * xz * yz
+    return np.asarray((xx > 0.0) & (second > 0.0) & (third > 0.0))
 
 
 def check_inertia(name: str, I_BBcm_B: tuple[float, ...]) -> None:

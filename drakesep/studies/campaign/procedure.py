@@ -107,8 +107,8 @@ def campaign(
         missing = missing_chunks(home, recorded)
         left = sum(len(plan.indices(number)) for number in missing)
         telling = Telling(on_progress, plan.runs, plan.runs - left)
-        in_drake = _seconds_in_drake(plan.case) * most_confirmed(plan)
-        telling.plan(_seconds(flights, left), in_drake)
+        each = _seconds_in_drake(plan.case)
+        telling.plan(_seconds(flights, left), each * most_confirmed(plan))
         flown = (
             flown_here(flights, missing, telling.flown)
             if executor is None
@@ -117,7 +117,7 @@ def campaign(
         for number, draws in flown:
             write_chunk(home, recorded, number, draws)
         all_draws = merged(home, recorded)
-        study = _judged(asked, recorded, flights, all_draws, workers, telling)
+        study = _judged(asked, recorded, flights, all_draws, workers, each, telling)
         if folder is not None:
             study.write(folder)
     return study
@@ -227,8 +227,9 @@ def merge_campaign(
         flights = CampaignFlights(recorded.plan)
         telling = Telling(on_progress, len(flown), len(flown))
         plan = recorded.plan
-        telling.plan(0.0, _seconds_in_drake(plan.case) * most_confirmed(plan))
-        study = _judged(folder.asked, recorded, flights, flown, workers, telling)
+        each = _seconds_in_drake(plan.case)
+        telling.plan(0.0, each * most_confirmed(plan))
+        study = _judged(folder.asked, recorded, flights, flown, workers, each, telling)
         study.write(folder)
     return study
 
@@ -328,9 +329,20 @@ def _judged(
     flights: CampaignFlights,
     flown: FlownDraws,
     workers: int | None,
+    each: float,
     telling: Telling,
 ) -> Campaign:
-    """Return what the draws show, with what Drake says of those that decide."""
+    """Return what the draws show, with what Drake says of those that decide.
+
+    Args:
+        asked: of the study.
+        recorded: its plan.
+        flights: that can fly any draw again.
+        flown: all draws.
+        workers: processes that fly Drake; if None, as many as are worth it.
+        each: what a run in Drake takes, s.
+        telling: told how far it is.
+    """
     plan, case = recorded.plan, recorded.plan.case
     study = Campaign(
         asked=asked,
@@ -340,7 +352,7 @@ def _judged(
         findings=tuple(share_findings(plan, flown.metrics, [*flown.reasons])),
     )
     draws = chosen(study)
-    if workers is None and _seconds_in_drake(case) * len(draws) < WORKERS_START:
+    if workers is None and each * len(draws) < WORKERS_START:
         workers = 1
     with DrakePool(case.separation, case.integration, workers=workers) as pool:
         confirmed = confirmed_draws(study, draws, pool, telling.confirmed)

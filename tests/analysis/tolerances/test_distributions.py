@@ -1,5 +1,6 @@
 """Distributions against those of scipy.stats, and what searches look at of each."""
 
+import dataclasses
 import math
 import re
 
@@ -138,8 +139,7 @@ def test_what_searches_look_at(distribution, bounds):
     low, high = (box.values(u)["a"] for u in (box.lower, box.upper))
     assert (low, high) == pytest.approx(bounds, rel=1e-9)
     # Unless it is said.
-    fields = {name: getattr(distribution, name) for name in distribution.__slots__}
-    said = type(distribution)(**{**fields, "within": 0.5})
+    said = dataclasses.replace(distribution, within=0.5)
     assert ends_of(NOMINAL, said) == (6.75, 7.75)
     assert said.ppf(Q, NOMINAL).tolist() == distribution.ppf(Q, NOMINAL).tolist()
     # Grown, it is what searches look at that grows.
