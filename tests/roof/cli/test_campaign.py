@@ -17,8 +17,6 @@ def quick():
     with pytest.MonkeyPatch.context() as patch:
         compiled_once(patch, "drakesep.analysis.campaigns.flights")
         patch.setattr("drakesep.plots.campaign.save_campaign", lambda *_: None)
-        patch.setattr("drakesep.analysis.campaigns.plan.CHUNK", 100)
-        patch.setattr("drakesep.studies.campaign.procedure.CHUNK", 100)
         yield
 
 
