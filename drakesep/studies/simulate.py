@@ -111,7 +111,7 @@ class Simulated:
         results.keep([self.labelled.label])
         if self.completed:
             self._write_motion(folder)
-        results.end(failed="" if self.completed else self.run.message)
+        results.end(failed=self.labelled.outcome.message)
 
     def _write_motion(self, folder: Path) -> None:
         write_csv(self.motion, folder / "motion.csv")
