@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeAlias
 from rich import progress as rich_progress
 from rich.console import Console
 
-from drakesep.studies.campaign.progress import CONFIRM, CampaignProgress
+from drakesep.studies.campaign.progress import CONFIRM, MEASURE, CampaignProgress
 from drakesep.studies.sweep import SweepProgress
 from drakesep.studies.worst_case.effort import in_time
 from drakesep.studies.worst_case.pace import Remaining
@@ -185,7 +185,7 @@ def _standing(progress: AnyProgress) -> _Standing:
         described = f"{progress.done} of {progress.total} variants"
     elif isinstance(progress, CampaignProgress):
         step, begins, plan = progress.step, not progress.step, str(progress)
-        where = " in Drake" if step == CONFIRM else ""
+        where = {CONFIRM: " in Drake", MEASURE: " measured"}.get(step, "")
         described = f"{progress.done} of {progress.total} draws{where}"
     else:
         step, plan = progress.search.search, str(progress.effort)

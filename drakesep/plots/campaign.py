@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from drakesep.analysis.campaigns.flights import FlownDraws
 from drakesep.analysis.campaigns.plan import CampaignPlan
-from drakesep.analysis.campaigns.shares import ShareFinding
+from drakesep.analysis.campaigns.shares import ShareFinding, nearest_of_draws
 from drakesep.plots.limits import LIMIT, limit_words
 from drakesep.plots.style import COLOURS, save_plot, wrapped
 from drakesep.systems.arrays import Array
@@ -81,8 +81,7 @@ def _draw(
     unit = unit_of(findings[0].requirement.metric)
     for k, one in enumerate(findings):
         required, colour = one.requirement, COLOURS[k % len(COLOURS)]
-        column = flown.metrics[:, plan.metrics.index(required.judged_by)]
-        value, share = _beyond(column, required.from_above)
+        value, share = _beyond(_values(one, plan, flown), required.from_above)
         label = required.quantity[1] or None
         axes.plot(unit.from_si(1.0) * value, share, color=colour, label=label)
         if len(value):
@@ -118,6 +117,20 @@ def _draw(
         )
 
 
+def _values(finding: ShareFinding, plan: CampaignPlan, flown: FlownDraws) -> Array:
+    """Return (N,) what all draws tell of a requirement.
+
+    Of a clearance as far as it is known: infinite of draws that come after those.
+    """
+    required = finding.requirement
+    if required.metric not in plan.clearances or flown.clearances is None:
+        return flown.metrics[:, plan.metrics.index(required.judged_by)]
+    nearest = nearest_of_draws(plan, required, flown.clearances)
+    known = nearest.measured & (nearest.at_least <= nearest.known_to)
+    values: Array = np.where(np.isnan(nearest.values) | known, nearest.values, np.inf)
+    return values
+
+
 def _beyond(values: Array, from_above: bool) -> tuple[Array, Array]:
     """Return values in order, to the worst, and the share of draws as bad or worse.
 
@@ -126,6 +139,7 @@ def _beyond(values: Array, from_above: bool) -> tuple[Array, Array]:
     told = np.sort(values[~np.isnan(values)])
     told = told if from_above else told[::-1]
     share = (len(values) - np.arange(len(told))) / len(values)
+    told, share = told[np.isfinite(told)], share[np.isfinite(told)]
     if len(told) > _POINTS:  # dense where few are left
         steps = np.geomspace(1, len(told), _POINTS).round().astype(int)
         kept = len(told) - np.unique(steps)[::-1]

@@ -17,11 +17,13 @@ import numpy as np
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.campaigns.flights import FlownDraws
 from drakesep.analysis.campaigns.plan import CampaignPlan
+from drakesep.analysis.campaigns.screens import DrawnClearances
 from drakesep.files import write_text, written
 from drakesep.results import provenance
 from drakesep.results.case_json import NO_RECORD, from_json, to_json
 from drakesep.results.parts import parts_folder
 from drakesep.results.recorded_case import as_recorded, with_meshes_in
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 
 
@@ -51,6 +53,7 @@ class RecordedPlan:
             "runs": plan.runs,
             "seed": plan.seed,
             "metrics": list(plan.metrics),
+            "clearances": list(plan.clearances),
             "chunk": plan.chunk,
             "chunks": plan.chunks,
             "tolerance": plan.tolerance,
@@ -84,6 +87,7 @@ class RecordedPlan:
                 runs=data["runs"],
                 seed=data["seed"],
                 metrics=tuple(data["metrics"]),
+                clearances=tuple(data["clearances"]),
                 chunk=data["chunk"],
                 tolerance=data["tolerance"],
             )
@@ -180,6 +184,7 @@ def merged(folder: Path, recorded: RecordedPlan) -> FlownDraws:
     metrics = np.empty((plan.runs, len(plan.metrics)))
     failure = np.empty(plan.runs, np.int16)
     attempts = np.empty(plan.runs, np.int32)
+    at_least = np.empty((plan.runs, len(plan.clearances)))
     reasons: dict[int, str] = {}
     missing = []
     for number in range(plan.chunks):
@@ -190,14 +195,25 @@ def merged(folder: Path, recorded: RecordedPlan) -> FlownDraws:
         mine = slice(flown.first, flown.first + len(flown))
         metrics[mine], failure[mine] = flown.metrics, flown.failure
         attempts[mine] = flown.attempts
+        if flown.clearances is not None:
+            at_least[mine] = flown.clearances.at_least
         reasons |= flown.reasons
     if missing:
         raise RuntimeError(
             f"{folder}: of {plan.chunks} chunks {len(missing)} are not there, or "
             f"damaged: {_listed(missing)}; fly them with `drakesep campaign run-chunk`"
         )
+    clearances = None
+    if plan.clearances:
+        measured = np.zeros(at_least.shape, bool)
+        clearances = DrawnClearances(at_least=at_least, measured=measured)
     return FlownDraws(
-        first=0, metrics=metrics, failure=failure, attempts=attempts, reasons=reasons
+        first=0,
+        metrics=metrics,
+        failure=failure,
+        attempts=attempts,
+        reasons=reasons,
+        clearances=clearances,
     )
 
 
@@ -224,9 +240,48 @@ def read_draws(folder: Path, recorded: RecordedPlan) -> FlownDraws:
     return _flown(arrays)
 
 
+def measured_file(folder: Path, clearance: int, number: int) -> Path:
+    """Return the file of some draws whose clearance was measured.
+
+    Args:
+        folder: of the campaign.
+        clearance: its place in the plan.
+        number: which some draws they are, from 0.
+    """
+    return parts_folder(folder) / f"clearance_{clearance}_{number:06d}.npz"
+
+
+def write_measured(
+    file: Path, recorded: RecordedPlan, draws: Sequence[int], values: Array
+) -> None:
+    """Write what was measured of some draws (n,), m, whole or not at all."""
+    file.parent.mkdir(exist_ok=True)
+    _write(file, recorded, {"draws": np.array(draws, np.int64), "measured": values})
+
+
+def read_measured(
+    file: Path, recorded: RecordedPlan, draws: Sequence[int]
+) -> Array | None:
+    """Return what was measured of these draws (n,), m; None if it is not there.
+
+    Raises:
+        ValueError: it is of another plan.
+    """
+    held = _read(file, recorded)
+    if held is None or not np.array_equal(held["draws"], draws):
+        return None
+    values: Array = held["measured"]
+    return values
+
+
 def _arrays(flown: FlownDraws) -> dict[str, Any]:
     reasons = "\n".join(why.replace("\n", " ") for why in flown.reasons.values())
+    clearances: dict[str, Any] = {}
+    if flown.clearances is not None:
+        clearances["clearance_at_least"] = flown.clearances.at_least
+        clearances["clearance_measured"] = flown.clearances.measured
     return {
+        **clearances,
         "first": np.array(flown.first, np.int64),
         "metrics": flown.metrics,
         "failure_case": flown.failure,
@@ -239,18 +294,27 @@ def _arrays(flown: FlownDraws) -> dict[str, Any]:
 def _flown(arrays: Mapping[str, Any]) -> FlownDraws:
     reasons = arrays["reasons"].tobytes().decode().split("\n")
     failed = arrays["failed"].tolist()
+    clearances = None
+    if "clearance_at_least" in arrays:
+        clearances = DrawnClearances(
+            at_least=arrays["clearance_at_least"],
+            measured=arrays["clearance_measured"],
+        )
     return FlownDraws(
         first=int(arrays["first"]),
         metrics=arrays["metrics"],
         failure=arrays["failure_case"],
         attempts=arrays["attempts"],
         reasons=dict(zip(failed, reasons, strict=True)) if failed else {},
+        clearances=clearances,
     )
 
 
 def _write(file: Path, recorded: RecordedPlan, arrays: Mapping[str, Any]) -> None:
     names = np.array(recorded.plan.metrics, dtype=np.str_)
     held = {"metric_names": names, **arrays}
+    if recorded.plan.clearances:
+        held["clearance_names"] = np.array(recorded.plan.clearances, dtype=np.str_)
     with written(file, synced=True) as beside:
         # Members bear no time of writing: numpy leaves out what zip files may say.
         np.savez(

@@ -413,6 +413,12 @@ _CAMPAIGN = (
             Column("deciding_draw", "", "Number of the draw that is the bound."),
             Column("failed", "", "Runs that failed, which count as beyond."),
             Column(
+                "measured",
+                "",
+                "Draws whose clearance was measured: the others are proven not to come "
+                "as near as decides it. Empty of what every draw tells.",
+            ),
+            Column(
                 "consumers_risk",
                 "",
                 "The chance that a design with just too small a share would pass.",
@@ -481,7 +487,16 @@ _CAMPAIGN = (
         columns=(
             Column("draw", "", "Its number, from 0."),
             *_DRAW,
-            Column("{metric}", "in the name", "The metric of the run, see metrics.md."),
+            Column(
+                "{metric}",
+                "in the name",
+                "The metric of the run, see metrics.md; of clearances those measured.",
+            ),
+            Column(
+                "at_least_{clearance}",
+                "in the name",
+                "How near parts come at least: as measured, or as is proven.",
+            ),
         ),
     ),
     FileKind(
@@ -489,8 +504,10 @@ _CAMPAIGN = (
         studies=(CAMPAIGN,),
         what="All draws: `metrics` by `metric_names`, in SI; `failure_case` by its "
         "place among those that may happen, -1 for none; `attempts`, how often values "
-        "were drawn before that cannot be; `failed` draws and `reasons`. What they "
-        "vary comes again from their numbers.",
+        "were drawn before that cannot be; `failed` draws and `reasons`; of the "
+        "clearances in `clearance_names` what is known at least, "
+        "`clearance_at_least`, and whether it was measured, `clearance_measured`. What "
+        "draws vary comes again from their numbers.",
     ),
     FileKind(
         name="plan.json",

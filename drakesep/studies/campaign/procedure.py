@@ -1,6 +1,7 @@
 """The study of a campaign: plan, fly, merge, confirm in Drake, write down."""
 
 import contextlib
+import math
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
@@ -11,7 +12,11 @@ from pathlib import Path
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
 from drakesep.analysis.campaigns.plan import CHUNK, CampaignPlan
-from drakesep.analysis.campaigns.shares import share_findings
+from drakesep.analysis.campaigns.shares import (
+    of_launches,
+    share_findings,
+    size_of,
+)
 from drakesep.analysis.engines.drake_pool import WORKERS_START, DrakePool
 from drakesep.case_file.case import Case
 from drakesep.results.asked import Asked
@@ -31,6 +36,7 @@ from drakesep.studies.campaign.confirmation import (
     most_confirmed,
 )
 from drakesep.studies.campaign.executors import flown_by, flown_here
+from drakesep.studies.campaign.measuring import with_measured
 from drakesep.studies.campaign.progress import OnProgress, Telling
 from drakesep.studies.campaign.result import Campaign, check_size, with_confirmed
 from drakesep.systems.argument_types import typed
@@ -108,7 +114,8 @@ def campaign(
         left = sum(len(plan.indices(number)) for number in missing)
         telling = Telling(on_progress, plan.runs, plan.runs - left)
         each = _seconds_in_drake(plan.case)
-        telling.plan(_seconds(flights, left), each * most_confirmed(plan))
+        measuring, confirming = _seconds_after(flights, each)
+        telling.plan(_seconds(flights, left), measuring, confirming)
         flown = (
             flown_here(flights, missing, telling.flown)
             if executor is None
@@ -116,7 +123,15 @@ def campaign(
         )
         for number, draws in flown:
             write_chunk(home, recorded, number, draws)
-        all_draws = merged(home, recorded)
+        all_draws = with_measured(
+            flights,
+            merged(home, recorded),
+            recorded,
+            home,
+            executor=executor,
+            workers=workers,
+            on_progress=telling.measured,
+        )
         study = _judged(asked, recorded, flights, all_draws, workers, each, telling)
         if folder is not None:
             study.write(folder)
@@ -226,9 +241,16 @@ def merge_campaign(
             raise
         flights = CampaignFlights(recorded.plan)
         telling = Telling(on_progress, len(flown), len(flown))
-        plan = recorded.plan
-        each = _seconds_in_drake(plan.case)
-        telling.plan(0.0, each * most_confirmed(plan))
+        each = _seconds_in_drake(recorded.plan.case)
+        telling.plan(0.0, *_seconds_after(flights, each))
+        flown = with_measured(
+            flights,
+            flown,
+            recorded,
+            folder.path,
+            workers=workers,
+            on_progress=telling.measured,
+        )
         study = _judged(folder.asked, recorded, flights, flown, workers, each, telling)
         study.write(folder)
     return study
@@ -278,10 +300,10 @@ def checked_plan(asked: Asked) -> CampaignPlan:
         also=tuple(given.get("metrics", ())),
         chunk=given.get("chunk", CHUNK),
     )
-    if not plan.metrics:
+    if not plan.metrics and not plan.clearances:
         raise InputError(
-            "requirements: a campaign needs one that runs tell without measuring how "
-            "near parts come, or a metric to keep, got none"
+            "requirements: a campaign needs one that runs tell, or a metric to keep, "
+            "got none"
         )
     check_size(plan)
     return plan
@@ -323,6 +345,30 @@ def _seconds_in_drake(case: AnalysisCase) -> float:
     return each
 
 
+def _seconds_after(flights: CampaignFlights, each: float) -> tuple[float, float]:
+    """Return what is measured, and what is flown in Drake, will take, s.
+
+    Args:
+        flights: of the campaign.
+        each: what a run in Drake takes, s.
+    """
+    plan, measuring = flights.plan, 0.0
+    for name in plan.clearances:
+        flights.measured(name, {0: -math.inf})  # parts are looked into
+        began = time.perf_counter()
+        flights.measured(name, {0: -math.inf})
+        once = time.perf_counter() - began
+        limits = [one for one in plan.case.requirements if one.metric == name]
+        sizes = [size_of(of_launches(one, limits), plan.runs) for one in limits]
+        measuring += once * _LOOKED_AT * max(size.rank or 1 for size in sizes)
+        each += once
+    return measuring, each * most_confirmed(plan)
+
+
+_LOOKED_AT = 2.0
+"""Draws that are measured for each of those that may be beyond, about."""
+
+
 def _judged(
     asked: Asked,
     recorded: RecordedPlan,
@@ -349,7 +395,9 @@ def _judged(
         recorded=recorded,
         flights=flights,
         flown=flown,
-        findings=tuple(share_findings(plan, flown.metrics, [*flown.reasons])),
+        findings=tuple(
+            share_findings(plan, flown.metrics, [*flown.reasons], flown.clearances)
+        ),
     )
     draws = chosen(study)
     if workers is None and each * len(draws) < WORKERS_START:

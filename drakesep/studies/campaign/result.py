@@ -1,6 +1,7 @@
 """What came of a campaign: shares, verdict, draws, and what Drake says of some."""
 
 import functools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -85,6 +86,18 @@ class Campaign:
     def draws(self) -> pd.DataFrame:
         """A row for each draw: what it varies, its metrics, and how it ended."""
         return draws_table(self.flights, self.flown)
+
+    def value_of(self, draw: int, metric: str) -> float:
+        """Return what a draw tells of a metric or clearance of the plan, in SI.
+
+        NaN if its run failed, or it was not measured.
+        """
+        if metric not in self.plan.clearances:
+            return float(self.flown.metrics[draw, self.plan.metrics.index(metric)])
+        i, of_draws = self.plan.clearances.index(metric), self.flown.clearances
+        if of_draws is None or not of_draws.measured[draw, i]:
+            return math.nan
+        return float(of_draws.at_least[draw, i])
 
     @property
     def failures(self) -> Mapping[int, str]:

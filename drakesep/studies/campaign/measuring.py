@@ -1,0 +1,100 @@
+"""The draws of a campaign whose clearance must be measured, measured."""
+
+import contextlib
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import Executor
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
+from drakesep.analysis.campaigns.measuring import MOST, next_draws, wanted_draws
+from drakesep.analysis.campaigns.screens import DrawnClearances
+from drakesep.analysis.campaigns.shares import nearest_of_draws
+from drakesep.results.campaign_files import (
+    RecordedPlan,
+    measured_file,
+    read_measured,
+    write_measured,
+)
+from drakesep.studies.campaign.executors import measured_by, own_processes
+from drakesep.systems.arrays import Array
+
+
+_LONG = 8.0
+"""Of the first draws in this process, from which others are worth their start, s."""
+
+
+def with_measured(
+    flights: CampaignFlights,
+    flown: FlownDraws,
+    recorded: RecordedPlan,
+    folder: Path,
+    *,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    on_progress: Callable[[int, int], None] = lambda *_: None,
+) -> FlownDraws:
+    """Return draws with their clearances measured where these decide.
+
+    What has been measured stays in the folder: whoever goes on has it.
+
+    Args:
+        flights: of the campaign.
+        flown: all draws.
+        recorded: the plan.
+        folder: of the campaign.
+        executor: whose workers measure; None: this process, or some of this machine.
+        workers: number of these; one per core if None.
+        on_progress: told how many draws are measured, and of how many about.
+    """
+    plan = recorded.plan
+    if flown.clearances is None:
+        return flown
+    at_least = flown.clearances.at_least.copy()
+    measured = flown.clearances.measured.copy()
+    done = 0
+    with contextlib.ExitStack() as stack:
+        for i, name in enumerate(plan.clearances):
+            required = [one for one in plan.case.requirements if one.metric == name]
+            number = 0
+            while True:
+                known = DrawnClearances(at_least=at_least, measured=measured)
+                nearest = [nearest_of_draws(plan, one, known) for one in required]
+                draws = next_draws(nearest)
+                if not len(draws):
+                    break
+                left = min(len(wanted_draws(nearest)), MOST - int(measured[:, i].sum()))
+                on_progress(done, done + left)
+                file = measured_file(folder, i, number)
+                values = read_measured(file, recorded, draws.tolist())
+                if values is None:
+                    asked = dict(zip(draws.tolist(), at_least[draws, i], strict=True))
+                    began = time.perf_counter()
+                    values = _measured(flights, recorded, folder, executor, name, asked)
+                    write_measured(file, recorded, draws.tolist(), values)
+                    slow = time.perf_counter() - began > _LONG
+                    if executor is None and slow and left > len(draws):
+                        executor = stack.enter_context(own_processes(workers))
+                at_least[draws, i], measured[draws, i] = values, True
+                done, number = done + len(draws), number + 1
+    if done:
+        on_progress(done, done)
+    return replace(
+        flown, clearances=DrawnClearances(at_least=at_least, measured=measured)
+    )
+
+
+def _measured(
+    flights: CampaignFlights,
+    recorded: RecordedPlan,
+    folder: Path,
+    executor: Executor | None,
+    name: str,
+    draws: Mapping[int, float],
+) -> Array:
+    if executor is None:
+        return flights.measured(name, draws)
+    return np.array(measured_by(executor, recorded, folder, name, draws))
