@@ -1,5 +1,10 @@
 """Every command by every outcome: what is asked of it, and its exit code."""
 
+import functools
+import shutil
+import tempfile
+from pathlib import Path
+
 from small_case import small_case, write_case
 
 import drakesep
@@ -33,6 +38,7 @@ CODES = {
     "animate": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "worst-case": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "verify": {**OF_STUDY, NOT_MET: 1, OTHER_RUN_FAILED: 4},
+    "compare": {GOOD: 0, NOT_MET: 1, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
 }
 """What else there is does not come about: no requirement is asked of `simulate`."""
 SETTINGS = {
@@ -45,6 +51,7 @@ SETTINGS = {
     "animate": ("--run", "worst_L1"),
     "worst-case": ("--objective", "L3"),
     "verify": ("--samples", "0"),
+    "compare": ("--tolerance", "-1"),
 }
 
 
@@ -70,6 +77,27 @@ def case_for(outcome, command):
     return data
 
 
+@functools.cache
+def flown_once():
+    """The results of a run, which nobody may change."""
+    home = Path(tempfile.mkdtemp())
+    case = write_case(home, case_for(GOOD, "simulate"))
+    drakesep.simulate(case, output=home / "out")
+    return home / "out"
+
+
+def to_compare(outcome, folder):
+    """Two folders, and where the changes go."""
+    copy = shutil.copytree(flown_once(), folder / "copy")
+    if outcome == NOT_MET:
+        table = copy / "summary.csv"
+        table.write_text(table.read_text().replace("1200.0", "1201.0"))
+    output = folder / "out"
+    if outcome == NO_FOLDER:
+        output.write_text("")
+    return [flown_once(), copy, "--tolerance", 1e-6, "-o", output / "changes.csv"]
+
+
 def arguments(command, outcome, folder):
     if command == "cases":
         return []
@@ -78,6 +106,9 @@ def arguments(command, outcome, folder):
             (folder / "out").write_text("")
         setting = SETTINGS[command] if outcome == BAD_SETTING else ()
         return ["small", "-o", folder / "out", *setting]
+    if command == "compare":
+        setting = SETTINGS[command] if outcome == BAD_SETTING else ()
+        return [*to_compare(outcome, folder), *setting]
     case = write_case(folder, case_for(outcome, command))
     if command == "show":
         return [case]
@@ -113,3 +144,4 @@ def interrupt(monkeypatch):
     monkeypatch.setattr("drakesep.cli.console.print_cases", stop)
     monkeypatch.setattr("drakesep.cli.console.print_case", stop)
     monkeypatch.setattr("drakesep.case_file.new_case.new_case", stop)
+    monkeypatch.setattr("drakesep.reports.compare.differences", stop)

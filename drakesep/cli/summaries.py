@@ -13,6 +13,7 @@ import pandas as pd
 
 from drakesep.analysis.tolerances.box import Dispersion
 from drakesep.case_file.case import Case
+from drakesep.reports.compare import Comparison
 from drakesep.studies.campaign.result import Campaign
 from drakesep.studies.clearance import Clearances
 from drakesep.studies.remarks import notes_of
@@ -169,6 +170,24 @@ class AnimateSummary:
     """Labels of what it shows."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class CompareSummary:
+    """Of `compare`."""
+
+    first: str
+    """Folder of the one study."""
+    second: str
+    """Folder of the other."""
+    same: bool
+    """Whether no answer differs by more than the tolerance; without one, at all."""
+    inputs: list[Row]
+    """What changed in what was asked: `where`, `row`, `column`, `first`, `second`, of
+    numbers `difference` and `relative_difference`, and `beyond`, whether that is more
+    than is tolerated."""
+    answers: list[Row]
+    """What changed in what was found, likewise."""
+
+
 SUMMARIES: dict[str, type[Any]] = {
     "cases": CasesSummary,
     "new": NewSummary,
@@ -181,6 +200,7 @@ SUMMARIES: dict[str, type[Any]] = {
     "animate": AnimateSummary,
     "worst-case": WorstCaseSummary,
     "verify": VerifySummary,
+    "compare": CompareSummary,
 }
 """By commands."""
 
@@ -329,6 +349,17 @@ def of_verification(study: Verification, folder: Path) -> VerifySummary:
         **vars(of_worst_cases(study, folder)),
         requirements=_rows(study.requirements),
         failure_cases=_rows(study.failure_cases) if study.failed_cases else [],
+    )
+
+
+def of_comparison(found: Comparison) -> CompareSummary:
+    """Return the summary of what changed."""
+    return CompareSummary(
+        first=str(found.first),
+        second=str(found.second),
+        same=found.same,
+        inputs=_rows(found.inputs.drop(columns="kind")),
+        answers=_rows(found.answers.drop(columns="kind")),
     )
 
 

@@ -67,6 +67,7 @@ OPTIONS = {
         )
     },
     "animate": {},  # below
+    "compare": {},  # test_compare.py
     "worst-case": {
         **OF_SEARCH,
         "--objective": (
@@ -89,6 +90,7 @@ OPTIONS = {
 ELSEWHERE = {
     "new": {"--from", "--output", "-o"},
     "animate": {"--output", "-o", "--runs", "--run"},
+    "compare": {"--output", "-o", "--tolerance"},
     "simulate": {"--output", "-o"},
     "sweep": {"--output", "-o", "--workers"},
     "campaign": {"--output", "-o", "--workers", "--resume", "--dask"},
