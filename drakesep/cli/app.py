@@ -9,6 +9,7 @@ import typer
 from drakesep.cli.campaign_commands import campaign, replay
 from drakesep.cli.case_commands import cases, new, show
 from drakesep.cli.report import BAD_INPUT, print_json, say_error
+from drakesep.cli.report_command import report
 from drakesep.cli.run_commands import animate, clearance, simulate
 from drakesep.cli.search_commands import verify, worst_case
 from drakesep.cli.sweep_command import sweep
@@ -49,7 +50,7 @@ def options(
 _COMMANDS = (
     *(cases, show, new),
     *(simulate, sweep, clearance, animate),
-    *(worst_case, verify, replay),
+    *(worst_case, verify, replay, report),
 )
 for command in _COMMANDS:
     app.command(command.__name__.replace("_", "-"))(command)

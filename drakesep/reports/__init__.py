@@ -1,0 +1,1 @@
+"""Readers of results folders: reports. Nothing is flown."""
