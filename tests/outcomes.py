@@ -39,6 +39,7 @@ CODES = {
     "worst-case": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "verify": {**OF_STUDY, NOT_MET: 1, OTHER_RUN_FAILED: 4},
     "compare": {GOOD: 0, NOT_MET: 1, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
+    "report": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
 }
 """What else there is does not come about: no requirement is asked of `simulate`."""
 SETTINGS = {
@@ -52,6 +53,7 @@ SETTINGS = {
     "worst-case": ("--objective", "L3"),
     "verify": ("--samples", "0"),
     "compare": ("--tolerance", "-1"),
+    "report": ("nowhere",),
 }
 
 
@@ -115,7 +117,7 @@ def arguments(command, outcome, folder):
     output = folder / "out"
     if outcome == NO_FOLDER:
         output.write_text("")
-    if command == "animate":
+    if command in ("animate", "report"):
         output = output / "page.html"
     more = [*SEARCH, "--objective", "PM"] if command == "worst-case" else []
     more = [*SEARCH] if command == "verify" else more
@@ -126,9 +128,12 @@ def arguments(command, outcome, folder):
         other = outcome == OTHER_RUN_FAILED
         more = ["s2.stroke_mm=110,5000" if other else "upper.mass_kg=1180:1220:3"]
     setting = SETTINGS[command] if outcome == BAD_SETTING else ()
-    if command == "replay":
+    if command in ("replay", "report"):
         campaign = folder / "campaign"
         drakesep.plan_campaign(case, 300, output=campaign)
+    if command == "report":
+        return [campaign, "-o", output, *setting]
+    if command == "replay":
         setting = setting or ("--run", "5", "--no-animation")
         return [campaign, "-o", output, *setting]
     return [case, "-o", output, *more, *setting]
@@ -145,3 +150,4 @@ def interrupt(monkeypatch):
     monkeypatch.setattr("drakesep.cli.console.print_case", stop)
     monkeypatch.setattr("drakesep.case_file.new_case.new_case", stop)
     monkeypatch.setattr("drakesep.reports.compare.differences", stop)
+    monkeypatch.setattr("drakesep.reports.html.page_of", stop)

@@ -10,6 +10,7 @@ from drakesep.cli.campaign_commands import campaign, replay
 from drakesep.cli.case_commands import cases, new, show
 from drakesep.cli.compare_command import compare
 from drakesep.cli.report import BAD_INPUT, print_json, say_error
+from drakesep.cli.report_command import report
 from drakesep.cli.run_commands import animate, clearance, simulate
 from drakesep.cli.search_commands import verify, worst_case
 from drakesep.cli.sweep_command import sweep
@@ -50,7 +51,8 @@ def options(
 _COMMANDS = (
     *(cases, show, new),
     *(simulate, sweep, clearance, animate),
-    *(worst_case, verify, replay, compare),
+    *(worst_case, verify, replay),
+    *(report, compare),
 )
 for command in _COMMANDS:
     app.command(command.__name__.replace("_", "-"))(command)

@@ -144,6 +144,8 @@ class VerifySummary(WorstCaseSummary):
     """Rows of requirements.csv."""
     failure_cases: list[Row]
     """Rows of failure_cases.csv; empty if they were not looked at."""
+    report: str | None
+    """The page that `--report` asks for; null: it was not asked for."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -188,6 +190,21 @@ class CompareSummary:
     """What changed in what was found, likewise."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class ReportSummary:
+    """Of `report`."""
+
+    case: str
+    """Its name."""
+    file: str
+    """The page."""
+    folders: list[str]
+    """That it tells of."""
+    verdict: str
+    """On everything that it tells of: `met`, `not met`, `not shown`, `not looked at`,
+    `no verdict`."""
+
+
 SUMMARIES: dict[str, type[Any]] = {
     "cases": CasesSummary,
     "new": NewSummary,
@@ -201,6 +218,7 @@ SUMMARIES: dict[str, type[Any]] = {
     "worst-case": WorstCaseSummary,
     "verify": VerifySummary,
     "compare": CompareSummary,
+    "report": ReportSummary,
 }
 """By commands."""
 
@@ -343,12 +361,15 @@ def of_worst_cases(study: WorstCases, folder: Path) -> WorstCaseSummary:
     )
 
 
-def of_verification(study: Verification, folder: Path) -> VerifySummary:
+def of_verification(
+    study: Verification, folder: Path, report: Path | None = None
+) -> VerifySummary:
     """Return the summary of a verdict."""
     return VerifySummary(
         **vars(of_worst_cases(study, folder)),
         requirements=_rows(study.requirements),
         failure_cases=_rows(study.failure_cases) if study.failed_cases else [],
+        report=None if report is None else str(report),
     )
 
 

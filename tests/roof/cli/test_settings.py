@@ -60,6 +60,7 @@ OPTIONS = {
         "--metric": (["final_rate_x"], {"metrics": ["final_rate_x"]}),
     },
     "replay": {},  # test_campaign.py
+    "report": {},  # roof/reports/test_command.py
     "clearance": {
         "--set": (
             ["upper.mass_kg=1180", "two.position_y_mm=-390"],
@@ -95,14 +96,15 @@ ELSEWHERE = {
     "sweep": {"--output", "-o", "--workers"},
     "campaign": {"--output", "-o", "--workers", "--resume", "--dask"},
     "replay": {"--run", "--animation", "--no-animation", "--output", "-o"},
+    "report": {"--output", "-o"},
     "clearance": {"--output", "-o"},
     "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes", "--resume"},
     "verify": {
         *("--output", "-o", "--workers", "--flips", "--corners", "--minutes"),
-        "--resume",
+        *("--resume", "--report"),
     },
 }
-"""Tested below."""
+"""Tested below; `--report` in roof/reports/test_command.py."""
 SWEPT = {"upper.mass_kg": [1180.0, 1200.0, 1220.0]}
 FEW = {"runs": 300, "share": 0.99, "confidence": 0.9}
 """Of a campaign: enough to show so much."""
