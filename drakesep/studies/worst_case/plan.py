@@ -42,8 +42,8 @@ class StudyPlan:
     """That it may take; None: ten, or as long as searches take that are asked for."""
     workers: int | None = None
     """Processes that fly Drake; one per core if None; with 1, the caller's does all."""
-    failures: tuple[FailureCase, ...] = ()
-    """That are searched beside the design."""
+    failures: Mapping[FailureCase, AnalysisCase] = field(default_factory=dict)
+    """That are searched beside the design, with the case in which each has failed."""
     clearances: Mapping[str, LowestClearance] = field(default_factory=dict)
     """That tell how near nominal and published runs come, by their metrics."""
     resume: bool = False
