@@ -110,14 +110,12 @@ def _start_trackers() -> None:
     signal.pthread_sigmask(signal.SIG_BLOCK, _NOT_THEIRS)
 
 
-def _spawn_apart(
-    path: bytes, arguments: Sequence[bytes | str], kept: Sequence[int]
-) -> int:
+def _spawn_apart(path: bytes, args: Sequence[Any], passfds: Sequence[int]) -> int:
     """Do as `util.spawnv_passfds` does, in a session of its own."""
     process = subprocess.Popen(
-        arguments,
+        args,
         executable=path,
-        pass_fds=kept,
+        pass_fds=passfds,
         restore_signals=False,
         start_new_session=True,
     )

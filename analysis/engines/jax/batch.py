@@ -114,7 +114,8 @@ class Batch:
     first use, for a separation and the names of the parameters that vary, and kept on
     disk across processes: in JAX's cache, which is put into the user's cache folder
     unless JAX has been told of another. Rows are flown in chunks, on all cores: memory
-    does not grow with their number, and no result depends on the number of workers.
+    does not grow with their number, and no result depends on the number of workers. An
+    interrupt is raised at once, but the process ends only when its compiler has.
 
     Attributes:
         separation: that is flown.
