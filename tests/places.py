@@ -72,10 +72,14 @@ def told_in(page: str) -> list[Told]:
 
 
 def words_of_reports() -> str:
-    """What stands in their templates and modules: words of every report."""
+    """What stands in their templates and modules, without blanks: of every report."""
     files = [*sorted(TEMPLATES.glob("*.html")), *sorted(REPORTS.glob("*.py"))]
-    plain = " ".join(re.sub(r"<[^>]*>", " ", f.read_text("utf-8")) for f in files)
-    return " ".join(plain.split())
+    marks = re.compile(r"<[^>]*>|\{[{%].*?[%}]\}")
+    return without_blanks(" ".join(marks.sub("", f.read_text("utf-8")) for f in files))
+
+
+def without_blanks(text: str) -> str:
+    return "".join(text.split())
 
 
 def shown(text: str) -> float:
@@ -124,6 +128,11 @@ def _case(folder: Path) -> drakesep.AnalysisCase:
 def _check_value(told: Told, value: Any) -> None:
     if value is None or value == "":
         assert told.text == "\N{EN DASH}", told
+        return
+    if isinstance(value, list | bool):
+        words = {True: "yes", False: "no"}
+        is_list = isinstance(value, list)
+        assert told.text == (", ".join(value) if is_list else words[value]), told
         return
     try:
         number = float(value)

@@ -13,7 +13,7 @@ from drakesep.analysis.campaigns.flights import FlownDraws
 from drakesep.analysis.campaigns.plan import CampaignPlan
 from drakesep.analysis.campaigns.shares import ShareFinding, nearest_of_draws
 from drakesep.plots.limits import LIMIT, limit_words
-from drakesep.plots.style import COLOURS, save_plot, wrapped
+from drakesep.plots.style import COLOURS, DASHES, save_plot, wrapped
 from drakesep.systems.arrays import Array
 from drakesep.units import unit_of
 
@@ -37,7 +37,12 @@ def save_campaign(
 
 
 def campaign_figure(
-    findings: Sequence[ShareFinding], plan: CampaignPlan, flown: FlownDraws
+    findings: Sequence[ShareFinding],
+    plan: CampaignPlan,
+    flown: FlownDraws,
+    *,
+    most_across: int = _ACROSS,
+    cell: float = _CELL,
 ) -> Figure:
     """Return which share of draws is beyond each value of what is required.
 
@@ -48,6 +53,8 @@ def campaign_figure(
         findings: of each requirement.
         plan: of the campaign.
         flown: all draws.
+        most_across: panels beside each other, at most.
+        cell: width of a panel, in.
     """
     panels: dict[tuple[str, str, bool], list[ShareFinding]] = {}
     for one in findings:
@@ -55,22 +62,22 @@ def campaign_figure(
             required = one.requirement
             key = required.pair, required.quantity[0], required.from_above
             panels.setdefault(key, []).append(one)
-    across = min(len(panels), _ACROSS)
+    across = min(len(panels), most_across)
     down = math.ceil(len(panels) / across)
-    figure = Figure(figsize=(_CELL * across, 3.8 * down + 0.6), layout="constrained")
+    figure = Figure(figsize=(cell * across, 3.8 * down + 0.6), layout="constrained")
     grid = figure.subplots(down, across, squeeze=False)
     for axes, (key, mine) in zip(grid.flat, panels.items(), strict=False):
         pair, quantity, _ = key
         _draw(axes, mine, plan, flown)
         title = f"{quantity}{f', {pair}' if pair else ''}".replace("_", " ")
-        axes.set_title(wrapped(title, _CELL - 1.0, 9), fontsize=9)
+        axes.set_title(wrapped(title, cell - 1.0, 9), fontsize=9)
     for axes in grid.flat[len(panels) :]:
         axes.set_visible(False)
     title = (
         f"{plan.case.name}: share of {plan.runs} draws beyond a value; dashed: limit, "
         "ring: bound of the share that is required, dot: worst draw"
     )
-    figure.suptitle(wrapped(title, _CELL * across - 0.2, 11), fontsize=11)
+    figure.suptitle(wrapped(title, cell * across - 0.2, 11), fontsize=11)
     return figure
 
 
@@ -83,7 +90,8 @@ def _draw(
         required, colour = one.requirement, COLOURS[k % len(COLOURS)]
         value, share = _beyond(_values(one, plan, flown), required.from_above)
         label = required.quantity[1] or None
-        axes.plot(unit.from_si(1.0) * value, share, color=colour, label=label)
+        style: dict[str, Any] = {"color": colour, "ls": DASHES[k % len(DASHES)]}
+        axes.plot(unit.from_si(1.0) * value, share, label=label, **style)
         if len(value):
             last = unit.from_si(float(value[-1])), float(share[-1])
             axes.plot(*last, marker="o", color=colour, markersize=5)

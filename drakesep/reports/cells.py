@@ -7,8 +7,8 @@ rounded for reading, and whole beside the cursor.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
 
 
 DIGITS = 4
@@ -22,11 +22,12 @@ _COUNTED = 1e9
 INPUTS = frozenset(
     {
         *("limit", "share", "confidence", "bound_of", "at_confidence", "looked_up_to"),
-        *("minus", "plus", "tolerance", "nearest_limit", "share_shown"),
-        *("share_at_most",),
+        *("minus", "plus", "tolerance", "nearest_limit"),
     }
 )
 """Columns of what was asked, and of shares whose last digits matter."""
+BEYOND = "beyond"
+"""A value beyond its limit."""
 NOTHING = "\N{EN DASH}"
 """Where a cell is empty."""
 _MINUS = "\N{MINUS SIGN}"
@@ -41,11 +42,13 @@ class Cell:
         value: as it was read; None: there is none.
         place: where it stands.
         digits: that are shown of a number.
+        kind: how it looks: `BEYOND`, or as others do.
     """
 
     value: Any = None
     place: str = ""
     digits: int = DIGITS
+    kind: str = ""
 
     @property
     def is_number(self) -> bool:
@@ -80,7 +83,7 @@ class Cell:
         digits = self.digits
         while digits < _MOST and number_text(self.value, digits) == other.text:
             digits += 1
-        return Cell(self.value, self.place, digits)
+        return replace(self, digits=digits)
 
 
 EMPTY = Cell()
@@ -110,8 +113,6 @@ class Row:
     def __getitem__(self, column: str) -> Cell:
         """Return a cell; one with nothing if the table has no such column."""
         value = self.values.get(column)
-        if isinstance(value, float) and math.isnan(value):
-            value = None
         digits = _WHOLE if column in INPUTS or "." in column else DIGITS
         return Cell(value, f"{self.place}:{column}", digits)
 
@@ -128,6 +129,8 @@ class Heading:
     text: str
     unit: str = ""
     is_number: bool = False
+    cells: Sequence[Cell] = ()
+    """That stand after the text."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,10 +138,8 @@ class Table:
     """A table as a report shows it."""
 
     headings: Sequence[Heading]
-    rows: Sequence[Sequence[Cell]]
-    caption: str = ""
-    notes: Sequence[str] = ()
-    """Below each row, over its width; none, or one for each row."""
+    rows: Sequence[Sequence[Cell | Sequence[Cell]]]
+    """Of several cells together, those that are not empty stand beside each other."""
 
     def __bool__(self) -> bool:
         """Return whether it has rows."""
@@ -150,22 +151,28 @@ def input_cell(value: Any, place: str) -> Cell:
     return Cell(value, place, _WHOLE)
 
 
-def table_of(
-    rows: Sequence[Row], columns: Mapping[str, str | tuple[str, str]], caption: str = ""
-) -> Table:
+Columns: TypeAlias = Mapping[str, str | tuple[str, str]]
+"""What is said of columns, by their names; with their unit if they have one."""
+
+
+def table_of(rows: Sequence[Row], columns: Columns) -> Table:
     """Return a table of some columns of a file; those that are empty are left out.
 
     Args:
         rows: of the file.
-        columns: by their names, what is said of them; with their unit if they have one.
-        caption: what it holds.
+        columns: that are told; of several names with blanks between, what stands there
+            is told together.
     """
-    kept = {
-        name: said for name, said in columns.items() if any(row[name] for row in rows)
-    }
-    headings = []
-    for name, said in kept.items():
-        text, unit = (said, "") if isinstance(said, str) else said
-        number = all(row[name].is_number or not row[name] for row in rows)
-        headings.append(Heading(text, unit, number))
-    return Table(headings, [[row[name] for name in kept] for row in rows], caption)
+    headings, cells = [], []
+    for names, said in columns.items():
+        column = [[row[name] for name in names.split()] for row in rows]
+        if any(any(several) for several in column):
+            text, unit = (said, "") if isinstance(said, str) else said
+            number = all(c.is_number or not c for several in column for c in several)
+            headings.append(Heading(text, unit, number))
+            cells.append([_together(several) for several in column])
+    return Table(headings, [*zip(*cells, strict=True)] if cells else [])
+
+
+def _together(several: Sequence[Cell]) -> Cell | Sequence[Cell]:
+    return several[0] if len(several) == 1 else [cell for cell in several if cell]

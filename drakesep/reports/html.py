@@ -11,7 +11,17 @@ import jinja2
 from markupsafe import Markup, escape
 
 from drakesep.files import write_text
-from drakesep.reports import provenance_part
+from drakesep.reports import (
+    campaign_part,
+    clearance_part,
+    computation_part,
+    credibility_part,
+    failures_part,
+    not_covered_part,
+    provenance_part,
+    sensitivities_part,
+    worst_cases_part,
+)
 from drakesep.reports.compliance import Matrix, matrix_of
 from drakesep.reports.separation_part import SeparationPart
 from drakesep.reports.studies import Studies, read_studies
@@ -65,7 +75,7 @@ def write_report(studies: Studies, output: str | Path | None = None) -> Written:
     """Write the page of some studies; where, `report` says."""
     beside = page_beside(studies.first.results.folder)
     file = (beside if output is None else Path(output)).absolute()
-    page, verdict = page_of(studies)
+    page, verdict = page_of(studies, file)
     writable_folder(file.parent)
     write_text(file, page)
     return Written(file, verdict)
@@ -77,10 +87,14 @@ def page_beside(folder: Path) -> Path:
     return whole.with_name(f"{whole.name}_report.html")
 
 
-def page_of(studies: Studies) -> tuple[str, str]:
+def page_of(studies: Studies, file: Path) -> tuple[str, str]:
     """Return the page of a report, and its verdict.
 
     For the same folders the page is the same, to the last byte.
+
+    Args:
+        studies: that are reported.
+        file: that it will be written into: links lead from there.
     """
     matrix = matrix_of(studies)
     summary = summary_of(studies, matrix)
@@ -89,19 +103,30 @@ def page_of(studies: Studies) -> tuple[str, str]:
         studies=studies,
         case=studies.case,
         summary=summary,
-        parts=[part for part in _parts(studies, matrix) if part.data],
+        parts=[part for part in _parts(studies, matrix, file) if part.data],
         infinity=math.inf,
         style=_template("report.css"),
     )
     return page, summary.verdict
 
 
-def _parts(studies: Studies, matrix: Matrix) -> Iterable[Part]:
+def _parts(studies: Studies, matrix: Matrix, page: Path) -> Iterable[Part]:
     separation = SeparationPart(studies.first)
     yield Part("compliance", "Compliance matrix", matrix)
     yield Part("separation", "The separation as analysed", separation)
     if separation.tolerances.table:
         yield Part("tolerances", "Tolerances and distributions", separation)
+    worst_cases = worst_cases_part.of(studies)
+    yield Part("worst_cases", "Worst cases, with their evidence", worst_cases)
+    yield Part("failures", "Failure cases", failures_part.of(studies))
+    yield Part("campaign", "Campaign", campaign_part.of(studies))
+    clearance = clearance_part.of(studies, page)
+    yield Part("clearance", "Clearance in single runs", clearance)
+    yield Part("sensitivities", "Sensitivities", sensitivities_part.of(studies))
+    yield Part("computation", "How it was computed", computation_part.of(studies))
+    covered = not_covered_part.of(studies)
+    yield Part("not_covered", "What the model does not cover", covered)
+    yield Part("credibility", "Credibility", credibility_part.of(studies))
     provenance = provenance_part.of(studies)
     yield Part("provenance", "Provenance, and how to do it again", provenance)
     yield Part("case_file", "The case file", separation.lines)
@@ -126,4 +151,4 @@ def _template(name: str) -> str:
 
 def _broken(text: str) -> Markup:
     """Return words that a line may break after their underscores and dots."""
-    return Markup(re.sub(r"(?<=[a-z0-9])([_./])(?=\w)", r"\1<wbr>", str(escape(text))))
+    return Markup(re.sub(r"(?<=[a-z0-9])([_.])(?=\w)", r"\1<wbr>", str(escape(text))))

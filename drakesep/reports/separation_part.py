@@ -7,6 +7,7 @@ from typing import Any
 
 from drakesep.reports.cells import EMPTY, Cell, Heading, Table, input_cell
 from drakesep.reports.origins import CaseText, Origin
+from drakesep.reports.pictures import Picture, stack_picture
 from drakesep.reports.studies import Study
 from drakesep.results.catalogue import STUDY
 from drakesep.systems.equations.springs import law_name
@@ -38,12 +39,28 @@ class Source:
 
 @dataclass(frozen=True, slots=True)
 class SourcedTable:
-    """A table whose rows say where their values come from."""
+    """A table whose rows say where their values come from.
+
+    What tells of several rows stands below the first of them.
+    """
 
     table: Table
     sources: Sequence[Sequence[Source]]
     zero: str = ""
     """Names of what is zero in all rows, and left out."""
+
+    @property
+    def shown(self) -> Sequence[tuple[Sequence[Any], Sequence[Source], Sequence[Cell]]]:
+        """Of each row its cells, where these come from, and comments not yet told."""
+        told: list[Any] = []
+        rows = []
+        for cells, sources in zip(self.table.rows, self.sources, strict=True):
+            notes = {each.note.value: each.note for each in sources if each.note}
+            rows.append(
+                (cells, sources, [] if list(notes) == told else [*notes.values()])
+            )
+            told = list(notes)
+        return rows
 
 
 class SeparationPart:
@@ -64,6 +81,11 @@ class SeparationPart:
     def separation(self) -> Separation:
         """The separation."""
         return self._case.separation
+
+    @property
+    def picture(self) -> Picture:
+        """The mated stack."""
+        return stack_picture(self.separation)
 
     @property
     def header(self) -> Cell:

@@ -1,5 +1,7 @@
 """The folders that a report is made of: one case, and what was studied of it."""
 
+import csv
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,6 +16,9 @@ from drakesep.results.study_record import Ended, StudyRecord
 from drakesep.systems.checks import InputError
 
 
+_WORDS = frozenset({"id", "source", "requirement", "axis", "pair", "label"})
+"""Columns of words, though they be digits: an id of 4.10 is none of 4.1."""
+_NUMBER = re.compile(r"-?(?:inf|\d+(?:\.\d*)?(?:e[-+]?\d+)?)")
 _ONCE = ("verify", "worst-case", "campaign")
 """Studies whose answers are of the case itself: two of them would contradict."""
 
@@ -49,9 +54,10 @@ class Study:
         """Return the rows of a table; none if the study has left no such table."""
         if not self.has(file):
             return []
-        records = self.results.table(file).to_dict("records")
+        with (self.results.folder / file).open(newline="", encoding="utf-8") as table:
+            records = list(csv.DictReader(table))
         return [
-            Row({str(k): x for k, x in values.items()}, f"{self.tag}/{file}:{i}")
+            Row({k: _read(k, x) for k, x in values.items()}, f"{self.tag}/{file}:{i}")
             for i, values in enumerate(records, start=1)
         ]
 
@@ -102,6 +108,13 @@ class Studies:
         """Return what the first study says under some keys that says anything there."""
         told = (study.fact(*keys) for study in self.all)
         return next((cell for cell in told if cell), EMPTY)
+
+
+def _read(column: str, text: str) -> Any:
+    """Return what a cell says: a number, or words, though they be digits."""
+    if column in _WORDS or not _NUMBER.fullmatch(text):
+        return text
+    return int(text) if text.lstrip("-").isdecimal() else float(text)
 
 
 def read_studies(folders: Iterable[str | Path]) -> Studies:

@@ -64,13 +64,16 @@ class RecordedPlan:
         return cls(plan=plan, text=json.dumps(data, indent=1) + "\n")
 
     @classmethod
-    def parsed(cls, text: str, folder: Path, source: str = PLAN) -> "RecordedPlan":
+    def parsed(
+        cls, text: str, folder: Path, source: str = PLAN, *, to_fly: bool = True
+    ) -> "RecordedPlan":
         """Return the plan that a text says.
 
         Args:
             text: of its file.
             folder: that has the meshes of its case.
             source: what errors name.
+            to_fly: whether its draws will be flown: by these versions, then.
 
         Raises:
             ValueError: it is none, or of other versions than these.
@@ -94,7 +97,8 @@ class RecordedPlan:
             was = {**data["versions"], "commit": data["commit"]}
         except NO_RECORD as error:
             raise InputError(f"{source}: must be a campaign's, got: {error}") from error
-        _check_versions(source, was)
+        if to_fly:
+            _check_versions(source, was)
         return cls(plan=plan, text=text)
 
     def write(self, folder: Path) -> None:
@@ -102,8 +106,12 @@ class RecordedPlan:
         write_text(folder / PLAN, self.text)
 
     @classmethod
-    def read(cls, folder: Path) -> "RecordedPlan":
+    def read(cls, folder: Path, *, to_fly: bool = True) -> "RecordedPlan":
         """Return the plan of a campaign's folder.
+
+        Args:
+            folder: of the campaign.
+            to_fly: whether its draws will be flown, and not only looked at.
 
         Raises:
             ValueError: there is none, or it was made with other versions.
@@ -115,7 +123,7 @@ class RecordedPlan:
             raise InputError(
                 f"{file}: must be the plan of a campaign, got: {error}"
             ) from None
-        return cls.parsed(text, folder, str(file))
+        return cls.parsed(text, folder, str(file), to_fly=to_fly)
 
 
 def _check_versions(source: str, was: Mapping[str, Any]) -> None:

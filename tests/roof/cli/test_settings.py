@@ -104,7 +104,7 @@ ELSEWHERE = {
         *("--resume", "--report"),
     },
 }
-"""Tested below; `--report` in roof/reports/test_command.py."""
+"""Tested below; `--report` in roof/reports/test_html.py."""
 SWEPT = {"upper.mass_kg": [1180.0, 1200.0, 1220.0]}
 FEW = {"runs": 300, "share": 0.99, "confidence": 0.9}
 """Of a campaign: enough to show so much."""
