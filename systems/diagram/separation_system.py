@@ -114,7 +114,7 @@ class SeparationSystem(Diagram):
         builder = DiagramBuilder()
         plant = builder.AddNamedSystem("plant", plant_of_bodies(separation))
         pushing = separation.recontact is not None
-        scene = None
+        scene: Any = None
         if illustrated or pushing:
             scene = builder.AddNamedSystem("scene_graph", SceneGraph())
             plant.RegisterAsSourceForSceneGraph(scene)
