@@ -110,7 +110,7 @@ REQUIRED = [
 ]
 NAME = f"clearance_until_{UNTIL}_m"
 EXACT = 1.2e-4
-"""m: a clearance is measured to 50 um, and so may be the bound; motions differ by less."""
+"""m: a clearance is measured to 50 um; motions differ by less."""
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -236,7 +236,7 @@ def test_interrupted_it_goes_on_from_what_is_measured(reference, tmp_path, monke
 
 
 def test_replayed_a_draw_tells_its_clearance(reference, true, tmp_path, monkeypatch):
-    study, folder = reference
+    _, folder = reference
     monkeypatch.setattr("drakesep.plots.motion.save_motion", lambda *_: None)
     worst = int(true.argmin())
     result = drakesep.replay(folder, worst, output=tmp_path)
