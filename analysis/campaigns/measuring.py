@@ -22,6 +22,8 @@ from drakesep.systems.arrays import Array
 ROUND, FEW = 64, 16
 """Draws that are measured before it is asked again which others must be, at most; and
 as long as they are fewer than the bound's rank, at least."""
+ENOUGH = 500
+"""Draws that are measured to count those beyond a limit, once it is broken."""
 MOST = 5000
 """Draws whose clearance is measured, at most: of more, some do not tell."""
 SURE = 2.0 * ACCURACY
@@ -95,9 +97,13 @@ class NearestOfDraws:
 
     @property
     def _open_for_count(self) -> NDArray[np.bool_]:
-        """(N,) which may be beyond the limit; none, if enough are known to be."""
-        known = int((self.measured & self._beyond).sum())
-        if self.size.disproved_by(known):
+        """(N,) which may be beyond the limit; none, if enough are known to be.
+
+        If so many are measured, and it is broken.
+        """
+        beyond = int((self.measured & self._beyond).sum())
+        enough = self.measured.sum() >= ENOUGH
+        if enough and self.size.disproved_by(beyond):
             return np.zeros(len(self.measured), bool)
         return self._unmeasured & self._beyond
 

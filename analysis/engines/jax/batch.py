@@ -217,6 +217,7 @@ class Batch:
         self._motion = compiled(self._fly_motion)
         self._flown_as = compiled, flight
         self._places: tuple[Program, PlacesFold] | None = None  # see `watching`
+        self._watched: dict[Any, tuple[Program, PlacesFold]] = {}
 
     @typed
     def holding(self, values: Mapping[str, float]) -> "Batch":
@@ -313,12 +314,15 @@ class Batch:
             ends: (k,) names of bodies A and B.
             times: (T,) that rise, within the run, s.
         """
-        watching, (compiled, flight) = copy.copy(self), self._flown_as
-        fold = PlacesFold(self._equations, ends, times)
-        of_row = (PLACE + CURVED) * len(ends) * len(times)
-        chunk = min(self.chunk, max(_PLACES // of_row, 1))
-        program = Program(compiled, flight(self._integrator, fold=fold), chunk)
-        watching._places = program, fold
+        watching, key = copy.copy(self), (tuple(ends), tuple(times))
+        if key not in self._watched:  # compiled once
+            compiled, flight = self._flown_as
+            fold = PlacesFold(self._equations, ends, times)
+            of_row = (PLACE + CURVED) * len(ends) * len(times)
+            chunk = min(self.chunk, max(_PLACES // of_row, 1))
+            program = Program(compiled, flight(self._integrator, fold=fold), chunk)
+            self._watched[key] = program, fold
+        watching._places = self._watched[key]
         return watching
 
     @typed

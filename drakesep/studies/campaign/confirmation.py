@@ -94,14 +94,24 @@ def confirmed_draws(
     numbers = sorted({one.draw for one in draws})
     values = study.flights.values(numbers)
     # What differs from the nominal by nothing tells what that is.
-    nominal, *runs = pool.fly([{}, *values], on_progress)
+    compared = [(one, metric) for one in draws for metric in _compared(one, study)]
+    # To measure a clearance takes as long as to fly.
+    measured = sum(metric in study.plan.clearances for _, metric in compared)
+    total = len(numbers) + 1 + measured
+
+    def tell(done: int, _: int) -> None:
+        on_progress(done, total)
+
+    nominal, *runs = pool.fly([{}, *values], tell)
     told = _Told(study, dict(zip(numbers, values, strict=True)), nominal)
     flown = dict(zip(numbers, runs, strict=True))
-    return [
-        told.confirmed(one, metric, flown[one.draw])
-        for one in draws
-        for metric in _compared(one, study)
-    ]
+    confirmed, done = [], total - measured
+    for one, metric in compared:
+        confirmed.append(told.confirmed(one, metric, flown[one.draw]))
+        if metric in study.plan.clearances:
+            done += 1
+            tell(done, total)
+    return confirmed
 
 
 def _compared(one: Chosen, study: Campaign) -> Sequence[str]:

@@ -236,21 +236,21 @@ def merge_campaign(
         try:
             recorded = RecordedPlan.read(folder.path)
             flown = merged(folder.path, recorded)
-        except BaseException:  # whose chunks others still fly, it stays under way
+            flights = CampaignFlights(recorded.plan)
+            telling = Telling(on_progress, len(flown), len(flown))
+            each = _seconds_in_drake(recorded.plan.case)
+            telling.plan(0.0, *_seconds_after(flights, each))
+            flown = with_measured(
+                flights,
+                flown,
+                recorded,
+                folder.path,
+                workers=workers,
+                on_progress=telling.measured,
+            )
+        except BaseException:  # it stays under way, for whoever goes on
             folder.hand_over()
             raise
-        flights = CampaignFlights(recorded.plan)
-        telling = Telling(on_progress, len(flown), len(flown))
-        each = _seconds_in_drake(recorded.plan.case)
-        telling.plan(0.0, *_seconds_after(flights, each))
-        flown = with_measured(
-            flights,
-            flown,
-            recorded,
-            folder.path,
-            workers=workers,
-            on_progress=telling.measured,
-        )
         study = _judged(folder.asked, recorded, flights, flown, workers, each, telling)
         study.write(folder)
     return study
