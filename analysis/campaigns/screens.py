@@ -11,6 +11,7 @@ from drakesep.analysis.clearance.objective import LowestClearance
 from drakesep.analysis.clearance.screen import ClearanceScreen, Watch, watch
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.systems.arrays import Array
+from drakesep.systems.model.relative_places import RelativePlaces
 from drakesep.systems.model.run import Run, RunStatus
 
 
@@ -18,6 +19,8 @@ TRIED = 8
 """Draws that tell how far others stray from the nominal run."""
 TOGETHER = 1024
 """Rows that are screened together: their places take memory."""
+_GRAIN = 1e-6
+"""Of bounds, m."""
 _CLOSE = 5e-4
 """Beyond its bound, within which a clearance is looked for first, m."""
 
@@ -71,10 +74,14 @@ class BatchScreens:
         bounds = np.full((len(rows), self._count), -math.inf)
         if self._batch is None:
             return bounds
-        for part, places in self._batch.places(rows):
-            for i, screen in enumerate(self._screens):
-                bounds[part, i] = screen.lower_bounds(places)
-        return bounds
+        # All at once: how many parts they come in depends on who flies them.
+        parts = [places for _, places in self._batch.places(rows)]
+        places = RelativePlaces(*map(np.concatenate, zip(*parts, strict=True)))
+        for i, screen in enumerate(self._screens):
+            bounds[:, i] = screen.lower_bounds(places)
+        # Products of matrices differ in their last bits from one number of threads to
+        # another: bytes are to be the same.
+        return np.floor(bounds / _GRAIN) * _GRAIN
 
 
 def measured_in(run: Run, clearance: LowestClearance, at_least: float) -> float:

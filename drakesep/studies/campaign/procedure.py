@@ -31,6 +31,7 @@ from drakesep.results.catalogue import CAMPAIGN
 from drakesep.results.folder import Output, ResultsFolder, results_folder
 from drakesep.results.parts import parts_folder
 from drakesep.studies.campaign.confirmation import (
+    MOST,
     chosen,
     confirmed_draws,
     most_confirmed,
@@ -353,6 +354,7 @@ def _seconds_after(flights: CampaignFlights, each: float) -> tuple[float, float]
         each: what a run in Drake takes, s.
     """
     plan, measuring = flights.plan, 0.0
+    confirming = each * most_confirmed(plan)
     for name in plan.clearances:
         flights.measured(name, {0: -math.inf})  # parts are looked into
         began = time.perf_counter()
@@ -361,8 +363,8 @@ def _seconds_after(flights: CampaignFlights, each: float) -> tuple[float, float]
         limits = [one for one in plan.case.requirements if one.metric == name]
         sizes = [size_of(of_launches(one, limits), plan.runs) for one in limits]
         measuring += once * _LOOKED_AT * max(size.rank or 1 for size in sizes)
-        each += once
-    return measuring, each * most_confirmed(plan)
+        confirming += once * MOST * len(limits)
+    return measuring, confirming
 
 
 _LOOKED_AT = 2.0

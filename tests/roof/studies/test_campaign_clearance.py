@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from batches import compiled_once
+from rich.console import Console
 from scipy.optimize import minimize_scalar
 from trade import JOINT
 
@@ -17,6 +18,8 @@ import drakesep
 from drakesep.analysis.campaigns.flights import CampaignFlights
 from drakesep.analysis.campaigns.measuring import SURE
 from drakesep.case_file.case import Case
+from drakesep.cli.campaign_lines import print_campaign
+from drakesep.plots.campaign import campaign_figure
 from drakesep.results.campaign_files import DRAWS, measured_file
 from drakesep.studies.campaign import confirmation, measuring
 from drakesep.studies.campaign.executors import own_processes
@@ -179,6 +182,23 @@ def test_what_is_broken_anyway_need_not_be_counted_to_the_last(true, monkeypatch
     assert f"{tally.doubtful} of which may not be" in finding.answer.why
     assert finding.answer.share_at_most >= 1.0 - tally.beyond / RUNS
     assert finding.bound == pytest.approx(np.sort(true)[0], abs=EXACT + SURE)
+
+
+def test_its_curve_shows_what_is_measured(reference, true):
+    """The share of draws that come as near, from where all of them are measured."""
+    study, _ = reference
+    figure = campaign_figure(study.findings, study.plan, study.flown)
+    x, share = figure.axes[0].lines[0].get_data()
+    assert share[-1] == 1 / RUNS
+    assert x[-1] == pytest.approx(1e3 * true.min(), abs=1e3 * EXACT)
+    assert len(x) >= study.findings[0].size.rank
+    for near, told in zip(x / 1e3, share, strict=True):
+        low, high = (np.mean(true <= near + off) for off in (-EXACT, EXACT))
+        assert low <= told <= high
+    console = Console(record=True, width=200)
+    print_campaign(console, study)
+    measured = study.findings[0].measured
+    assert f"{NAME}: measured in {measured} draws; the others" in console.export_text()
 
 
 def tables(folder):
