@@ -1,9 +1,9 @@
 """Whether any random sample of VEGA's tolerances comes nearer than the worst clearance.
 
-Each sample is flown on the batch engine and held against planes between the parts of the
-nominal run, which prove how near it comes at least. Samples that this does not settle
-are measured. Prints what the search found and after how long, how many samples were
-measured, and the nearest of them.
+Each sample is flown on the batch engine and held against planes between the parts of
+the nominal run, which prove how near it comes at least. Samples that this does not
+settle are measured. Prints what the search found and after how long, how many samples
+were measured, and the nearest of them.
 
     python benchmarks/worst_clearance.py [--samples 100000]
 """

@@ -13,6 +13,7 @@ from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
 from drakesep.analysis.campaigns.measuring import MOST, next_draws, wanted_draws
 from drakesep.analysis.campaigns.screens import DrawnClearances
 from drakesep.analysis.campaigns.shares import nearest_of_draws
+from drakesep.analysis.engines.drake_pool import WORKERS_START
 from drakesep.results.campaign_files import (
     RecordedPlan,
     measured_file,
@@ -21,10 +22,6 @@ from drakesep.results.campaign_files import (
 )
 from drakesep.studies.campaign.executors import measured_by, own_processes
 from drakesep.systems.arrays import Array
-
-
-_LONG = 8.0
-"""Of the first draws in this process, from which others are worth their start, s."""
 
 
 def with_measured(
@@ -75,8 +72,9 @@ def with_measured(
                     began = time.perf_counter()
                     values = _measured(flights, recorded, folder, executor, name, asked)
                     write_measured(file, recorded, draws.tolist(), values)
-                    slow = time.perf_counter() - began > _LONG
+                    slow = time.perf_counter() - began > WORKERS_START
                     if executor is None and slow and left > len(draws):
+                        # Worth the start of others.
                         executor = stack.enter_context(own_processes(workers))
                 at_least[draws, i], measured[draws, i] = values, True
                 done, number = done + len(draws), number + 1
