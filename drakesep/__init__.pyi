@@ -8,6 +8,7 @@ from .case_file.reader import builtin_cases as builtin_cases
 from .case_file.reader import load_case as load_case
 from .reports.compare import Comparison as Comparison
 from .reports.compare import compare as compare
+from .reports.export import export as export
 from .reports.html import report as report
 from .results.reading import Results as Results
 from .results.reading import read_results as read_results

@@ -177,7 +177,14 @@ loads:
     forces_N: [[11.2, -12.2, 13.2], [14.2, 15.2, -16.2], [-17.2, 18.2, 19.2]]
     torques_N_m: [[1.2, 2.2, -3.2], [-4.2, 5.2, 6.2], [7.2, -8.2, 9.2]]
     start_s: 0.055
-orbit: {altitude_km: 613}
+orbit:
+  altitude_km: 613
+  inclination_deg: 51.6875
+  ascending_node_deg: 217.0625
+  argument_of_latitude_deg: 133.8125
+  frame: GCRF
+  epoch: '2027-02-03T04:05:06.25'
+  time_system: TAI
 before_separation:
   attitude_deg: [21.5, -30.5, 40.5]
   rate_deg_s: [3.125, -4.125, 5.125]
@@ -311,9 +318,38 @@ attachments:
   four: {A: base, B: egg, position_mm: [1, 2, 3], joint: *slack}
   five: {A: base, B: pill, position_mm: [1, 2, 3], joint: *slack}
   six: {A: base, B: slab, position_mm: [1, 2, 3], joint: {type: revolute, rigid: true}}
+orbit: {perigee_altitude_km: 211, apogee_altitude_km: 1013, true_anomaly_deg: 90}
 run: {duration_s: 0.1}
 """
 """Bodies whose mass properties are computed; mesh of 200 x 300 x 500 units."""
+
+STATE = SOLIDS.replace(
+    "{perigee_altitude_km: 211, apogee_altitude_km: 1013, true_anomaly_deg: 90}",
+    """
+  position_km: [0, -7000, 0]
+  velocity_km_s: [7.5, -1.25, 0]
+  frame: ICRF
+  epoch: '2027-02-03T04:05:07.125'""",
+)
+"""The orbit by a state."""
+TAKEN = SOLIDS.replace(
+    "orbit: {perigee_altitude_km: 211, apogee_altitude_km: 1013, true_anomaly_deg: 90}",
+    """before_separation:
+  from: handover.csv
+  at: '2027-02-03T04:05:08.5'
+  of: brick
+  run: theirs
+  body: stage""",
+)
+"""Orbit and attitude from a table."""
+HANDOVER = (
+    "label,body,epoch,time_system,frame,position_x_m,position_y_m,position_z_m,"
+    "velocity_x_m_s,velocity_y_m_s,velocity_z_m_s,orientation_w,orientation_x,"
+    "orientation_y,orientation_z,rate_x_rad_s,rate_y_rad_s,rate_z_rad_s\n"
+    "theirs,stage,2027-02-03T04:05:08.5,TT,ICRF,7.1e6,0,0,0,7.3e3,0,1,0,0,0,"
+    "0.01,0.02,0.03\n"
+)
+"""That table."""
 
 # Two links, joined by a fixed joint: "arm" stands at (0.5, 0, 0) of "hull", turned by
 # 90 deg about z. Both have their CG at their own origins.
@@ -327,6 +363,7 @@ URDF = """<robot name="two">
 
 
 def write_models(folder):
-    """The mesh and the model that both cases name."""
+    """The mesh, the model and the table that the cases name."""
     trimesh.creation.box((200, 300, 500)).export(folder / "block.stl")
     (folder / "two.urdf").write_text(URDF)
+    (folder / "handover.csv").write_text(HANDOVER)

@@ -7,7 +7,7 @@ import copy
 import io
 import math
 
-from every_leaf import MAIN, SOLIDS
+from every_leaf import MAIN, SOLIDS, STATE, TAKEN
 from hypothesis import strategies as st
 from ruamel.yaml import YAML
 from small_case import small_case
@@ -16,7 +16,7 @@ from drakesep.case_file.reader import builtin_cases
 
 
 TEXTS = {name: file.read_text() for name, file in builtin_cases().items()}
-TEXTS |= {"main": MAIN, "solids": SOLIDS}
+TEXTS |= {"main": MAIN, "solids": SOLIDS, "state": STATE, "taken": TAKEN}
 CASES = {name: YAML(typ="safe", pure=True).load(text) for name, text in TEXTS.items()}
 CASES |= {"small": small_case()}
 NUMBERS = (

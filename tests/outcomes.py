@@ -40,6 +40,7 @@ CODES = {
     "verify": {**OF_STUDY, NOT_MET: 1, OTHER_RUN_FAILED: 4},
     "compare": {GOOD: 0, NOT_MET: 1, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
     "report": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
+    "export": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
 }
 """What else there is does not come about: no requirement is asked of `simulate`."""
 SETTINGS = {
@@ -54,6 +55,7 @@ SETTINGS = {
     "verify": ("--samples", "0"),
     "compare": ("--tolerance", "-1"),
     "report": ("nowhere",),
+    "export": ("--epoch", "tomorrow"),
 }
 
 
@@ -108,6 +110,12 @@ def arguments(command, outcome, folder):
             (folder / "out").write_text("")
         setting = SETTINGS[command] if outcome == BAD_SETTING else ()
         return ["small", "-o", folder / "out", *setting]
+    if command == "export":
+        setting = SETTINGS[command] if outcome == BAD_SETTING else ()
+        if outcome == NO_FOLDER:
+            (folder / "out").write_text("")
+        words = [flown_once(), "--format", "csv", "-o", folder / "out" / "there"]
+        return [*words, *setting]
     if command == "compare":
         setting = SETTINGS[command] if outcome == BAD_SETTING else ()
         return [*to_compare(outcome, folder), *setting]
@@ -151,3 +159,4 @@ def interrupt(monkeypatch):
     monkeypatch.setattr("drakesep.case_file.new_case.new_case", stop)
     monkeypatch.setattr("drakesep.reports.compare.differences", stop)
     monkeypatch.setattr("drakesep.reports.html.page_of", stop)
+    monkeypatch.setattr("drakesep.reports.export.handover_table", stop)

@@ -205,6 +205,14 @@ class ReportSummary:
     `no verdict`."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class ExportSummary:
+    """Of `export`."""
+
+    files: list[str]
+    """That have been written; the last is the table of the handover."""
+
+
 SUMMARIES: dict[str, type[Any]] = {
     "cases": CasesSummary,
     "new": NewSummary,
@@ -219,6 +227,7 @@ SUMMARIES: dict[str, type[Any]] = {
     "verify": VerifySummary,
     "compare": CompareSummary,
     "report": ReportSummary,
+    "export": ExportSummary,
 }
 """By commands."""
 

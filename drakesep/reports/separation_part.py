@@ -12,6 +12,7 @@ from drakesep.reports.studies import Study
 from drakesep.results.catalogue import STUDY
 from drakesep.systems.equations.springs import law_name
 from drakesep.systems.model.loads import Load
+from drakesep.systems.model.orbit import Orbit
 from drakesep.systems.model.parameters import owners, parameters
 from drakesep.systems.model.parts import Box, Capsule, Cone, Mesh, Part, Shape, Sphere
 from drakesep.systems.model.separation import (
@@ -249,13 +250,32 @@ class SeparationPart:
         duration = self._at("separation.duration", separation.duration)
         rows = [("run ends after", duration, "s")]
         if separation.orbit is not None:
-            radius = self._at("separation.orbit.radius", separation.orbit.radius)
-            rows.append(("radius of the circular reference orbit", radius, "m"))
+            rows += self._orbit(separation.orbit)
         rows += [
             ("integrator", self._at("integration.scheme", how.scheme), ""),
             ("accuracy", self._at("integration.accuracy", how.accuracy), ""),
             ("largest step", self._at("integration.max_step", how.max_step), "s"),
         ]
+        return rows
+
+    def _orbit(self, orbit: Orbit) -> list[tuple[str, Cell, str]]:
+        def row(what: str, field: str, unit: str) -> tuple[str, Cell, str]:
+            cell = self._at(f"separation.orbit.{field}", getattr(orbit, field))
+            return what, cell, unit
+
+        rows = [row("radius of the circular reference orbit", "radius", "m")]
+        if orbit.horizontal_speed is not None:
+            rows = [
+                row("radius of the reference orbit at the start", "radius", "m"),
+                row("speed across it", "horizontal_speed", "m/s"),
+                row("climb rate", "climb_rate", "m/s"),
+            ]
+        if orbit.frame:
+            rows += [
+                row("inertial frame", "frame", ""),
+                row("epoch of the start", "epoch", ""),
+                row("time system", "time_system", ""),
+            ]
         return rows
 
     @property

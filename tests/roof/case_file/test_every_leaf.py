@@ -12,8 +12,9 @@ from collections.abc import Mapping
 
 import numpy as np
 import pytest
-from every_leaf import MAIN, SOLIDS, write_models
+from every_leaf import MAIN, SOLIDS, STATE, TAKEN, write_models
 from ruamel.yaml import YAML
+from scipy.spatial.transform import Rotation
 
 from drakesep.analysis.analysis_case import (
     AnalysisCase,
@@ -46,6 +47,7 @@ from drakesep.systems.model.connectors import Connector, Guide
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.loads import Load
+from drakesep.systems.model.orbit import Orbit
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.parts import Box, Capsule, Cone, Mesh, Part, Sphere
 from drakesep.systems.model.recontact import Recontact
@@ -53,7 +55,6 @@ from drakesep.systems.model.separation import (
     Attachment,
     Body,
     InitialMotion,
-    Orbit,
     Separation,
 )
 from drakesep.systems.model.springs import DisplacementSpring, Spring
@@ -280,7 +281,13 @@ def separation_of_main(folder) -> Separation:
             rpy_WA=(21.5 * DEG, -30.5 * DEG, 40.5 * DEG),
             w_WA_A=(3.125 * DEG, -4.125 * DEG, 5.125 * DEG),
         ),
-        orbit=Orbit(radius=6378137.0 + 613000.0),
+        orbit=Orbit(
+            radius=6378137.0 + 613000.0,
+            axes=local_axes(51.6875, 217.0625, 133.8125),
+            frame="GCRF",
+            epoch="2027-02-03T04:05:06.25",
+            time_system="TAI",
+        ),
         recontact=Recontact(
             stiffness=70001.0,
             face_stiffness=810001.0,
@@ -416,6 +423,13 @@ def record_of_main(folder) -> AnalysisCase:
     )
 
 
+def local_axes(inclination, node, latitude):
+    """Along the motion, against the angular momentum, and down, by rotations."""
+    angles = [node, inclination, latitude]
+    up, ahead, normal = Rotation.from_euler("ZXZ", angles, degrees=True).as_matrix().T
+    return tuple(tuple(axis.tolist()) for axis in (ahead, -normal, -up))
+
+
 def solids():
     """Mass, CG in m and moments of the bodies above, by the textbook."""
 
@@ -490,7 +504,8 @@ def assert_same(got, expected):
     assert got.keys() == expected.keys()
     for path, value in expected.items():
         if isinstance(value, float):
-            value = pytest.approx(value, rel=ROUND_OFF, abs=0.0)
+            absolute = ROUND_OFF if ".axes" in path else 0.0  # parts of unit vectors
+            value = pytest.approx(value, rel=ROUND_OFF, abs=absolute)
         assert got[path] == value, path
 
 
@@ -547,6 +562,47 @@ def test_computed_bodies(folder):
         assert body.p_BoBcm_B == pytest.approx(cg, rel=1e-6, abs=1e-9), name
         assert body.I_BBcm_B[:3] == pytest.approx(moments, rel=1e-6), name
         assert body.I_BBcm_B[3:] == pytest.approx([0.0] * 3, abs=1e-9), name
+
+
+def test_orbits_by_their_ends_and_by_a_state(folder):
+    """A quarter of the way up, the radius is the semi-latus rectum, p."""
+    orbit = read(folder, SOLIDS).separation.orbit
+    low, high = 6378137.0 + 211e3, 6378137.0 + 1013e3
+    p, e = 2.0 * low * high / (low + high), (high - low) / (high + low)
+    speed = math.sqrt(3.986004418e14 / p)
+    assert orbit.radius == pytest.approx(p, rel=1e-14)
+    assert orbit.horizontal_speed == pytest.approx(speed, rel=1e-14)
+    assert orbit.climb_rate == pytest.approx(e * speed, rel=1e-13)
+    assert_same(
+        read(folder, STATE).separation.orbit,
+        Orbit(
+            radius=7e6,
+            horizontal_speed=7500.0,
+            climb_rate=1250.0,
+            axes=((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0)),
+            frame="ICRF",
+            epoch="2027-02-03T04:05:07.125",
+        ),
+    )
+
+
+def test_a_state_from_a_table(folder):
+    """The body's axes are the frame's; W's x axis is ahead, along the frame's y."""
+    separation = read(folder, TAKEN).separation
+    initial, orbit = separation.initial, separation.orbit
+    assert initial.w_WA_A == pytest.approx((0.01, 0.02, 0.03), rel=ROUND_OFF)
+    assert (orbit.frame, orbit.epoch) == ("ICRF", "2027-02-03T04:05:08.5")
+    assert orbit.time_system == "TT"
+    # The brick's CG is at (0.901, 0.031, -0.041) m in A, A's own at (0, 0.375, 0).
+    origin = np.array([7.1e6 - 0.901, -0.031, 0.041])
+    assert orbit.radius == pytest.approx(np.linalg.norm(origin), rel=ROUND_OFF)
+    turning = np.cross([0.01, 0.02, 0.03], [0.901, 0.031 - 0.375, -0.041])
+    speed = np.linalg.norm([0.0, 7.3e3, 0.0] - turning)
+    assert orbit.speed == pytest.approx(speed, rel=1e-12)
+    R_WA = Rotation.from_euler("xyz", initial.rpy_WA)
+    # W's axes are beside the frame's by the slant of so short a way, 1e-6 rad.
+    assert R_WA.apply([0.0, 1.0, 0.0]) == pytest.approx([1.0, 0.0, 0.0], abs=1e-5)
+    assert R_WA.apply([1.0, 0.0, 0.0]) == pytest.approx([0.0, 0.0, -1.0], abs=1e-5)
 
 
 def sections(base=Section):
@@ -610,7 +666,7 @@ def keys_used(section):
 def test_no_key_is_left_out(folder):
     """A new key has to be given a value here, and what comes of it."""
     used = set()
-    for text in (MAIN, SOLIDS):
+    for text in (MAIN, SOLIDS, STATE, TAKEN):
         used |= set(keys_used(read(folder, text)))
     assert set(keys_there_are()) - used == set()
 

@@ -69,6 +69,7 @@ OPTIONS = {
     },
     "animate": {},  # below
     "compare": {},  # test_compare.py
+    "export": {},  # test_export.py
     "worst-case": {
         **OF_SEARCH,
         "--objective": (
@@ -92,6 +93,10 @@ ELSEWHERE = {
     "new": {"--from", "--output", "-o"},
     "animate": {"--output", "-o", "--runs", "--run"},
     "compare": {"--output", "-o", "--tolerance"},
+    "export": {
+        *("--format", "--run", "--epoch", "--frame", "--plane", "--time-system"),
+        *("--output", "-o"),
+    },
     "simulate": {"--output", "-o"},
     "sweep": {"--output", "-o", "--workers"},
     "campaign": {"--output", "-o", "--workers", "--resume", "--dask"},
