@@ -25,6 +25,10 @@ def report(
             help="The page; FOLDER_report.html beside the first folder if not given.",
         ),
     ] = None,
+    pdf: Annotated[
+        bool,
+        typer.Option("--pdf", help="Write it as PDF beside the page, too."),
+    ] = False,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -39,13 +43,16 @@ def report(
         studies = read_studies(folders)
         said.add(case=studies.case.name)
         with said.aside.status("drawing"):
-            written = write_report(studies, output)
+            written = write_report(studies, output, pdf=pdf)
         said.add(
             file=str(written.file),
+            pdf=None if written.pdf is None else str(written.pdf),
             folders=[str(study.results.folder) for study in studies.all],
             verdict=written.verdict,
         )
         say_written(said, written.file)
+        if written.pdf is not None:
+            said.console.print(f"As PDF it is {written.pdf}", markup=False)
 
 
 def say_written(said: Report, file: Path) -> None:

@@ -198,6 +198,8 @@ class ReportSummary:
     """Its name."""
     file: str
     """The page."""
+    pdf: str | None
+    """The page as PDF; null: it was not asked for."""
     folders: list[str]
     """That it tells of."""
     verdict: str

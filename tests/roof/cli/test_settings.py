@@ -101,7 +101,7 @@ ELSEWHERE = {
     "sweep": {"--output", "-o", "--workers"},
     "campaign": {"--output", "-o", "--workers", "--resume", "--dask"},
     "replay": {"--run", "--animation", "--no-animation", "--output", "-o"},
-    "report": {"--output", "-o"},
+    "report": {"--output", "-o", "--pdf"},
     "clearance": {"--output", "-o"},
     "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes", "--resume"},
     "verify": {

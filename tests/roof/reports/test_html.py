@@ -2,6 +2,7 @@
 
 import re
 import shutil
+import sys
 
 import pytest
 from browser import browser
@@ -11,6 +12,11 @@ from small_case import small_case, write_case
 
 import drakesep
 from drakesep.cli import app
+
+
+@pytest.fixture(autouse=True)
+def figures_stay_blank():
+    """They are drawn here, and the same to the last byte."""
 
 
 def case_of_a_second():
@@ -128,6 +134,29 @@ def test_page_stands_beside_its_folder_unless_it_is_said(folders, tmp_path):
     folder = tmp_path / "study"
     shutil.copytree(folders[1], folder)
     assert drakesep.report(folder) == tmp_path / "study_report.html"
+
+
+@pytest.mark.slow
+def test_pdf_is_the_same_to_the_last_byte(folders, tmp_path):
+    try:
+        import weasyprint  # noqa: F401
+    except (ImportError, OSError) as error:
+        pytest.skip(f"no PDF: {error}")
+    first, again = (
+        drakesep.report(folders[1], output=tmp_path / f"{k}.html", pdf=True)
+        for k in ("first", "again")
+    )
+    pdf = first.with_suffix(".pdf").read_bytes()
+    assert pdf.startswith(b"%PDF")
+    assert again.with_suffix(".pdf").read_bytes() == pdf
+
+
+def test_pdf_without_weasyprint_is_refused(folders, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "weasyprint", None)
+    with pytest.raises(
+        ValueError, match=r"pdf: needs WeasyPrint, which drakesep\[pdf\]"
+    ):
+        drakesep.report(folders[1], output=tmp_path / "page.html", pdf=True)
 
 
 @pytest.mark.slow
