@@ -156,7 +156,10 @@ class CampaignFlights:
             values = drawn.values[rows]
             flown, failed = self._fly(failure, values, tell)
             metrics[rows] = flown
-            reasons |= {int(indices[rows[i]]): why for i, why in failed.items()}
+            reasons |= {
+                int(indices[rows[i]]): why.replace("\n", " ")
+                for i, why in failed.items()
+            }
             done += len(rows)
         return FlownDraws(
             first=int(indices[0]),

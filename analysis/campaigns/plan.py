@@ -71,7 +71,7 @@ class CampaignPlan:
         *,
         seed: int = 0,
         also: Sequence[str] = (),
-        chunk: int = CHUNK,
+        chunk: int | None = None,
     ) -> Self:
         """Return a plan that keeps what the requirements of a case are judged by.
 
@@ -80,7 +80,7 @@ class CampaignPlan:
             runs: draws.
             seed: of the draws.
             also: names of metrics that are kept beside these.
-            chunk: draws of a chunk.
+            chunk: draws of a chunk; None: `CHUNK`.
 
         Raises:
             ValueError: as the class says.
@@ -91,7 +91,13 @@ class CampaignPlan:
             if not requirement.measured_apart and case.tells(requirement)
         ]
         metrics = tuple(dict.fromkeys([*judges, *also]))
-        return cls(case=case, runs=runs, seed=seed, metrics=metrics, chunk=chunk)
+        return cls(
+            case=case,
+            runs=runs,
+            seed=seed,
+            metrics=metrics,
+            chunk=CHUNK if chunk is None else chunk,
+        )
 
     @property
     def chunks(self) -> int:

@@ -12,10 +12,11 @@ from drakesep.analysis.campaigns.answers import (
     Tally,
     launch_requirements,
 )
-from drakesep.analysis.campaigns.order_statistics import CampaignSize
+from drakesep.analysis.campaigns.order_statistics import CampaignSize, runs_needed
 from drakesep.analysis.campaigns.plan import CampaignPlan
 from drakesep.analysis.metrics.requirements import Requirement, Verdict
 from drakesep.systems.arrays import Array
+from drakesep.systems.checks import InputError
 
 
 SHARE, CONFIDENCE = 0.99865, 0.90
@@ -128,6 +129,19 @@ def of_launches(
 def size_of(required: LaunchRequirement, runs: int) -> CampaignSize:
     """Return what so many draws can show of a requirement."""
     return CampaignSize(share=required.share, confidence=required.confidence, runs=runs)
+
+
+def check_size(plan: CampaignPlan) -> None:
+    """Raise InputError if so few runs can show nothing, however they turn out."""
+    required = plan.case.requirements
+    for one in required:
+        size = size_of(of_launches(one, required), plan.runs)
+        if one.statistical and size.allowed is None:
+            least = runs_needed(size.share, size.confidence)
+            raise InputError(
+                f"runs: must be {least} or more to show a share of {size.share:g} at a "
+                f"confidence of {size.confidence:g}, got {plan.runs}"
+            )
 
 
 def _finding(

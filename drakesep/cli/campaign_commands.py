@@ -11,7 +11,14 @@ import typer
 from typer.core import TyperGroup
 
 from drakesep.cli.campaign_size import size
-from drakesep.cli.options import CaseArgument, JsonOption, OutputOption, QuietOption
+from drakesep.cli.options import (
+    CaseArgument,
+    ConfidenceOption,
+    JsonOption,
+    OutputOption,
+    QuietOption,
+    ShareOption,
+)
 from drakesep.cli.report import Report
 from drakesep.cli.results_folder import load, results_folder, say
 
@@ -44,16 +51,6 @@ RunsOption = Annotated[
     ),
 ]
 SeedOption = Annotated[int, typer.Option(min=0, help="Of the draws.")]
-ShareOption = Annotated[
-    float | None,
-    typer.Option(
-        help="Of launches that must meet each requirement that names none, such as "
-        "0.99865; if not given, every run must, which no campaign shows."
-    ),
-]
-ConfidenceOption = Annotated[
-    float | None, typer.Option(help="At which that is to be shown, such as 0.9.")
-]
 MetricOption = Annotated[
     list[str] | None,
     typer.Option(
@@ -108,6 +105,9 @@ def run(
 
     Exits with 1 unless the share is shown of every requirement.
     """
+    settings = _given(
+        runs=runs, seed=seed, share=share, confidence=confidence, metrics=metrics
+    )
     with Report("campaign", quiet=quiet, as_json=as_json) as report:
         loaded = load(report, case)
         from drakesep.cli.progress import progress_bar
@@ -120,16 +120,12 @@ def run(
         ):
             study = procedure.campaign(
                 loaded,
-                procedure.RUNS if runs is None else runs,
-                seed=seed,
-                share=share,
-                confidence=confidence,
-                metrics=metrics or (),
                 executor=executor,
                 output=folder,
                 resume=resume,
                 workers=workers,
                 on_progress=on_progress,
+                **settings,
             )
         _say(report, folder, study)
 
@@ -147,6 +143,9 @@ def plan(
     as_json: JsonOption = False,
 ) -> None:
     """Write the plan of a campaign, whose chunks others fly: plan.json."""
+    settings = _given(
+        runs=runs, seed=seed, share=share, confidence=confidence, metrics=metrics
+    )
     with Report("campaign plan", quiet=quiet, as_json=as_json) as report:
         loaded = load(report, case)
         from drakesep.studies.campaign import procedure
@@ -155,15 +154,7 @@ def plan(
             results_folder(output, loaded.name, "campaign") as folder,
             report.aside.status("planning"),
         ):
-            recorded = procedure.plan_campaign(
-                loaded,
-                procedure.RUNS if runs is None else runs,
-                output=folder,
-                seed=seed,
-                share=share,
-                confidence=confidence,
-                metrics=metrics or (),
-            )
+            recorded = procedure.plan_campaign(loaded, output=folder, **settings)
         chunks = recorded.plan.chunks
         report.add(folder=str(folder.path), runs=recorded.plan.runs, chunks=chunks)
         report.console.print(
@@ -289,6 +280,11 @@ def replay(
         say(report, folder, summary, partial(print_simulated, result=result))
         if not result.completed:
             report.fail(result.labelled.status)
+
+
+def _given(**settings: Any) -> dict[str, Any]:
+    """Return the settings that were given, as `campaign` takes them."""
+    return {name: value for name, value in settings.items() if value is not None}
 
 
 def _animate(folder: Path) -> None:

@@ -7,9 +7,11 @@ import typer
 
 from drakesep.cli.options import (
     CaseArgument,
+    ConfidenceOption,
     JsonOption,
     OutputOption,
     QuietOption,
+    ShareOption,
     WorkersOption,
 )
 from drakesep.cli.report import Report
@@ -160,6 +162,16 @@ def verify(
             "--failures", help="Verify the failure cases of the case, too, each alike."
         ),
     ] = False,
+    campaign: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            help="Draw so many launches beside the worst cases: they decide what is "
+            "required of a share of launches, and the worst cases the rest.",
+        ),
+    ] = None,
+    share: ShareOption = None,
+    confidence: ConfidenceOption = None,
     output: OutputOption = None,
     workers: WorkersOption = None,
     quiet: QuietOption = False,
@@ -198,6 +210,9 @@ def verify(
                     minutes=minutes,
                     resume=resume,
                     failures=failures,
+                    campaign=campaign,
+                    share=share,
+                    confidence=confidence,
                     **_given(
                         starts=starts,
                         samples=samples,
@@ -214,9 +229,9 @@ def verify(
         say(report, folder, summary, partial(print_requirements, study=study))
         print_verdict(report.console, study)
         if study.verdict is None:
-            report.fail(_WHAT_FAILED)
+            report.fail(study.campaign_failure or _WHAT_FAILED)
         if not study.completed:  # and yet a run is beyond a limit
-            report.not_met(_WHAT_FAILED)
+            report.not_met(study.campaign_failure or _WHAT_FAILED)
         if not study.passed:
             report.not_well()
 

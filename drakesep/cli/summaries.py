@@ -141,6 +141,8 @@ class VerifySummary(WorstCaseSummary):
 
     requirements: list[Row]
     """Rows of requirements.csv."""
+    answers: list[Row]
+    """Rows of answers.csv; empty if no campaign was flown."""
     failure_cases: list[Row]
     """Rows of failure_cases.csv; empty if they were not looked at."""
 
@@ -328,6 +330,7 @@ def of_verification(study: Verification, folder: Path) -> VerifySummary:
     return VerifySummary(
         **vars(of_worst_cases(study, folder)),
         requirements=_rows(study.requirements),
+        answers=_rows(study.answers) if study.campaign else [],
         failure_cases=_rows(study.failure_cases) if study.failed_cases else [],
     )
 

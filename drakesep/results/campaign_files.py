@@ -16,6 +16,7 @@ import numpy as np
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.campaigns.flights import FlownDraws
+from drakesep.analysis.campaigns.gathering import Gathered
 from drakesep.analysis.campaigns.plan import CampaignPlan
 from drakesep.files import write_text, written
 from drakesep.results import provenance
@@ -159,14 +160,19 @@ def read_chunk(folder: Path, recorded: RecordedPlan, number: int) -> FlownDraws 
     return flown if (flown.first, len(flown)) == (indices[0], len(indices)) else None
 
 
-def missing_chunks(folder: Path, recorded: RecordedPlan) -> list[int]:
-    """Return the numbers of chunks that are not there, or damaged.
+def gathered(folder: Path, recorded: RecordedPlan) -> Gathered:
+    """Return the chunks of a campaign that are there, put together.
+
+    One that is damaged is missing.
 
     Raises:
-        ValueError: one is of another plan.
+        ValueError: a chunk is of another plan.
     """
-    numbers = range(recorded.plan.chunks)
-    return [n for n in numbers if read_chunk(folder, recorded, n) is None]
+    chunks = Gathered(recorded.plan)
+    for number in range(recorded.plan.chunks):
+        if (flown := read_chunk(folder, recorded, number)) is not None:
+            chunks.add(number, flown)
+    return chunks
 
 
 def merged(folder: Path, recorded: RecordedPlan) -> FlownDraws:
@@ -176,29 +182,14 @@ def merged(folder: Path, recorded: RecordedPlan) -> FlownDraws:
         ValueError: a chunk is of another plan.
         RuntimeError: chunks are not there, or damaged; it says which.
     """
-    plan = recorded.plan
-    metrics = np.empty((plan.runs, len(plan.metrics)))
-    failure = np.empty(plan.runs, np.int16)
-    attempts = np.empty(plan.runs, np.int32)
-    reasons: dict[int, str] = {}
-    missing = []
-    for number in range(plan.chunks):
-        flown = read_chunk(folder, recorded, number)
-        if flown is None:
-            missing.append(number)
-            continue
-        mine = slice(flown.first, flown.first + len(flown))
-        metrics[mine], failure[mine] = flown.metrics, flown.failure
-        attempts[mine] = flown.attempts
-        reasons |= flown.reasons
-    if missing:
+    chunks = gathered(folder, recorded)
+    if chunks.missing:
         raise RuntimeError(
-            f"{folder}: of {plan.chunks} chunks {len(missing)} are not there, or "
-            f"damaged: {_listed(missing)}; fly them with `drakesep campaign run-chunk`"
+            f"{folder}: of {recorded.plan.chunks} chunks {len(chunks.missing)} are not "
+            f"there, or damaged: {_listed(chunks.missing)}; fly them with `drakesep "
+            "campaign run-chunk`"
         )
-    return FlownDraws(
-        first=0, metrics=metrics, failure=failure, attempts=attempts, reasons=reasons
-    )
+    return chunks.whole()
 
 
 def _listed(numbers: Sequence[int], most: int = 20) -> str:

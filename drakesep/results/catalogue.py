@@ -380,10 +380,12 @@ _ESTIMATES = (
         )
     ),
 )
+_OF_CAMPAIGN = (CAMPAIGN, VERIFY)
+"""In `verify`, if one was flown beside the worst cases."""
 _CAMPAIGN = (
     FileKind(
         name="campaign.csv",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="What share of launches meets each requirement, by the draws.",
         row="requirement and axis",
         columns=(
@@ -410,6 +412,11 @@ _CAMPAIGN = (
             Column("margin", _SAME, "Of the bound; negative beyond the limit."),
             Column("worst", _SAME, "Of all draws that have not failed."),
             Column("worst_draw", "", "Number of the worst draw; of one that failed."),
+            Column(
+                "worst_case_found",
+                _SAME,
+                "That searches have found within the tolerances; in `verify` alone.",
+            ),
             Column("deciding_draw", "", "Number of the draw that is the bound."),
             Column("failed", "", "Runs that failed, which count as beyond."),
             Column(
@@ -430,7 +437,7 @@ _CAMPAIGN = (
     ),
     FileKind(
         name="campaign_worst.csv",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="Draws that decide the verdicts, and some at random, flown in Drake.",
         row="draw and quantity",
         columns=(
@@ -448,7 +455,7 @@ _CAMPAIGN = (
     ),
     FileKind(
         name="campaign_statistics.csv",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="How each metric is distributed over the draws that tell it.",
         row="metric",
         columns=(
@@ -461,7 +468,7 @@ _CAMPAIGN = (
     ),
     FileKind(
         name="campaign_sensitivities.csv",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="Spearman's rank correlation of each metric with each parameter, over the "
         "first 100 000 draws.",
         row="metric and parameter",
@@ -475,7 +482,7 @@ _CAMPAIGN = (
     ),
     FileKind(
         name="campaign_runs.csv.gz",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="All draws, of a campaign of at most 20 000.",
         row="draw",
         columns=(
@@ -486,7 +493,7 @@ _CAMPAIGN = (
     ),
     FileKind(
         name="campaign_runs.npz",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="All draws: `metrics` by `metric_names`, in SI; `failure_case` by its "
         "place among those that may happen, -1 for none; `attempts`, how often values "
         "were drawn before that cannot be; `failed` draws and `reasons`. What they "
@@ -494,15 +501,16 @@ _CAMPAIGN = (
     ),
     FileKind(
         name="plan.json",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="The frozen plan: case, draws, seed, metrics, tolerance and versions, by "
         "which its chunks are known.",
     ),
     FileKind(
         name="campaign.png",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="How each quantity that is required is distributed over the draws, with "
-        "its limit, the bound of the share, and the worst draw.",
+        "its limit, the bound of the share, the worst draw and, in `verify`, the worst "
+        "case found.",
     ),
 )
 
@@ -562,7 +570,8 @@ _VERDICT = (
         "",
         "`met`, `not met` or `not looked at`, which is also what may be broken "
         "by a run that failed, or by a worst case that is not confirmed; and what is "
-        "required of a share of launches, which a campaign tells.",
+        "required of a share of launches, unless a campaign tells; then also `not "
+        "shown`.",
     ),
     *_IDENTITY,
 )
@@ -727,6 +736,69 @@ _WORST_CASES = (
         what="The verdict.",
         row="requirement and axis",
         columns=_VERDICT,
+    ),
+    FileKind(
+        name="answers.csv",
+        studies=(VERIFY,),
+        what="The statistical answer and the worst case found, side by side, if a "
+        "campaign was flown.",
+        row="requirement and axis",
+        columns=(
+            *_LIMIT,
+            Column("nominal", _SAME, "In the nominal run."),
+            Column("bound_of", "", "The share of launches of which the bound is told."),
+            Column("at_confidence", "", "At which it is."),
+            Column(
+                "bound",
+                _SAME,
+                "Statistical: so large a share of launches is no worse, as "
+                "campaign.csv has it.",
+            ),
+            Column(
+                "failures",
+                "",
+                "Draws beyond the limit; empty if that was not looked at.",
+            ),
+            Column("allowed", "", "How many may be."),
+            Column("worst_of_draws", _SAME, "Of all draws that have not failed."),
+            Column(
+                "worst_case_beyond_bound",
+                _SAME,
+                "How much worse the worst case found is than the bound.",
+            ),
+            Column(
+                "by_campaign",
+                "",
+                "What the draws say, as `verdict` of campaign.csv; of a limit that "
+                "every run must keep `not looked at`, unless one is beyond.",
+            ),
+            Column(
+                "worst_case_found",
+                _SAME,
+                "The worst that searches have found within the tolerances, flown in "
+                "Drake: at least this bad can happen.",
+            ),
+            Column("which_run", "", "Label of that run."),
+            Column(
+                "missed_draw",
+                "",
+                "Number of a draw within the tolerances that is worse, if there is "
+                "one: then the search has failed.",
+            ),
+            Column(
+                "by_worst_case",
+                "",
+                "Whether all runs flown in Drake are within the limit.",
+            ),
+            Column(
+                "decided_by",
+                "",
+                "`campaign`: of what is required of a share, and where a draw "
+                "disproves what every run must keep; else `worst case`.",
+            ),
+            Column("verdict", "", "Of what decides."),
+            *_IDENTITY,
+        ),
     ),
     FileKind(
         name="failure_cases.csv",

@@ -22,7 +22,10 @@ from drakesep.units import Unit, unit_of, with_unit
 
 
 def campaign_table(
-    findings: Sequence[ShareFinding], flown: FlownDraws, bodies: Sequence[str]
+    findings: Sequence[ShareFinding],
+    flown: FlownDraws,
+    bodies: Sequence[str],
+    found: Mapping[Requirement, float],
 ) -> pd.DataFrame:
     """Return a row for each requirement and axis: the share that is shown.
 
@@ -30,8 +33,10 @@ def campaign_table(
         findings: of each requirement.
         flown: all draws.
         bodies: names of those that leave; that of the first pair is the first.
+        found: the worst case of each requirement, in SI, if worst cases were searched:
+            else there is no column of it.
     """
-    frame = pd.DataFrame([_finding(one, flown, bodies) for one in findings])
+    frame = pd.DataFrame([_finding(one, flown, bodies, found) for one in findings])
     return frame.astype({name: "Int64" for name in _WHOLE if name in frame})
 
 
@@ -40,11 +45,15 @@ _WHOLE = ("failures", "allowed", "worst_draw", "deciding_draw", "rank")
 
 
 def _finding(
-    finding: ShareFinding, flown: FlownDraws, bodies: Sequence[str]
+    finding: ShareFinding,
+    flown: FlownDraws,
+    bodies: Sequence[str],
+    found: Mapping[Requirement, float],
 ) -> dict[str, object]:
     requirement, size = finding.requirement, finding.size
     unit = unit_of(requirement.metric)
     answer, ranked = finding.answer, finding.ranked
+    worst_case = found.get(requirement, math.nan)
     return {
         **limit_columns(requirement, unit),
         "runs": size.runs,
@@ -58,6 +67,7 @@ def _finding(
         "margin": unit.from_si(finding.margin),
         "worst": unit.from_si(finding.worst),
         "worst_draw": ranked[0] if ranked else None,
+        **({"worst_case_found": unit.from_si(worst_case)} if found else {}),
         "deciding_draw": None if answer is None else answer.deciding_draw,
         "failed": len(flown.reasons),
         "consumers_risk": size.consumers_risk,

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -68,6 +69,31 @@ def _deciding(finding: ShareFinding) -> Iterator[Chosen]:
     for rank in ranks.tolist():
         draw = int(finding.ranked[rank])
         yield Chosen(draw, finding.requirement, rank + 1, rank == decides)
+
+
+def confirmed(
+    study: Campaign,
+    draws: Sequence[Chosen],
+    pool: DrakePool,
+    on_progress: Callable[[int, int], None] = lambda *_: None,
+) -> Campaign:
+    """Return a campaign with what Drake says of some draws.
+
+    What it does not confirm shows nothing.
+
+    Args:
+        study: with all draws.
+        draws: that are chosen.
+        pool: that flies its separation in Drake.
+        on_progress: told how many are done, and of how many.
+    """
+    flown = confirmed_draws(study, draws, pool, on_progress)
+    doubtful = {one.metric for one in flown if one.outcome.failed}
+    findings = tuple(
+        replace(one, confirmed=one.requirement.judged_by not in doubtful)
+        for one in study.findings
+    )
+    return replace(study, findings=findings, confirmed=tuple(flown))
 
 
 def confirmed_draws(

@@ -1,23 +1,28 @@
 """What came of a campaign: shares, verdict, draws, and what Drake says of some."""
 
 import functools
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
-from drakesep.analysis.campaigns.order_statistics import runs_needed
 from drakesep.analysis.campaigns.plan import CampaignPlan
-from drakesep.analysis.campaigns.shares import ShareFinding, of_launches, size_of
-from drakesep.analysis.metrics.requirements import Verdict, verdict_on_all
+from drakesep.analysis.campaigns.shares import ShareFinding
+from drakesep.analysis.metrics.requirements import (
+    Requirement,
+    Verdict,
+    verdict_on_all,
+)
+from drakesep.plots.campaign_curves import Curve, curve_of_rows
+from drakesep.plots.pictures import OfCampaign
 from drakesep.results.asked import Asked
 from drakesep.results.campaign_files import RecordedPlan, write_draws
 from drakesep.results.catalogue import CAMPAIGN
 from drakesep.results.folder import ResultsFolder
-from drakesep.systems.checks import InputError
 from drakesep.tables.campaign_tables import (
     ConfirmedDraw,
     campaign_table,
@@ -49,6 +54,9 @@ class Campaign:
     """Of each requirement."""
     confirmed: tuple[ConfirmedDraw, ...] = field(default=(), repr=False)
     """Draws that were flown in Drake."""
+    found: Mapping[Requirement, float] = field(default_factory=dict, repr=False)
+    """The worst case that searches have found of each requirement, in SI; none, if the
+    campaign was flown alone."""
 
     @property
     def case(self) -> AnalysisCase:
@@ -64,7 +72,7 @@ class Campaign:
     def requirements(self) -> pd.DataFrame:
         """A row for each requirement and axis: the share that is shown."""
         bodies = [pair.B for pair in self.case.separation.pairs]
-        return campaign_table(self.findings, self.flown, bodies)
+        return campaign_table(self.findings, self.flown, bodies, self.found)
 
     @functools.cached_property
     def worst(self) -> pd.DataFrame:
@@ -141,6 +149,12 @@ class Campaign:
 
     def write(self, results: ResultsFolder) -> None:
         """Write it into the folder of its study, which ends."""
+        self.write_tables(results)
+        self.draw(results.path)
+        results.end(failed=self.failure, verdict=self.verdict)
+
+    def write_tables(self, results: ResultsFolder) -> None:
+        """Write all draws and the tables into a folder that is locked."""
         folder = results.path
         write_draws(folder, self.recorded, self.flown)
         write_csv(self.requirements, folder / "campaign.csv")
@@ -150,35 +164,27 @@ class Campaign:
         if self.plan.runs <= _ROWS:
             write_csv(self.draws, folder / "campaign_runs.csv.gz")
         results.keep()
-        if any(one.beyond is not None for one in self.findings):
-            # Half a second to import, where something is drawn.
-            from drakesep.plots.campaign import save_campaign
 
-            save_campaign(self.findings, self.plan, self.flown, folder)
-        results.end(failed=self.failure, verdict=self.verdict)
+    def draw(self, folder: Path) -> None:
+        """Draw what is required over the draws into a folder."""
+        self.picture.save(folder)
 
+    @property
+    def picture(self) -> OfCampaign:
+        """What shows what is required over the draws."""
+        curves = [self._curve(one) for one in self.findings if one.beyond is not None]
+        return OfCampaign(name=self.case.name, runs=self.plan.runs, curves=curves)
 
-def with_confirmed(study: Campaign, confirmed: Sequence[ConfirmedDraw]) -> Campaign:
-    """Return a campaign with what Drake says of some draws.
-
-    What it does not confirm shows nothing.
-    """
-    doubtful = {one.metric for one in confirmed if one.outcome.failed}
-    findings = tuple(
-        replace(one, confirmed=one.requirement.judged_by not in doubtful)
-        for one in study.findings
-    )
-    return replace(study, findings=findings, confirmed=tuple(confirmed))
-
-
-def check_size(plan: CampaignPlan) -> None:
-    """Raise InputError if so few runs can show nothing, however they turn out."""
-    required = plan.case.requirements
-    for one in required:
-        size = size_of(of_launches(one, required), plan.runs)
-        if one.statistical and size.allowed is None:
-            least = runs_needed(size.share, size.confidence)
-            raise InputError(
-                f"runs: must be {least} or more to show a share of {size.share:g} at a "
-                f"confidence of {size.confidence:g}, got {plan.runs}"
-            )
+    def _curve(self, finding: ShareFinding) -> Curve:
+        required = finding.requirement
+        column = self.flown.metrics[:, self.plan.metrics.index(required.judged_by)]
+        values, shares = curve_of_rows(column, required.from_above)
+        return Curve(
+            requirement=required,
+            values=values,
+            shares=shares,
+            bound_of=finding.size.share,
+            bound=finding.bound,
+            bound_share=(finding.size.rank or 1) / self.plan.runs,
+            worst_case=self.found.get(required, math.nan),
+        )

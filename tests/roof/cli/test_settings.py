@@ -83,6 +83,7 @@ OPTIONS = {
         "--growth": (None, {"growth": True}),
         "--no-growth": (None, {"growth": False}),
         "--failures": (None, {"failures": True}),
+        "--campaign": (300, {"campaign": 300}),
     },
 }
 """Of each command: an option, its value, and the same argument in Python."""
@@ -97,7 +98,7 @@ ELSEWHERE = {
     "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes", "--resume"},
     "verify": {
         *("--output", "-o", "--workers", "--flips", "--corners", "--minutes"),
-        "--resume",
+        *("--resume", "--share", "--confidence"),
     },
 }
 """Tested below."""
@@ -318,6 +319,16 @@ def test_what_two_parameters_do_not_show(
     plan = drakesep.read_results(tmp_path).record.plan
     assert {name: plan[name] for name in planned} == planned
     assert plan["searches"] == ["corners"]
+
+
+def test_share_and_confidence_of_a_campaign_beside(case, tmp_path, drakesep_):
+    """They go to the requirements, as those of `campaign` do."""
+    words = ["--share", 0.98, "--confidence", 0.8, "--campaign", 300]
+    words += ["--search", "vertices", "--workers", 1]
+    drakesep_("verify", case, "-o", tmp_path, *words)
+    table = pd.read_csv(tmp_path / "answers.csv")
+    assert table[["share", "confidence"]].to_numpy().tolist() == [[0.98, 0.8]]
+    assert set(table["decided_by"]) == {"campaign"}
 
 
 @pytest.mark.parametrize("command", ["worst-case", "verify"])

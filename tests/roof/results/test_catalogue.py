@@ -18,7 +18,8 @@ def studies(case, folder):
     quick = {"searches": ["drake"], "workers": 1}
     drakesep.simulate(case, output=folder / "simulate")
     drakesep.clearance(case, output=folder / "clearance")
-    drakesep.verify(case, output=folder / "verify", growth=True, corners=1, **quick)
+    how = {"growth": True, "corners": 1, "campaign": 100}
+    drakesep.verify(case, output=folder / "verify", **how, **quick)
     drakesep.sweep(case, {"payload.mass_kg": [1880]}, output=folder / "sweep")
     drakesep.campaign(case, 100, output=folder / "campaign", workers=1)
     chosen = ["PM", "lowest_clearance"]

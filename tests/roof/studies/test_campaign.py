@@ -16,7 +16,8 @@ from drakesep.analysis.campaigns.flights import CampaignFlights
 from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.results.campaign_files import DRAWS, chunk_file
-from drakesep.studies.campaign import confirmation, executors, procedure
+from drakesep.studies.campaign import confirmation, executors, flight
+from drakesep.studies.campaign.settings import CampaignSettings
 
 
 RUNS, CHUNK = 300, 64
@@ -155,9 +156,9 @@ def interrupted(case, folder, after, **how):
         wrote.append(arguments)
         write_chunk(*arguments)
 
-    write_chunk = procedure.write_chunk
+    write_chunk = flight.write_chunk
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(procedure, "write_chunk", write)
+        patch.setattr(flight, "write_chunk", write)
         with pytest.raises(KeyboardInterrupt):
             drakesep.campaign(case, RUNS, output=folder, **{**HOW, **how})
 
@@ -206,8 +207,12 @@ def test_another_campaign_does_not_go_on(changed, told, case, tmp_path):
 def test_what_is_refused(case, tmp_path):
     with pytest.raises(ValueError, match=r"^runs: must be 230 or more to show a share"):
         drakesep.campaign(case, 229, **HOW)
-    with pytest.raises(ValueError, match="must have share and confidence"):
-        drakesep.campaign(case, RUNS, share=0.99)
+    with pytest.raises(ValueError, match=r"^confidence: must stand with a share"):
+        drakesep.campaign(case, RUNS, confidence=0.9)
+    with pytest.raises(
+        ValueError, match=r"^share must be a number or None, got 'most'"
+    ):
+        drakesep.campaign(case, RUNS, share="most")
     with pytest.raises(ValueError, match=r"^output: .* to resume, got None"):
         drakesep.campaign(case, RUNS, resume=True)
     nothing = write_case(
@@ -215,6 +220,17 @@ def test_what_is_refused(case, tmp_path):
     )
     with pytest.raises(ValueError, match=r"^requirements: a campaign needs one"):
         drakesep.campaign(nothing, RUNS)
+
+
+def test_a_share_alone_is_shown_at_90_per_cent(case):
+    plans = [
+        CampaignSettings(runs=RUNS, share=0.99, confidence=confidence)
+        for confidence in (None, 0.9)
+    ]
+    loaded = drakesep.load_case(case).in_si()
+    alone, given = (one.of_shares(loaded).requirements for one in plans)
+    assert alone == given
+    assert {one.confidence for one in alone} == {0.9}
 
 
 def test_every_run_must_is_not_shown_by_any_number(case):
