@@ -59,7 +59,7 @@ def campaign_figure(name: str, runs: int, curves: Sequence[Curve]) -> Figure:
         "the share that is required, dot: worst draw"
     )
     if any(math.isfinite(one.worst_case) for one in curves):
-        title += ", cross: worst case found, and how far beyond the bound"
+        title += ", cross: worst case found, and how much worse than the bound"
     figure.suptitle(wrapped(title, _CELL * across - 0.2, 11), fontsize=11)
     return figure
 
@@ -71,17 +71,22 @@ def _draw(axes: Axes, curves: Sequence[Curve], runs: int) -> None:
     several = len({one.requirement.limit for one in curves}) > 1
     for k, one in enumerate(curves):
         required, colour = one.requirement, COLOURS[k % len(COLOURS)]
-        value = unit.from_si(1.0) * one.values
+        values = unit.from_si(1.0) * one.values
         label = required.quantity[1] or None
-        axes.plot(value, one.shares, color=colour, label=label)
-        if len(value):
-            axes.plot(value[-1], one.shares[-1], "o", color=colour, markersize=5)
+        axes.plot(values, one.shares, color=colour, label=label)
+        if len(values):
+            axes.plot(values[-1], one.shares[-1], "o", color=colour, markersize=5)
         bound = unit.from_si(one.bound)
         if math.isfinite(bound):
             axes.plot(bound, one.bound_share, color=colour, **_RING)
         if math.isfinite(one.worst_case):
             height = _below(k + 0.6, runs)
-            _draw_worst_case(axes, bound, unit.from_si(one.worst_case), height, colour)
+            value = unit.from_si(one.worst_case)
+            worse = (value - bound) * (1.0 if required.from_above else -1.0)
+            words = f"{100.0 * worse / abs(bound):+.2g} %" if bound else ""
+            _draw_worst_case(axes, bound, value, height, words, colour)
+    for k, one in enumerate(curves):
+        required, colour = one.requirement, COLOURS[k % len(COLOURS)]
         axes.axvline(
             unit.from_si(required.limit),
             **LIMIT | ({"color": colour} if several else {}),
@@ -107,7 +112,7 @@ def _draw(axes: Axes, curves: Sequence[Curve], runs: int) -> None:
 
 
 def _draw_worst_case(
-    axes: Axes, bound: float, value: float, height: float, colour: str
+    axes: Axes, bound: float, value: float, height: float, words: str, colour: str
 ) -> None:
     """Draw a worst case below the curves, with a line from its bound.
 
@@ -116,6 +121,7 @@ def _draw_worst_case(
         bound: in the unit of the panel; NaN if there is none.
         value: of the worst case, likewise.
         height: at which it stands.
+        words: that stand above.
         colour: of its curve.
     """
     axes.plot(value, height, marker="X", markersize=7, color=colour)
@@ -123,13 +129,9 @@ def _draw_worst_case(
         return
     axes.plot([bound, value], [height, height], color=colour, linewidth=1.0)
     axes.plot(bound, height, marker="|", markersize=8, color=colour)
-    if bound:
-        words = f"{100.0 * (value - bound) / abs(bound):+.1f} %"
-        middle = 0.5 * (bound + value)
-        above = axes.annotate(
-            words, (middle, height), xytext=(0, 4), textcoords="offset points"
-        )
-        above.set(fontsize=7, ha="center", va="bottom", color=colour)
+    middle = 0.5 * (bound + value), height
+    above = axes.annotate(words, middle, xytext=(0, 4), textcoords="offset points")
+    above.set(fontsize=7, ha="center", va="bottom", color=colour)
 
 
 def _below(place: float, runs: int) -> float:
