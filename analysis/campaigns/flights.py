@@ -1,14 +1,15 @@
 """The draws of a campaign, flown on the batch engine."""
 
+import copy
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drakesep.analysis.campaigns.draws import Drawn, Draws
-from drakesep.analysis.campaigns.plan import CampaignPlan
+from drakesep.analysis.campaigns.plan import ROWS, CampaignPlan
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.failure_cases import FailureCase
 from drakesep.analysis.metrics.of_run import metric_named, metrics_of_run
@@ -42,6 +43,31 @@ class FlownDraws:
 
     def __len__(self) -> int:
         return len(self.metrics)
+
+    @property
+    def failed(self) -> int:
+        """How many runs failed."""
+        return len(self.reasons)
+
+    @property
+    def again(self) -> int:
+        """How often values were drawn that cannot be."""
+        return int(self.attempts.sum())
+
+    def some(self, numbers: Sequence[int]) -> "FlownDraws":
+        """Return what came of some of the draws, in their order.
+
+        Args:
+            numbers: of the draws, one or more.
+        """
+        rows = np.asarray(numbers) - self.first
+        return FlownDraws(
+            first=numbers[0],
+            metrics=self.metrics[rows],
+            failure=self.failure[rows],
+            attempts=self.attempts[rows],
+            reasons={i: self.reasons[i] for i in numbers if i in self.reasons},
+        )
 
 
 @typed
@@ -100,6 +126,20 @@ class CampaignFlights:
     def together(self) -> int:
         """Draws that are flown together on all cores."""
         return _WHOLE if self._whole_runs else self._batch.chunk * self._batch.workers
+
+    def with_spans(self) -> "CampaignFlights":
+        """Return what flies the plan with spans of histograms, from its first draws.
+
+        Where rows are kept, itself: there are none. They are one and a half times as
+        wide as these draws lie apart, to either side of them.
+        """
+        if self.plan.keep == ROWS:
+            return self
+        first = self.fly(np.arange(min(_FIRST, self.plan.runs), dtype=np.int64))
+        spans = tuple(map(_span, first.metrics.T))
+        prepared = copy.copy(self)
+        prepared.plan = replace(self.plan, spans=spans)
+        return prepared
 
     def chunk(self, number: int, on_progress: Progress | None = None) -> FlownDraws:
         """Fly a chunk of the plan.
@@ -216,6 +256,19 @@ class CampaignFlights:
                     metrics[i] = np.nan
             on_progress(min(first + _WHOLE, len(rows)), len(rows))
         return metrics, failed
+
+
+_FIRST = 2048
+"""Draws that tell how far histograms go."""
+
+
+def _span(values: Array) -> tuple[float, float]:
+    told = values[np.isfinite(values)]
+    if not len(told):
+        return 0.0, 1.0
+    least, greatest = float(told.min()), float(told.max())
+    beyond = 1.5 * (greatest - least) or 1e-3 * abs(least) or 1.0
+    return least - beyond, greatest + beyond
 
 
 _WHOLE = 64

@@ -1,9 +1,21 @@
 """Chunks of a campaign put together, in whatever order they come."""
 
+from typing import TypeAlias
+
 import numpy as np
 
 from drakesep.analysis.campaigns.flights import FlownDraws
-from drakesep.analysis.campaigns.plan import CampaignPlan
+from drakesep.analysis.campaigns.plan import ROWS, CampaignPlan
+from drakesep.analysis.campaigns.tallies import TalliedDraws
+
+
+KeptDraws: TypeAlias = FlownDraws | TalliedDraws
+"""What is kept of draws: a row for each; or counts, histograms and the worst."""
+
+
+def kept(plan: CampaignPlan, flown: FlownDraws) -> KeptDraws:
+    """Return what a plan keeps of draws."""
+    return flown if plan.keep == ROWS else TalliedDraws.of(plan, flown)
 
 
 class Gathered:
@@ -20,26 +32,33 @@ class Gathered:
             plan: of the campaign.
         """
         self.missing = [*range(plan.chunks)]
-        self._metrics = np.empty((plan.runs, len(plan.metrics)))
-        self._failure = np.empty(plan.runs, np.int16)
-        self._attempts = np.empty(plan.runs, np.int32)
+        self._tallies: list[TalliedDraws] = []
+        runs = plan.runs if plan.keep == ROWS else 0
+        self._metrics = np.empty((runs, len(plan.metrics)))
+        self._failure = np.empty(runs, np.int16)
+        self._attempts = np.empty(runs, np.int32)
         self._reasons: dict[int, str] = {}
 
-    def add(self, number: int, flown: FlownDraws) -> None:
+    def add(self, number: int, chunk: KeptDraws) -> None:
         """Add a chunk that is missing.
 
         Args:
             number: of the chunk.
-            flown: what came of its draws.
+            chunk: what is kept of its draws.
         """
         self.missing.remove(number)
-        mine = slice(flown.first, flown.first + len(flown))
-        self._metrics[mine], self._failure[mine] = flown.metrics, flown.failure
-        self._attempts[mine] = flown.attempts
-        self._reasons |= flown.reasons
+        if isinstance(chunk, TalliedDraws):
+            self._tallies.append(chunk)
+            return
+        mine = slice(chunk.first, chunk.first + len(chunk))
+        self._metrics[mine], self._failure[mine] = chunk.metrics, chunk.failure
+        self._attempts[mine] = chunk.attempts
+        self._reasons |= chunk.reasons
 
-    def whole(self) -> FlownDraws:
-        """Return what came of all draws, once no chunk is missing."""
+    def whole(self) -> KeptDraws:
+        """Return what is kept of all draws, once no chunk is missing."""
+        if self._tallies:
+            return TalliedDraws.merged(self._tallies)
         return FlownDraws(
             first=0,
             metrics=self._metrics,

@@ -1,8 +1,9 @@
 """What the draws of a campaign say of each requirement, of a share or of every run."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -66,10 +67,26 @@ class ShareFinding:
 
     @property
     def ranked(self) -> tuple[int, ...]:
-        """Draws of the least margins, the least first, runs that failed before them."""
+        """Draws of the least margins, the least first, runs that failed before them.
+
+        As many as are known.
+        """
         if self.answer is None:
             return ()
         return (*self.failed, *self.answer.tally.worst_draws)
+
+    def draw_of_rank(self, rank: int) -> int:
+        """Return the number of a draw that was looked at.
+
+        Args:
+            rank: 1 for the worst. Runs that failed are all alike: of more than are
+                known by their numbers, the last of these stands for the others.
+        """
+        assert self.answer is not None
+        tally = self.answer.tally
+        if rank <= tally.untold:
+            return self.failed[min(rank, len(self.failed)) - 1]
+        return tally.worst_draws[rank - tally.untold - 1]
 
     @property
     def verdict(self) -> Verdict:
@@ -98,16 +115,81 @@ def share_findings(
         metrics: (N, m) of all draws; NaN of runs that failed.
         failed: numbers of the draws that did.
     """
-    columns = dict(zip(plan.metrics, metrics.T, strict=True))
-    first = tuple(sorted(failed)[:_FAILED])
-    return [
-        _finding(plan, one, of_launches(one, plan.case.requirements), columns, first)
-        for one in plan.case.requirements
-    ]
+    found = counted(plan, metrics, lambda size: (size.allowed or 0) + _MORE)
+    return findings_of(plan, found, sorted(failed)[:_FAILED])
 
 
 _FAILED = 100_000
-"""Runs that failed which are known by their numbers: more than may be beyond."""
+"""Runs that failed which are known by their numbers."""
+
+
+class Counted(NamedTuple):
+    """What is known of draws for one requirement."""
+
+    tally: Tally
+    worst: float
+    """Of all that tell, in SI; NaN if none does."""
+
+
+def counted(
+    plan: CampaignPlan,
+    metrics: Array,
+    kept: Callable[[CampaignSize], int],
+    first: int = 0,
+) -> list[Counted | None]:
+    """Return what draws say of each requirement of a plan's case, in their order.
+
+    None of one that the metrics do not judge.
+
+    Args:
+        plan: of the campaign.
+        metrics: (n, m) of draws that follow each other; NaN of runs that failed.
+        kept: how many worst are kept of a campaign of such a size.
+        first: number of the first draw.
+    """
+    columns = dict(zip(plan.metrics, metrics.T, strict=True))
+    found: list[Counted | None] = []
+    for one in plan.case.requirements:
+        required = of_launches(one, plan.case.requirements)
+        apart = any(limit.measured_apart for limit in required.limits)
+        if apart or not columns.keys() >= set(required.metrics):
+            found.append(None)
+            continue
+        most = kept(size_of(required, plan.runs))
+        tally = Tally.of(required, columns, first=first, kept=most)
+        told = columns[one.judged_by]
+        told = told[~np.isnan(told)]
+        worst = math.nan
+        if len(told):
+            worst = float(told.max() if one.from_above else told.min())
+        found.append(Counted(tally, worst))
+    return found
+
+
+def findings_of(
+    plan: CampaignPlan, found: Sequence[Counted | None], failed: Sequence[int]
+) -> list[ShareFinding]:
+    """Return how each requirement of a case fares, in their order.
+
+    Args:
+        plan: of the campaign.
+        found: what all draws say of each requirement.
+        failed: numbers of draws that failed, the first of them.
+    """
+    others = plan.case.requirements
+    findings = []
+    for one, known in zip(others, found, strict=True):
+        required = of_launches(one, others)
+        finding = ShareFinding(requirement=one, size=size_of(required, plan.runs))
+        if known is not None:
+            finding = replace(
+                finding,
+                answer=CampaignAnswer(required=required, tally=known.tally),
+                failed=tuple(failed),
+                worst=known.worst,
+            )
+        findings.append(finding)
+    return findings
 
 
 def of_launches(
@@ -142,29 +224,3 @@ def check_size(plan: CampaignPlan) -> None:
                 f"runs: must be {least} or more to show a share of {size.share:g} at a "
                 f"confidence of {size.confidence:g}, got {plan.runs}"
             )
-
-
-def _finding(
-    plan: CampaignPlan,
-    requirement: Requirement,
-    required: LaunchRequirement,
-    columns: Mapping[str, Array],
-    failed: tuple[int, ...],
-) -> ShareFinding:
-    size = size_of(required, plan.runs)
-    apart = any(limit.measured_apart for limit in required.limits)
-    if apart or not columns.keys() >= set(required.metrics):
-        return ShareFinding(requirement=requirement, size=size)
-    tally = Tally.of(required, columns, kept=(size.allowed or 0) + _MORE)
-    told = columns[requirement.judged_by]
-    told = told[~np.isnan(told)]
-    worst = math.nan
-    if len(told):
-        worst = float(told.max() if requirement.from_above else told.min())
-    return ShareFinding(
-        requirement=requirement,
-        size=size,
-        answer=CampaignAnswer(required=required, tally=tally),
-        failed=failed,
-        worst=worst,
-    )

@@ -58,6 +58,14 @@ MetricOption = Annotated[
         help="A metric that is kept beside those of the requirements; can be repeated.",
     ),
 ]
+KeepOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="rows|worst",
+        help="Of draws: the metrics of each; or counts, exact sums, histograms and the "
+        "worst that decide. If not given, rows of up to ten million.",
+    ),
+]
 FolderArgument = Annotated[
     Path, typer.Argument(metavar="DIR", help="The folder of a campaign.")
 ]
@@ -75,6 +83,7 @@ def run(
     share: ShareOption = None,
     confidence: ConfidenceOption = None,
     metrics: MetricOption = None,
+    keep: KeepOption = None,
     resume: Annotated[
         bool,
         typer.Option(
@@ -106,7 +115,12 @@ def run(
     Exits with 1 unless the share is shown of every requirement.
     """
     settings = _given(
-        runs=runs, seed=seed, share=share, confidence=confidence, metrics=metrics
+        runs=runs,
+        seed=seed,
+        share=share,
+        confidence=confidence,
+        metrics=metrics,
+        keep=keep,
     )
     with Report("campaign", quiet=quiet, as_json=as_json) as report:
         loaded = load(report, case)
@@ -138,13 +152,19 @@ def plan(
     share: ShareOption = None,
     confidence: ConfidenceOption = None,
     metrics: MetricOption = None,
+    keep: KeepOption = None,
     output: OutputOption = None,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Write the plan of a campaign, whose chunks others fly: plan.json."""
     settings = _given(
-        runs=runs, seed=seed, share=share, confidence=confidence, metrics=metrics
+        runs=runs,
+        seed=seed,
+        share=share,
+        confidence=confidence,
+        metrics=metrics,
+        keep=keep,
     )
     with Report("campaign plan", quiet=quiet, as_json=as_json) as report:
         loaded = load(report, case)

@@ -71,7 +71,7 @@ def print_campaign(console: Console, study: Campaign) -> None:
 
 def print_oddities(console: Console, study: Campaign) -> None:
     """Print how many draws failed, and how many values cannot be."""
-    failed = len(study.failures)
+    failed = study.flown.failed
     if failed:
         first = next(iter(study.failures.items()))
         console.print(
@@ -79,7 +79,7 @@ def print_oddities(console: Console, study: Campaign) -> None:
             f"{first[0]}: {first[1]}",
             markup=False,
         )
-    again = study.flown.attempts.sum() / (study.flown.attempts.sum() + len(study.flown))
+    again = study.flown.again / (study.flown.again + len(study.flown))
     if again:
         console.print(
             f"{again:.1%} of all values drawn cannot be, and were drawn again."

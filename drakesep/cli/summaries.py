@@ -297,7 +297,7 @@ def of_campaign(study: Campaign, folder: Path) -> CampaignSummary:
         verdict=study.verdict,
         notes=[],
         runs=study.plan.runs,
-        failed=len(study.failures),
+        failed=study.flown.failed,
         requirements=_rows(study.requirements),
     )
 

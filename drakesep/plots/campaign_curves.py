@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drakesep.analysis.campaigns.statistics import Summary
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.arrays import Array
 
@@ -47,3 +48,22 @@ def curve_of_rows(values: Array, from_above: bool) -> tuple[Array, Array]:
         kept = len(told) - np.unique(steps)[::-1]
         told, share = told[kept], share[kept]
     return told, share
+
+
+def curve_of_summary(summary: Summary, from_above: bool) -> tuple[Array, Array]:
+    """Return the same where no rows are kept, at the edges of the histogram.
+
+    Args:
+        summary: of all draws.
+        from_above: whether the larger are the worse.
+    """
+    edges, counts = np.array(summary.histogram.edges), summary.histogram.counts
+    beyond = np.cumsum(counts[::-1])[-2::-1] if from_above else np.cumsum(counts)[:-1]
+    values, told = (edges, beyond) if from_above else (edges[::-1], beyond[::-1])
+    first = np.flatnonzero(told == summary.told)[-1:]  # all are beyond it
+    start = int(first[0]) if len(first) else 0
+    inside = (np.arange(len(told)) >= start) & (told > 0)
+    worst = summary.greatest if from_above else summary.least
+    last = ([worst], [1]) if summary.told else ([], [])
+    shares = (np.append(told[inside], last[1]) + summary.untold) / summary.draws
+    return np.append(values[inside], last[0]), shares

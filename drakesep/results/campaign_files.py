@@ -16,18 +16,25 @@ import numpy as np
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.campaigns.flights import FlownDraws
-from drakesep.analysis.campaigns.gathering import Gathered
-from drakesep.analysis.campaigns.plan import CampaignPlan
+from drakesep.analysis.campaigns.gathering import Gathered, KeptDraws
+from drakesep.analysis.campaigns.plan import ROWS, CampaignPlan
 from drakesep.files import write_text, written
 from drakesep.results import provenance
+from drakesep.results.campaign_arrays import (
+    array_as_lines,
+    lines_as_array,
+    tallies_as_arrays,
+    tallies_of_arrays,
+)
 from drakesep.results.case_json import NO_RECORD, from_json, to_json
 from drakesep.results.parts import parts_folder
 from drakesep.results.recorded_case import as_recorded, with_meshes_in
 from drakesep.systems.checks import InputError
 
 
-PLAN, DRAWS = "plan.json", "campaign_runs.npz"
-_FORMAT = 1
+PLAN = "plan.json"
+DRAWS, TALLIES = "campaign_runs.npz", "campaign_tallies.npz"
+_FORMAT = 2
 """Of the plan and the chunks: another number means other keys."""
 
 
@@ -54,6 +61,8 @@ class RecordedPlan:
             "metrics": list(plan.metrics),
             "chunk": plan.chunk,
             "chunks": plan.chunks,
+            "keep": plan.keep,
+            "spans": [list(span) for span in plan.spans],
             "tolerance": plan.tolerance,
             "versions": provenance.versions(),
             "commit": provenance.commit(),
@@ -87,6 +96,8 @@ class RecordedPlan:
                 metrics=tuple(data["metrics"]),
                 chunk=data["chunk"],
                 tolerance=data["tolerance"],
+                keep=data["keep"],
+                spans=tuple((least, greatest) for least, greatest in data["spans"]),
             )
             was = {**data["versions"], "commit": data["commit"]}
         except NO_RECORD as error:
@@ -132,7 +143,7 @@ def chunk_file(folder: Path, number: int) -> Path:
 
 
 def write_chunk(
-    folder: Path, recorded: RecordedPlan, number: int, flown: FlownDraws
+    folder: Path, recorded: RecordedPlan, number: int, flown: KeptDraws
 ) -> None:
     """Write a chunk, whole or not at all, down to the disk."""
     file = chunk_file(folder, number)
@@ -140,7 +151,7 @@ def write_chunk(
     _write(file, recorded, _arrays(flown))
 
 
-def read_chunk(folder: Path, recorded: RecordedPlan, number: int) -> FlownDraws | None:
+def read_chunk(folder: Path, recorded: RecordedPlan, number: int) -> KeptDraws | None:
     """Return a chunk; None if it is not there, or damaged.
 
     Args:
@@ -156,7 +167,7 @@ def read_chunk(folder: Path, recorded: RecordedPlan, number: int) -> FlownDraws 
     if arrays is None:
         return None
     indices = recorded.plan.indices(number)
-    flown = _flown(arrays)
+    flown = _kept(arrays, recorded.plan)
     return flown if (flown.first, len(flown)) == (indices[0], len(indices)) else None
 
 
@@ -175,8 +186,8 @@ def gathered(folder: Path, recorded: RecordedPlan) -> Gathered:
     return chunks
 
 
-def merged(folder: Path, recorded: RecordedPlan) -> FlownDraws:
-    """Return all draws of a campaign, in their order, from its chunks.
+def merged(folder: Path, recorded: RecordedPlan) -> KeptDraws:
+    """Return what is kept of all draws of a campaign, from its chunks.
 
     Raises:
         ValueError: a chunk is of another plan.
@@ -197,45 +208,57 @@ def _listed(numbers: Sequence[int], most: int = 20) -> str:
     return f"{text}, ..." if len(numbers) > most else text
 
 
-def write_draws(folder: Path, recorded: RecordedPlan, flown: FlownDraws) -> None:
-    """Write all draws of a campaign."""
-    _write(folder / DRAWS, recorded, _arrays(flown))
+def write_draws(folder: Path, recorded: RecordedPlan, flown: KeptDraws) -> None:
+    """Write what is kept of all draws of a campaign."""
+    _write(_file_of_all(folder, recorded.plan), recorded, _arrays(flown))
 
 
-def read_draws(folder: Path, recorded: RecordedPlan) -> FlownDraws:
-    """Return all draws of a campaign.
+def read_draws(folder: Path, recorded: RecordedPlan) -> KeptDraws:
+    """Return what is kept of all draws of a campaign.
 
     Raises:
         ValueError: they are not there, damaged, or of another plan.
     """
-    file = folder / DRAWS
+    file = _file_of_all(folder, recorded.plan)
     arrays = _read(file, recorded)
     if arrays is None:
         raise InputError(f"{file}: must be the draws of a campaign, got none, or less")
-    return _flown(arrays)
+    return _kept(arrays, recorded.plan)
 
 
-def _arrays(flown: FlownDraws) -> dict[str, Any]:
-    reasons = "\n".join(why.replace("\n", " ") for why in flown.reasons.values())
+def _file_of_all(folder: Path, plan: CampaignPlan) -> Path:
+    return folder / (DRAWS if plan.keep == ROWS else TALLIES)
+
+
+def _arrays(flown: KeptDraws) -> dict[str, Any]:
+    reasons = [why.replace("\n", " ") for why in flown.reasons.values()]
     return {
         "first": np.array(flown.first, np.int64),
-        "metrics": flown.metrics,
-        "failure_case": flown.failure,
-        "attempts": flown.attempts,
+        **(
+            {
+                "metrics": flown.metrics,
+                "failure_case": flown.failure,
+                "attempts": flown.attempts,
+            }
+            if isinstance(flown, FlownDraws)
+            else tallies_as_arrays(flown)
+        ),
         "failed": np.array([*flown.reasons], np.int64),
-        "reasons": np.frombuffer(reasons.encode(), np.uint8),
+        "reasons": lines_as_array(reasons),
     }
 
 
-def _flown(arrays: Mapping[str, Any]) -> FlownDraws:
-    reasons = arrays["reasons"].tobytes().decode().split("\n")
-    failed = arrays["failed"].tolist()
+def _kept(arrays: Mapping[str, Any], plan: CampaignPlan) -> KeptDraws:
+    failed, reasons = arrays["failed"].tolist(), array_as_lines(arrays["reasons"])
+    first, whys = int(arrays["first"]), dict(zip(failed, reasons, strict=True))
+    if plan.keep != ROWS:
+        return tallies_of_arrays(first, whys, arrays, plan)
     return FlownDraws(
-        first=int(arrays["first"]),
+        first=first,
         metrics=arrays["metrics"],
         failure=arrays["failure_case"],
         attempts=arrays["attempts"],
-        reasons=dict(zip(failed, reasons, strict=True)) if failed else {},
+        reasons=whys,
     )
 
 

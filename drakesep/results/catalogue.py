@@ -500,6 +500,28 @@ _CAMPAIGN = (
         "vary comes again from their numbers.",
     ),
     FileKind(
+        name="campaign_tallies.npz",
+        studies=_OF_CAMPAIGN,
+        what="What is kept of all draws instead, if not rows: of each metric the exact "
+        "`sums` and `sums_of_squares`, in units of 2^-1126, `least`, `greatest`, and "
+        "`counts` between the `edges` of a histogram, in SI; of each requirement that "
+        "is `judged` how many are `beyond`, and the `worst_margins` and `worst_draws`, "
+        "`kept` of each; `runs_failed`.",
+    ),
+    FileKind(
+        name="campaign_histograms.csv",
+        studies=_OF_CAMPAIGN,
+        what="How many draws lie in each bin of each metric, where no rows are kept.",
+        row="metric and bin",
+        columns=(
+            Column("metric", "", "With its unit."),
+            _UNIT,
+            Column("from", _SAME, "Its lower edge; infinite of what is below all."),
+            Column("below", _SAME, "Its upper edge, which is not in it; likewise."),
+            Column("draws", "", "In it."),
+        ),
+    ),
+    FileKind(
         name="plan.json",
         studies=_OF_CAMPAIGN,
         what="The frozen plan: case, draws, seed, metrics, tolerance and versions, by "

@@ -49,7 +49,8 @@ class CampaignBeside:
                 "dispersions: a campaign beside worst cases needs some, got none"
             )
         own = settings.beside(asked)
-        return cls(asked=own, flights=CampaignFlights(settings.plan(own.case)))
+        flights = CampaignFlights(settings.plan(own.case)).with_spans()
+        return cls(asked=own, flights=flights)
 
     def planned(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan that tells how many draws there will be."""

@@ -67,7 +67,7 @@ def _deciding(finding: ShareFinding) -> Iterator[Chosen]:
     decides = last if finding.requirement.statistical else 0
     ranks = np.unique(np.linspace(0, last, min(MOST, last + 1)).round().astype(int))
     for rank in ranks.tolist():
-        draw = int(finding.ranked[rank])
+        draw = finding.draw_of_rank(rank + 1)
         yield Chosen(draw, finding.requirement, rank + 1, rank == decides)
 
 
@@ -138,6 +138,8 @@ class _Told:
         self, study: Campaign, values: Mapping[int, Mapping[str, float]], nominal: Run
     ):
         self._study, self._values = study, values
+        self._rows = {draw: row for row, draw in enumerate(values)}
+        self._flown = study.some([*values])
         self._nominal, _ = self.metrics(nominal)
 
     def metrics(self, run: Run) -> tuple[Mapping[str, float], str]:
@@ -153,10 +155,11 @@ class _Told:
         """Return a draw, with what both engines say of a metric."""
         study, (metrics, drake_failed) = self._study, in_drake
         column = study.plan.metrics.index(metric)
-        value = float(study.flown.metrics[one.draw, column])
+        row = self._rows[one.draw]
+        value = float(self._flown.metrics[row, column])
         told = metrics.get(metric, math.nan)
-        which = int(study.flown.failure[one.draw])
-        batch_failed = study.flown.reasons.get(one.draw, "")
+        which = int(self._flown.failure[row])
+        batch_failed = self._flown.reasons.get(one.draw, "")
         if batch_failed or drake_failed:
             never = any(map(math.isinf, self._values[one.draw].values()))
             outcome = _of_failed(batch_failed, drake_failed or never)

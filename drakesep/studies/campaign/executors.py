@@ -9,7 +9,8 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from pathlib import Path
 from typing import Any
 
-from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
+from drakesep.analysis.campaigns.flights import CampaignFlights
+from drakesep.analysis.campaigns.gathering import KeptDraws, kept
 from drakesep.analysis.engines.processes import end_processes, start_processes
 from drakesep.results.campaign_files import RecordedPlan
 from drakesep.systems.checks import InputError
@@ -23,7 +24,7 @@ def flown_here(
     flights: CampaignFlights,
     numbers: Sequence[int],
     on_progress: Callable[[int], None] = lambda _: None,
-) -> Iterator[tuple[int, FlownDraws]]:
+) -> Iterator[tuple[int, KeptDraws]]:
     """Yield chunks flown in this process, on all its cores, by their numbers.
 
     Args:
@@ -37,7 +38,7 @@ def flown_here(
         on_progress(done + part)
 
     for number in numbers:
-        flown = flights.chunk(number, tell)
+        flown = kept(flights.plan, flights.chunk(number, tell))
         done += len(flown)
         yield number, flown
 
@@ -48,7 +49,7 @@ def flown_by(
     folder: Path,
     numbers: Sequence[int],
     on_progress: Callable[[int], None] = lambda _: None,
-) -> Iterator[tuple[int, FlownDraws]]:
+) -> Iterator[tuple[int, KeptDraws]]:
     """Yield chunks flown by an executor, in whichever order they come.
 
     Its workers are told the plan as a text, and bring back what they have flown: they
@@ -62,7 +63,7 @@ def flown_by(
         on_progress: told how many draws are done.
     """
     ahead, done = iter(numbers), 0
-    under_way: dict[Future[FlownDraws], int] = {}
+    under_way: dict[Future[KeptDraws], int] = {}
 
     def submit(count: int) -> None:
         for number in itertools.islice(ahead, count):
@@ -94,7 +95,7 @@ def _workers(executor: Executor) -> int:
     return told or os.cpu_count() or 1
 
 
-def fly_chunk(text: str, folder: str, number: int) -> FlownDraws:
+def fly_chunk(text: str, folder: str, number: int) -> KeptDraws:
     """Return a chunk of a plan, flown in this process on one core.
 
     Args:
@@ -105,7 +106,8 @@ def fly_chunk(text: str, folder: str, number: int) -> FlownDraws:
     Raises:
         ValueError: this is another version than that of the plan.
     """
-    return _flights(text, folder).chunk(number)
+    flights = _flights(text, folder)
+    return kept(flights.plan, flights.chunk(number))
 
 
 @functools.lru_cache(maxsize=1)

@@ -8,7 +8,8 @@ from concurrent.futures import Executor
 from pathlib import Path
 
 from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
-from drakesep.analysis.campaigns.shares import share_findings
+from drakesep.analysis.campaigns.gathering import KeptDraws
+from drakesep.analysis.campaigns.shares import findings_of, share_findings
 from drakesep.results.asked import Asked
 from drakesep.results.campaign_files import RecordedPlan, gathered, write_chunk
 from drakesep.results.folder import ResultsFolder
@@ -56,8 +57,8 @@ class ChunksUnderWay:
         self,
         executor: Executor | None,
         on_progress: Callable[[int], None] = lambda _: None,
-    ) -> FlownDraws:
-        """Return all draws, once those that are left are flown and written.
+    ) -> KeptDraws:
+        """Return what is kept of all draws, once those left are flown and written.
 
         Args:
             executor: whose workers fly; None: this process does.
@@ -87,7 +88,7 @@ def home_of(folder: ResultsFolder | None) -> Iterator[Path]:
 
 
 def shown(
-    asked: Asked, recorded: RecordedPlan, flights: CampaignFlights, flown: FlownDraws
+    asked: Asked, recorded: RecordedPlan, flights: CampaignFlights, flown: KeptDraws
 ) -> Campaign:
     """Return what the draws of a campaign show, before Drake has its say.
 
@@ -95,13 +96,18 @@ def shown(
         asked: of the campaign.
         recorded: its plan.
         flights: that can fly any draw again.
-        flown: all draws.
+        flown: what is kept of all draws.
     """
-    failed = [*flown.reasons]
+    plan, failed = recorded.plan, [*flown.reasons]
+    findings = (
+        share_findings(plan, flown.metrics, failed)
+        if isinstance(flown, FlownDraws)
+        else findings_of(plan, flown.counted(plan), failed)
+    )
     return Campaign(
         asked=asked,
         recorded=recorded,
         flights=flights,
         flown=flown,
-        findings=tuple(share_findings(recorded.plan, flown.metrics, failed)),
+        findings=tuple(findings),
     )

@@ -8,7 +8,7 @@ from typing import Unpack
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.campaigns.flights import CampaignFlights
-from drakesep.analysis.campaigns.plan import CampaignPlan
+from drakesep.analysis.campaigns.gathering import kept
 from drakesep.analysis.engines.drake_pool import WORKERS_START, DrakePool
 from drakesep.case_file.case import Case
 from drakesep.results.asked import Asked
@@ -57,7 +57,7 @@ def campaign(
         on_progress: called as it goes on.
         settings: `seed` of the draws; `share` of launches that must meet each
             requirement that names none, and `confidence` at which that is to be shown,
-            0.9 if not given; `metrics` and `chunk` of `CampaignSettings`.
+            0.9 if not given; `metrics`, `chunk` and `keep` of `CampaignSettings`.
 
     Raises:
         ValueError: the case or an argument is wrong, the batch engine cannot fly the
@@ -65,10 +65,10 @@ def campaign(
             another study to resume.
         RuntimeError: a chunk could not be flown.
     """
-    asked, plan = _asked(case, runs, settings)
+    asked, flights = _asked(case, runs, settings)
     if resume and output is None:
         raise InputError("output: must be the folder of a campaign to resume, got None")
-    flights = CampaignFlights(plan)
+    plan = flights.plan
     with results_folder(output, CAMPAIGN) as folder, home_of(folder) as home:
         recorded = RecordedPlan.of(plan)
         if folder is not None:
@@ -107,12 +107,12 @@ def plan_campaign(
     Raises:
         ValueError: as `campaign` does.
     """
-    asked, plan = _asked(case, runs, settings)
-    CampaignFlights(plan)  # what cannot be flown is refused now
+    # What cannot be flown is refused now.
+    asked, flights = _asked(case, runs, settings)
     with results_folder(output, CAMPAIGN) as folder:
         assert folder is not None
         folder.begin(asked)
-        recorded = RecordedPlan.of(plan)
+        recorded = RecordedPlan.of(flights.plan)
         recorded.write(folder.path)
         parts_folder(folder.path).mkdir(exist_ok=True)
         folder.hand_over()
@@ -141,7 +141,8 @@ def run_chunk(directory: str | Path, number: int, *, again: bool = False) -> boo
     recorded.plan.indices(number)
     if not again and read_chunk(folder, recorded, number) is not None:
         return False
-    write_chunk(folder, recorded, number, CampaignFlights(recorded.plan).chunk(number))
+    flown = CampaignFlights(recorded.plan).chunk(number)
+    write_chunk(folder, recorded, number, kept(recorded.plan, flown))
     return True
 
 
@@ -184,11 +185,11 @@ def merge_campaign(
 
 def _asked(
     case: Case | AnalysisCase | str | Path, runs: int, options: CampaignOptions
-) -> tuple[Asked, CampaignPlan]:
-    """Return what is asked of a campaign, and its plan."""
+) -> tuple[Asked, CampaignFlights]:
+    """Return what is asked of a campaign, and what flies its plan."""
     settings = CampaignSettings(runs=runs, **options)
     asked = settings.asked(case)
-    return asked, settings.plan(asked.case)
+    return asked, CampaignFlights(settings.plan(asked.case)).with_spans()
 
 
 def _confirmed(

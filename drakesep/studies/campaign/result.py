@@ -2,14 +2,16 @@
 
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
+from drakesep.analysis.campaigns.gathering import KeptDraws
 from drakesep.analysis.campaigns.plan import CampaignPlan
 from drakesep.analysis.campaigns.shares import ShareFinding
 from drakesep.analysis.metrics.requirements import (
@@ -17,17 +19,19 @@ from drakesep.analysis.metrics.requirements import (
     Verdict,
     verdict_on_all,
 )
-from drakesep.plots.campaign_curves import Curve, curve_of_rows
+from drakesep.plots.campaign_curves import Curve, curve_of_rows, curve_of_summary
 from drakesep.plots.pictures import OfCampaign
 from drakesep.results.asked import Asked
 from drakesep.results.campaign_files import RecordedPlan, write_draws
 from drakesep.results.catalogue import CAMPAIGN
 from drakesep.results.folder import ResultsFolder
+from drakesep.systems.checks import InputError
 from drakesep.tables.campaign_tables import (
     ConfirmedDraw,
     campaign_table,
     confirmed_table,
     draws_table,
+    histograms_table,
     sensitivities_table,
     statistics_table,
 )
@@ -48,8 +52,8 @@ class Campaign:
     """The plan."""
     flights: CampaignFlights = field(repr=False)
     """That can fly any draw again."""
-    flown: FlownDraws = field(repr=False)
-    """All draws."""
+    flown: KeptDraws = field(repr=False)
+    """What is kept of all draws."""
     findings: tuple[ShareFinding, ...]
     """Of each requirement."""
     confirmed: tuple[ConfirmedDraw, ...] = field(default=(), repr=False)
@@ -72,7 +76,7 @@ class Campaign:
     def requirements(self) -> pd.DataFrame:
         """A row for each requirement and axis: the share that is shown."""
         bodies = [pair.B for pair in self.case.separation.pairs]
-        return campaign_table(self.findings, self.flown, bodies, self.found)
+        return campaign_table(self.findings, self.flown.failed, bodies, self.found)
 
     @functools.cached_property
     def worst(self) -> pd.DataFrame:
@@ -91,12 +95,38 @@ class Campaign:
 
     @functools.cached_property
     def draws(self) -> pd.DataFrame:
-        """A row for each draw: what it varies, its metrics, and how it ended."""
+        """A row for each draw: what it varies, its metrics, and how it ended.
+
+        Raises:
+            ValueError: no rows are kept.
+        """
+        if not isinstance(self.flown, FlownDraws):
+            raise InputError("draws: must be of a campaign that keeps rows")
         return draws_table(self.flights, self.flown)
+
+    @functools.cached_property
+    def histograms(self) -> pd.DataFrame:
+        """A row for each metric and bin of its histogram, where no rows are kept."""
+        if isinstance(self.flown, FlownDraws):
+            return pd.DataFrame()
+        return histograms_table(self.plan, self.flown)
+
+    def some(self, numbers: Sequence[int]) -> FlownDraws:
+        """Return what came of some draws, flown again where no rows are kept.
+
+        Args:
+            numbers: of the draws, one or more.
+        """
+        if isinstance(self.flown, FlownDraws):
+            return self.flown.some(numbers)
+        return self.flights.fly(np.array(numbers, np.int64))
 
     @property
     def failures(self) -> Mapping[int, str]:
-        """Why runs failed, by the numbers of their draws."""
+        """Why runs failed, by the numbers of their draws.
+
+        Where no rows are kept, of the first that did.
+        """
         return self.flown.reasons
 
     @property
@@ -161,7 +191,9 @@ class Campaign:
         write_csv(self.worst, folder / "campaign_worst.csv")
         write_csv(self.statistics, folder / "campaign_statistics.csv")
         write_csv(self.sensitivities, folder / "campaign_sensitivities.csv")
-        if self.plan.runs <= _ROWS:
+        if not isinstance(self.flown, FlownDraws):
+            write_csv(self.histograms, folder / "campaign_histograms.csv")
+        elif self.plan.runs <= _ROWS:
             write_csv(self.draws, folder / "campaign_runs.csv.gz")
         results.keep()
 
@@ -176,9 +208,13 @@ class Campaign:
         return OfCampaign(name=self.case.name, runs=self.plan.runs, curves=curves)
 
     def _curve(self, finding: ShareFinding) -> Curve:
-        required = finding.requirement
-        column = self.flown.metrics[:, self.plan.metrics.index(required.judged_by)]
-        values, shares = curve_of_rows(column, required.from_above)
+        required, flown = finding.requirement, self.flown
+        place = self.plan.metrics.index(required.judged_by)
+        values, shares = (
+            curve_of_rows(flown.metrics[:, place], required.from_above)
+            if isinstance(flown, FlownDraws)
+            else curve_of_summary(flown.summaries[place], required.from_above)
+        )
         return Curve(
             requirement=required,
             values=values,

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, TypedDict
 
 from drakesep.analysis.analysis_case import AnalysisCase
-from drakesep.analysis.campaigns.plan import CampaignPlan
+from drakesep.analysis.campaigns.plan import CampaignPlan, Keep
 from drakesep.analysis.campaigns.shares import CONFIDENCE, check_size
 from drakesep.case_file.case import Case
 from drakesep.results.asked import Asked, is_given
@@ -27,6 +27,7 @@ class CampaignOptions(TypedDict, total=False):
     confidence: float | None
     metrics: Sequence[str]
     chunk: int | None
+    keep: Keep | None
 
 
 @typed
@@ -51,6 +52,9 @@ class CampaignSettings:
     """Names of metrics that are kept beside those of the requirements."""
     chunk: int | None = None
     """Draws that are flown, written and lost together; None: as many as suit."""
+    keep: Keep | None = None
+    """What is kept of draws: ``rows``, the metrics of each; or ``worst``: counts, exact
+    sums, histograms and the worst. None: rows, of ten million draws at most."""
 
     def __post_init__(self) -> None:
         """Check that the confidence is of something."""
@@ -67,6 +71,7 @@ class CampaignSettings:
             "confidence": self.confidence,
             "metrics": [*self.metrics],
             "chunk": self.chunk,
+            "keep": self.keep,
         }
 
     def asked(self, case: Case | AnalysisCase | str | Path) -> Asked:
@@ -121,7 +126,12 @@ class CampaignSettings:
                 nothing.
         """
         plan = CampaignPlan.of(
-            case, self.runs, seed=self.seed, also=self.metrics, chunk=self.chunk
+            case,
+            self.runs,
+            seed=self.seed,
+            also=self.metrics,
+            chunk=self.chunk,
+            keep=self.keep,
         )
         if not plan.metrics:
             raise InputError(

@@ -57,6 +57,7 @@ OPTIONS = {
         "--seed": (2, {"seed": 2}),
         "--share": (0.98, {"share": 0.98}),
         "--confidence": (0.8, {"confidence": 0.8}),
+        "--keep": ("worst", {"keep": "worst"}),
         "--metric": (["final_rate_x"], {"metrics": ["final_rate_x"]}),
     },
     "replay": {},  # test_campaign.py
