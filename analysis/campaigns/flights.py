@@ -209,6 +209,19 @@ class CampaignFlights:
             reasons=dict(sorted(reasons.items())),
         )
 
+    def metrics_at(
+        self, values: Array, on_progress: Progress = lambda *_: None
+    ) -> Array:
+        """Return what the plan keeps of launches in which nothing fails, (n, m) in SI.
+
+        NaN of runs that failed.
+
+        Args:
+            values: (n, n_p) of the parameters that are drawn, in SI.
+            on_progress: called now and then.
+        """
+        return self._fly(None, values, on_progress)[0]
+
     def _by_failure(
         self, which: NDArray[np.int_]
     ) -> Iterator[tuple[FailureCase | None, NDArray[np.intp]]]:

@@ -107,12 +107,7 @@ class CampaignPlan:
         Raises:
             ValueError: as the class says.
         """
-        judges = [
-            requirement.judged_by
-            for requirement in case.requirements
-            if not requirement.measured_apart and case.tells(requirement)
-        ]
-        metrics = tuple(dict.fromkeys([*judges, *also]))
+        metrics = tuple(dict.fromkeys([*judged_metrics(case), *also]))
         if keep is None:
             keep = "rows" if runs <= MOST_RUNS[ROWS] else "worst"
         return cls(
@@ -151,3 +146,15 @@ class CampaignPlan:
             raise InputError(f"chunk: must be from 0 to {self.chunks - 1}, got {chunk}")
         first = chunk * self.chunk
         return np.arange(first, min(first + self.chunk, self.runs), dtype=np.int64)
+
+
+def judged_metrics(case: AnalysisCase) -> list[str]:
+    """Return the metrics by which requirements of a case are judged, as runs tell them.
+
+    Without what is measured apart.
+    """
+    return [
+        requirement.judged_by
+        for requirement in case.requirements
+        if not requirement.measured_apart and case.tells(requirement)
+    ]

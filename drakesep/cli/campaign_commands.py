@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from drakesep.cli.campaign_distributions import rare_events, sensitivity
 from drakesep.cli.campaign_size import size
 from drakesep.cli.options import (
     CaseArgument,
@@ -42,6 +43,8 @@ class RunByDefault(TyperGroup):
 
 campaign = typer.Typer(cls=RunByDefault, no_args_is_help=True)
 campaign.command()(size)
+campaign.command()(sensitivity)
+campaign.command("rare-events")(rare_events)
 
 RunsOption = Annotated[
     int | None,

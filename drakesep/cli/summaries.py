@@ -15,7 +15,9 @@ from drakesep.analysis.tolerances.box import Dispersion
 from drakesep.case_file.case import Case
 from drakesep.studies.campaign.result import Campaign
 from drakesep.studies.clearance import Clearances
+from drakesep.studies.rare_events import RareEvents
 from drakesep.studies.remarks import notes_of
+from drakesep.studies.sensitivity import Sensitivity
 from drakesep.studies.simulate import Simulated
 from drakesep.studies.sweep import Sweep
 from drakesep.studies.verified import Verification
@@ -160,6 +162,24 @@ class CampaignSummary(StudySummary):
 
 
 @dataclass(frozen=True, kw_only=True)
+class SensitivitySummary(StudySummary):
+    """Of `campaign sensitivity`."""
+
+    runs: int
+    """That it took."""
+    indices: list[Row]
+    """Rows of sobol_indices.csv."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RareEventsSummary(StudySummary):
+    """Of `campaign rare-events`."""
+
+    rare_events: list[Row]
+    """Rows of rare_events.csv."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class AnimateSummary:
     """Of `animate`."""
 
@@ -179,6 +199,8 @@ SUMMARIES: dict[str, type[Any]] = {
     "sweep": SweepSummary,
     "clearance": ClearanceSummary,
     "campaign": CampaignSummary,
+    "campaign sensitivity": SensitivitySummary,
+    "campaign rare-events": RareEventsSummary,
     "replay": SimulateSummary,
     "animate": AnimateSummary,
     "worst-case": WorstCaseSummary,
@@ -299,6 +321,29 @@ def of_campaign(study: Campaign, folder: Path) -> CampaignSummary:
         runs=study.plan.runs,
         failed=study.flown.failed,
         requirements=_rows(study.requirements),
+    )
+
+
+def of_sensitivity(study: Sensitivity, folder: Path) -> SensitivitySummary:
+    """Return the summary of Sobol' indices."""
+    return SensitivitySummary(
+        case=study.case.name,
+        folder=str(folder),
+        verdict=None,
+        notes=[],
+        runs=study.indices.runs,
+        indices=_rows(study.table),
+    )
+
+
+def of_rare_events(study: RareEvents, folder: Path) -> RareEventsSummary:
+    """Return the summary of rare events."""
+    return RareEventsSummary(
+        case=study.case.name,
+        folder=str(folder),
+        verdict=None,
+        notes=[],
+        rare_events=_rows(study.table),
     )
 
 

@@ -14,8 +14,9 @@ from drakesep.analysis.search.judge import CONFIDENCE
 SIMULATE, CLEARANCE = "simulate", "clearance"
 WORST_CASE, VERIFY = "worst-case", "verify"
 SWEEP, CAMPAIGN = "sweep", "campaign"
+SENSITIVITY, RARE_EVENTS = "sensitivity", "rare-events"
 _OF_KEPT_RUNS = (SIMULATE, CLEARANCE, WORST_CASE, VERIFY)
-STUDIES = (*_OF_KEPT_RUNS, SWEEP, CAMPAIGN)
+STUDIES = (*_OF_KEPT_RUNS, SWEEP, CAMPAIGN, SENSITIVITY, RARE_EVENTS)
 """Those that write a folder."""
 STUDY, CASE = "study.json", "case.json"
 RUNS = "runs"
@@ -536,6 +537,48 @@ _CAMPAIGN = (
     ),
 )
 
+_DISTRIBUTIONS = (
+    FileKind(
+        name="sobol_indices.csv",
+        studies=(SENSITIVITY,),
+        what="What shares of the variance of each metric come from which parameters; "
+        "of launches in which nothing fails.",
+        row="metric and parameter",
+        columns=(
+            Column("metric", "", "With its unit."),
+            Column("parameter", "", "With its unit."),
+            Column("first", "", "The share that comes from it alone."),
+            Column("first_error", "", "Half the width of its interval, at 95 %."),
+            Column("total", "", "With all in which it has a part with others."),
+            Column("total_error", "", "Half the width of its interval, at 95 %."),
+        ),
+    ),
+    FileKind(
+        name="rare_events.csv",
+        studies=(RARE_EVENTS,),
+        what="How probable it is to be beyond each limit; of launches in which nothing "
+        "fails.",
+        row="requirement and axis",
+        columns=(
+            *_LIMIT,
+            Column("probability", "", "That a launch is beyond the limit."),
+            Column("from", "", "Where its interval begins, at 95 %."),
+            Column("to", "", "Where that ends."),
+            Column("variation", "", "Its coefficient of variation."),
+            Column("simulations", "", "That are independent of each other."),
+            Column(
+                "unreached",
+                "",
+                "Of them, those that have not reached the limit: they count with the "
+                "least probability that was looked for.",
+            ),
+            Column("runs", "", "That it took."),
+            Column("untold", "", "Of them, those that failed: they count as beyond."),
+            *_IDENTITY,
+        ),
+    ),
+)
+
 _REMARKS = FileKind(
     name="remarks.csv",
     studies=(*_OF_KEPT_RUNS, SWEEP),
@@ -992,6 +1035,7 @@ FILES = (
     *_OF_ONE_RUN,
     *_VARIANTS,
     *_CAMPAIGN,
+    *_DISTRIBUTIONS,
     *_WORST_CASES,
     *_PLOTS,
     *_OF_RUNS,

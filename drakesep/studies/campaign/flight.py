@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from pathlib import Path
 
+import numpy as np
+
 from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
 from drakesep.analysis.campaigns.gathering import KeptDraws
 from drakesep.analysis.campaigns.shares import findings_of, share_findings
@@ -44,14 +46,7 @@ class ChunksUnderWay:
 
     def seconds(self) -> float:
         """Return what draws that are left will take, s; programs are compiled."""
-        left, flights = self.left, self._flights
-        if not left:
-            return 0.0
-        few = flights.plan.indices(0)[: flights.together]
-        flights.fly(few)
-        began = time.perf_counter()
-        flights.fly(few)
-        return (time.perf_counter() - began) * left / len(few)
+        return seconds_of(self._flights, self.left) if self.left else 0.0
 
     def flown(
         self,
@@ -75,6 +70,15 @@ class ChunksUnderWay:
             write_chunk(home, recorded, number, draws)
             chunks.add(number, draws)
         return chunks.whole()
+
+
+def seconds_of(flights: CampaignFlights, runs: int) -> float:
+    """Return what so many runs will take, s; programs are compiled."""
+    few = np.arange(flights.together, dtype=np.int64)
+    flights.fly(few)
+    began = time.perf_counter()
+    flights.fly(few)
+    return (time.perf_counter() - began) * runs / len(few)
 
 
 @contextlib.contextmanager

@@ -22,6 +22,10 @@ def studies(case, folder):
     drakesep.verify(case, output=folder / "verify", **how, **quick)
     drakesep.sweep(case, {"payload.mass_kg": [1880]}, output=folder / "sweep")
     drakesep.campaign(case, 100, output=folder / "campaign", workers=1)
+    few = {"base": 2, "replicates": 2}
+    drakesep.sensitivity(case, output=folder / "sensitivity", **few)
+    few = {"per_level": 20, "replicates": 2, "least": 0.1}
+    drakesep.rare_events(case, output=folder / "rare-events", **few)
     chosen = ["PM", "lowest_clearance"]
     drakesep.worst_case(case, chosen, output=folder / "worst-case", **quick)
 
@@ -45,7 +49,7 @@ def undescribed(folder):
 
 def test_every_column_of_every_command_is_described(tmp_path):
     case = one_pair(
-        dispersions={"payload.mass_kg": 20},
+        dispersions={"payload.mass_kg": 20, "payload.cg_y_mm": 13},
         requirements=drakesep.load_case("vega").requirements[:1],
         published=[],
     )
