@@ -18,6 +18,7 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.campaigns.flights import FlownDraws
 from drakesep.analysis.campaigns.gathering import Gathered, KeptDraws
 from drakesep.analysis.campaigns.plan import ROWS, CampaignPlan
+from drakesep.analysis.engines.registered import Registered
 from drakesep.files import write_text, written
 from drakesep.results import provenance
 from drakesep.results.campaign_arrays import (
@@ -64,6 +65,7 @@ class RecordedPlan:
             "keep": plan.keep,
             "spans": [list(span) for span in plan.spans],
             "tolerance": plan.tolerance,
+            "registered": _definitions(plan),
             "versions": provenance.versions(),
             "commit": provenance.commit(),
             "case": to_json(as_recorded(plan.case)),
@@ -114,7 +116,8 @@ class RecordedPlan:
         """Return the plan of a campaign's folder.
 
         Raises:
-            ValueError: there is none, or it was made with other versions.
+            ValueError: there is none, it was made with other versions, or what was
+                registered then is not now, or is something else.
         """
         file = folder / PLAN
         try:
@@ -123,7 +126,38 @@ class RecordedPlan:
             raise InputError(
                 f"{file}: must be the plan of a campaign, got: {error}"
             ) from None
-        return cls.parsed(text, folder, str(file))
+        _check_names(str(file), text)
+        recorded = cls.parsed(text, folder, str(file))
+        for name, was in json.loads(text)["registered"].items():
+            if _definitions(recorded.plan).get(name) != was:
+                raise InputError(
+                    f"{file}: must be flown where {name!r} is registered as it was "
+                    "when it was planned, got another of this name"
+                )
+        return recorded
+
+
+def _definitions(plan: CampaignPlan) -> dict[str, str]:
+    """Return how what a plan uses is defined that is not drakesep's own."""
+    required = [one.metric for one in plan.case.requirements]
+    return Registered.here().definitions(
+        [*plan.metrics, *required], plan.case.separation
+    )
+
+
+def _check_names(source: str, text: str) -> None:
+    """Raise InputError unless all names of a plan that are not ours are registered."""
+    try:
+        names = [*json.loads(text).get("registered", ())]
+    except NO_RECORD as error:
+        raise InputError(f"{source}: must be a campaign's, got: {error}") from error
+    here = Registered.here()
+    known = {*here.pushers, *(metric.stem for metric in here.metrics)}
+    if missing := [name for name in names if name not in known]:
+        raise InputError(
+            f"{source}: must be flown where {', '.join(missing)} are registered, as "
+            "where it was planned"
+        )
 
 
 def _check_versions(source: str, was: Mapping[str, Any]) -> None:

@@ -12,6 +12,7 @@ from typing import Any
 from drakesep.analysis.campaigns.flights import CampaignFlights
 from drakesep.analysis.campaigns.gathering import KeptDraws, kept
 from drakesep.analysis.engines.processes import end_processes, start_processes
+from drakesep.analysis.engines.registered import Registered
 from drakesep.results.campaign_files import RecordedPlan
 from drakesep.systems.checks import InputError
 
@@ -52,8 +53,9 @@ def flown_by(
 ) -> Iterator[tuple[int, KeptDraws]]:
     """Yield chunks flown by an executor, in whichever order they come.
 
-    Its workers are told the plan as a text, and bring back what they have flown: they
-    need no disk of ours. What has been flown is yielded, whatever becomes of the rest.
+    Its workers are told the plan as a text, and what is registered beside drakesep's
+    own; they bring back what they have flown, and need no disk of ours. What has been
+    flown is yielded, whatever becomes of the rest.
 
     Args:
         executor: any of `concurrent.futures`.
@@ -63,11 +65,12 @@ def flown_by(
         on_progress: told how many draws are done.
     """
     ahead, done = iter(numbers), 0
+    plan = recorded.text, str(folder), Registered.here().as_bytes()
     under_way: dict[Future[KeptDraws], int] = {}
 
     def submit(count: int) -> None:
         for number in itertools.islice(ahead, count):
-            task = executor.submit(fly_chunk, recorded.text, str(folder), number)
+            task = executor.submit(fly_chunk, *plan, number)
             under_way[task] = number
 
     submit(_IN_HAND * _workers(executor))
@@ -95,24 +98,27 @@ def _workers(executor: Executor) -> int:
     return told or os.cpu_count() or 1
 
 
-def fly_chunk(text: str, folder: str, number: int) -> KeptDraws:
+def fly_chunk(text: str, folder: str, registered: bytes, number: int) -> KeptDraws:
     """Return a chunk of a plan, flown in this process on one core.
 
     Args:
         text: of the plan.
         folder: of the campaign, whose meshes a case may name.
+        registered: metrics and pushers that are not drakesep's own.
         number: of the chunk.
 
     Raises:
-        ValueError: this is another version than that of the plan.
+        ValueError: this is another version than that of the plan, or what is
+            registered cannot be imported here.
     """
-    flights = _flights(text, folder)
+    flights = _flights(text, folder, registered)
     return kept(flights.plan, flights.chunk(number))
 
 
 @functools.lru_cache(maxsize=1)
-def _flights(text: str, folder: str) -> CampaignFlights:
+def _flights(text: str, folder: str, registered: bytes) -> CampaignFlights:
     """Return what flies a plan: a worker's programs are made once."""
+    Registered.known_from(registered)
     recorded = RecordedPlan.parsed(text, Path(folder))
     return CampaignFlights(recorded.plan, workers=1)
 

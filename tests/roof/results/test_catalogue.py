@@ -4,6 +4,7 @@ import json
 
 import pandas as pd
 import pytest
+from batches import compiled_once
 from one_pair import one_pair
 
 import drakesep
@@ -47,7 +48,8 @@ def undescribed(folder):
                 yield name, column["name"]
 
 
-def test_every_column_of_every_command_is_described(tmp_path):
+def test_every_column_of_every_command_is_described(tmp_path, monkeypatch):
+    compiled_once(monkeypatch, "drakesep.analysis.campaigns.flights")
     case = one_pair(
         dispersions={"payload.mass_kg": 20, "payload.cg_y_mm": 13},
         requirements=drakesep.load_case("vega").requirements[:1],
