@@ -19,7 +19,14 @@ import annotated_types
 from docstrings import field_docs, listed
 from pydantic.fields import FieldInfo
 
-from drakesep.case_file import dispersions, extents, geometry, others, section
+from drakesep.case_file import (
+    before_separation,
+    dispersions,
+    extents,
+    geometry,
+    others,
+    section,
+)
 from drakesep.case_file.attachments import SpringSection, key_of
 from drakesep.case_file.case import Case
 from drakesep.case_file.section import Section
@@ -37,6 +44,7 @@ WORDS = {
     section.Column: "list of numbers",
     section.Name: "name of letters, digits, _ and -",
     section.File: "path",
+    before_separation.Files: "path, or list of paths",
     geometry.PartNames: "pairs of names of parts `[a, b]`",
     others.Limits: "number, or one for each axis (`null`: none)",
     others.Mark: "`M`, `m` or number",
@@ -60,6 +68,7 @@ UNITS = {
     "_kg_m2": "kg m²",
     "_mm": "mm",
     "_km": "km",
+    "_km_s": "km/s",
     "_deg": "deg",
     "_deg_s": "deg/s",
     "_s": "s",
@@ -162,7 +171,8 @@ def keys(of: type[Section], path: str) -> list[Key]:
         if (of, name) == (SpringSection, "law"):
             value = _any_of(PUSHERS)
         unit = unit_of(name) or unit_of(path)
-        found.append(Key(name, value, _left_out(field), docs[name], unit))
+        key = name.removesuffix("_")
+        found.append(Key(key, value, _left_out(field), docs[name], unit))
     return found
 
 

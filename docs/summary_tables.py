@@ -9,6 +9,7 @@ from drakesep.cli.summaries import SUMMARIES, Row
 
 
 _VALUES = {
+    bool: "true or false",
     str: "text",
     int: "whole number",
     str | None: "text or null",

@@ -6,6 +6,10 @@ from .case_file.new_case import new_case as new_case
 from .case_file.objectives import case_objectives as case_objectives
 from .case_file.reader import builtin_cases as builtin_cases
 from .case_file.reader import load_case as load_case
+from .reports.compare import Comparison as Comparison
+from .reports.compare import compare as compare
+from .reports.export import export as export
+from .reports.html import report as report
 from .results.reading import Results as Results
 from .results.reading import read_results as read_results
 from .studies.animate import animate as animate

@@ -19,6 +19,7 @@ from .model.integration import Integration as Integration
 from .model.joints import Joint as Joint
 from .model.loads import Load as Load
 from .model.loads import thruster as thruster
+from .model.orbit import Orbit as Orbit
 from .model.parameters import parameters as parameters
 from .model.parameters import with_values as with_values
 from .model.parts import Part as Part
@@ -31,7 +32,6 @@ from .model.run import Trajectory as Trajectory
 from .model.separation import Attachment as Attachment
 from .model.separation import Body as Body
 from .model.separation import InitialMotion as InitialMotion
-from .model.separation import Orbit as Orbit
 from .model.separation import Pair as Pair
 from .model.separation import Separation as Separation
 from .model.springs import DisplacementSpring as DisplacementSpring

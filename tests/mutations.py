@@ -1,9 +1,13 @@
-"""Case files that are nearly right: built-in cases with a few mistakes in them."""
+"""Case files that are nearly right: cases with a few mistakes in them.
+
+Of the built-in cases, a small one, and those that hold every key there is.
+"""
 
 import copy
 import io
 import math
 
+from every_leaf import MAIN, SOLIDS, STATE, TAKEN
 from hypothesis import strategies as st
 from ruamel.yaml import YAML
 from small_case import small_case
@@ -11,13 +15,10 @@ from small_case import small_case
 from drakesep.case_file.reader import builtin_cases
 
 
-CASES = {
-    **{
-        name: YAML(typ="safe", pure=True).load(file.read_text())
-        for name, file in builtin_cases().items()
-    },
-    "small": small_case(),
-}
+TEXTS = {name: file.read_text() for name, file in builtin_cases().items()}
+TEXTS |= {"main": MAIN, "solids": SOLIDS, "state": STATE, "taken": TAKEN}
+CASES = {name: YAML(typ="safe", pure=True).load(text) for name, text in TEXTS.items()}
+CASES |= {"small": small_case()}
 NUMBERS = (
     *(0, -0.0, 1, -1, 1e-6, 1e6, 5e-324, 1e-300, 1e16, 1e308, 10**400, -(10**20)),
     *(math.nan, math.inf, -math.inf, math.pi, 90.0, 180.0, 360.0),
@@ -117,8 +118,7 @@ def as_text(data) -> str:
 @st.composite
 def mangled(draw):
     """Text of a case, a few lines of which are cut, repeated or overwritten."""
-    name = draw(st.sampled_from(sorted(builtin_cases())))
-    lines = builtin_cases()[name].read_text().splitlines()
+    lines = TEXTS[draw(st.sampled_from(sorted(TEXTS)))].splitlines()
     for _ in range(draw(st.integers(1, 4))):
         i = draw(st.integers(0, len(lines) - 1))
         line = lines[i]

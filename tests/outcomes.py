@@ -1,5 +1,10 @@
 """Every command by every outcome: what is asked of it, and its exit code."""
 
+import functools
+import shutil
+import tempfile
+from pathlib import Path
+
 from small_case import small_case, write_case
 
 import drakesep
@@ -36,6 +41,9 @@ CODES = {
     "animate": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "worst-case": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "verify": {**OF_STUDY, NOT_MET: 1, OTHER_RUN_FAILED: 4},
+    "compare": {GOOD: 0, NOT_MET: 1, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
+    "report": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
+    "export": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
 }
 """What else there is does not come about: no requirement is asked of `simulate`."""
 SETTINGS = {
@@ -50,6 +58,9 @@ SETTINGS = {
     "animate": ("--run", "worst_L1"),
     "worst-case": ("--objective", "L3"),
     "verify": ("--samples", "0"),
+    "compare": ("--tolerance", "-1"),
+    "report": ("nowhere",),
+    "export": ("--epoch", "tomorrow"),
 }
 
 
@@ -77,6 +88,27 @@ def case_for(outcome, command):
     return data
 
 
+@functools.cache
+def flown_once():
+    """The results of a run, which nobody may change."""
+    home = Path(tempfile.mkdtemp())
+    case = write_case(home, case_for(GOOD, "simulate"))
+    drakesep.simulate(case, output=home / "out")
+    return home / "out"
+
+
+def to_compare(outcome, folder):
+    """Two folders, and where the changes go."""
+    copy = shutil.copytree(flown_once(), folder / "copy")
+    if outcome == NOT_MET:
+        table = copy / "summary.csv"
+        table.write_text(table.read_text().replace("1200.0", "1201.0"))
+    output = folder / "out"
+    if outcome == NO_FOLDER:
+        output.write_text("")
+    return [flown_once(), copy, "--tolerance", 1e-6, "-o", output / "changes.csv"]
+
+
 def arguments(command, outcome, folder):
     if command == "cases":
         return []
@@ -85,13 +117,22 @@ def arguments(command, outcome, folder):
             (folder / "out").write_text("")
         setting = SETTINGS[command] if outcome == BAD_SETTING else ()
         return ["small", "-o", folder / "out", *setting]
+    if command == "export":
+        setting = SETTINGS[command] if outcome == BAD_SETTING else ()
+        if outcome == NO_FOLDER:
+            (folder / "out").write_text("")
+        words = [flown_once(), "--format", "csv", "-o", folder / "out" / "there"]
+        return [*words, *setting]
+    if command == "compare":
+        setting = SETTINGS[command] if outcome == BAD_SETTING else ()
+        return [*to_compare(outcome, folder), *setting]
     case = write_case(folder, case_for(outcome, command))
     if command == "show":
         return [case]
     output = folder / "out"
     if outcome == NO_FOLDER:
         output.write_text("")
-    if command == "animate":
+    if command in ("animate", "report"):
         output = output / "page.html"
     more = [*SEARCH, "--objective", "PM"] if command == "worst-case" else []
     more = [*SEARCH] if command == "verify" else more
@@ -107,9 +148,12 @@ def arguments(command, outcome, folder):
         other = outcome == OTHER_RUN_FAILED
         more = ["s2.stroke_mm=110,5000" if other else "upper.mass_kg=1180:1220:3"]
     setting = SETTINGS[command] if outcome == BAD_SETTING else ()
-    if command == "replay":
+    if command in ("replay", "report"):
         campaign = folder / "campaign"
         drakesep.plan_campaign(case, 300, output=campaign)
+    if command == "report":
+        return [campaign, "-o", output, *setting]
+    if command == "replay":
         setting = setting or ("--run", "5", "--no-animation")
         return [campaign, "-o", output, *setting]
     return [case, "-o", output, *more, *setting]
@@ -125,3 +169,6 @@ def interrupt(monkeypatch):
     monkeypatch.setattr("drakesep.cli.console.print_cases", stop)
     monkeypatch.setattr("drakesep.cli.console.print_case", stop)
     monkeypatch.setattr("drakesep.case_file.new_case.new_case", stop)
+    monkeypatch.setattr("drakesep.reports.compare.differences", stop)
+    monkeypatch.setattr("drakesep.reports.html.page_of", stop)
+    monkeypatch.setattr("drakesep.reports.export.handover_table", stop)

@@ -8,14 +8,13 @@ import numpy as np
 from drakesep.case_file.reader import load_case
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.loads import Load
+from drakesep.systems.model.orbit import EARTH_RADIUS, Orbit
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.profiles import LINEAR
 from drakesep.systems.model.separation import (
-    EARTH_RADIUS,
     Attachment,
     Body,
     InitialMotion,
-    Orbit,
     Separation,
 )
 from drakesep.systems.model.springs import DisplacementSpring, Spring

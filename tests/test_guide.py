@@ -4,9 +4,11 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 from ruamel.yaml import YAML
+from scipy.spatial.transform import Rotation
 
 import drakesep
 from drakesep.analysis.metrics.objectives import Needs, highest
@@ -69,6 +71,33 @@ def test_case_file_of_the_readme(tmp_path, monkeypatch, capsys):
     assert abs(motion["rate_z_deg_s"].iloc[-1]) == pytest.approx(
         math.degrees(p * 0.005 / 140.0), rel=0.1
     )
+
+
+def test_a_trajectory_hands_over_and_takes_back(capsys, tmp_path, monkeypatch):
+    """The payload's orbit is that of the reference, and of what the push has added."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("drakesep.plots.motion.save_motion", lambda *_, **__: None)
+    before, after, *state = run(containing("ascent.oem"), capsys)
+    r, v = [-6045.0, -3490.0, 2500.0], [-3.457, 6.618, 2.533]
+    mu = 398600.4418
+    a = 1.0 / (2.0 / math.hypot(*r) - math.hypot(*v) ** 2 / mu)
+    assert before == pytest.approx(a, rel=1e-9)
+    results = drakesep.read_results("separated")
+    one = results.run("nominal").run
+    motion = one.completed_trajectory
+    i = motion.time.tolist().index(one.separation_end)
+    position, velocity = motion.of("payload")[i, 4:7], motion.of("payload")[i, 10:]
+    body = results.case.separation.body("payload")
+    turned = Rotation.from_quat(motion.of("payload")[i, :4], scalar_first=True)
+    cg = turned.apply(body.p_BoBcm_B)
+    moving = velocity + np.cross(motion.of("payload")[i, 7:10], cg)
+    _, radius, across, climb = one.separation.orbit.start
+    # Of the reference at t = 0, with the push: it turns by 2e-4 rad within that.
+    speed = np.linalg.norm(np.add([across, 0.0, -climb], moving))
+    energy = 0.5 * speed**2 - 1e9 * mu / (radius - (position + cg)[2])
+    assert after == pytest.approx(-1e6 * mu / (2.0 * energy), rel=1e-6)
+    coasted = 1.0 / (2.0 / math.hypot(*state[:3]) - math.hypot(*state[3:]) ** 2 / mu)
+    assert coasted == pytest.approx(after, rel=1e-6)  # of the digits that are printed
 
 
 def test_variants_of_the_command_line(capsys):

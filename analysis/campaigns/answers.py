@@ -133,6 +133,9 @@ class Tally:
     of all."""
     worst_draws: tuple[int, ...]
     """Their numbers in the campaign."""
+    doubtful: int = 0
+    """Draws that may be beyond a limit, or not, and are no worse than those that are
+    kept: enough others are beyond."""
 
     @classmethod
     def of(
@@ -195,6 +198,7 @@ class Tally:
             untold=sum(part.untold for part in parts),
             worst_margins=tuple(margins[order].tolist()),
             worst_draws=tuple(draws[order].tolist()),
+            doubtful=sum(part.doubtful for part in parts),
         )
 
 
@@ -249,8 +253,8 @@ class CampaignAnswer:
 
     @property
     def failures(self) -> int:
-        """Draws that are not within the limits; one that does not tell is one."""
-        return self.tally.beyond + self.tally.untold
+        """Draws that are not known to be within the limits."""
+        return self.tally.beyond + self.tally.untold + self.tally.doubtful
 
     @property
     def allowed(self) -> int | None:
@@ -279,6 +283,8 @@ class CampaignAnswer:
         many = f"{self.failures} of {self.tally.runs} draws"
         if self.tally.untold:
             many += f", {self.tally.untold} of which do not tell,"
+        if self.tally.doubtful:
+            many += f", {self.tally.doubtful} of which may not be,"
         if self.allowed is None:
             return f"{many} are beyond; so few draws show nothing, even if none is"
         return f"{many} are beyond; at most {self.allowed} may be"

@@ -10,6 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from drakesep.analysis.campaigns.draws import Drawn, Draws
 from drakesep.analysis.campaigns.plan import ROWS, CampaignPlan
+from drakesep.analysis.campaigns.screens import (
+    TOGETHER,
+    TRIED,
+    BatchScreens,
+    DrawnClearances,
+    measured_in,
+)
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.failure_cases import FailureCase
 from drakesep.analysis.metrics.of_run import metric_named, metrics_of_run
@@ -40,6 +47,8 @@ class FlownDraws:
     """(n,) how often values were drawn before that cannot be."""
     reasons: Mapping[int, str]
     """Why runs failed, by the number of the draw."""
+    clearances: DrawnClearances | None = None
+    """How near parts come, by the plan's clearances; None: it has none."""
 
     def __len__(self) -> int:
         return len(self.metrics)
@@ -67,7 +76,30 @@ class FlownDraws:
             failure=self.failure[rows],
             attempts=self.attempts[rows],
             reasons={i: self.reasons[i] for i in numbers if i in self.reasons},
+            clearances=None
+            if self.clearances is None
+            else DrawnClearances(
+                at_least=self.clearances.at_least[rows],
+                measured=self.clearances.measured[rows],
+            ),
         )
+
+    def value_of(self, row: int, metric: str, plan: CampaignPlan) -> float:
+        """Return what a draw tells of a metric or clearance of the plan, in SI.
+
+        NaN if its run failed, or it was not measured.
+
+        Args:
+            row: of the draw.
+            metric: in question.
+            plan: of the campaign.
+        """
+        if metric not in plan.clearances:
+            return float(self.metrics[row, plan.metrics.index(metric)])
+        i, of_draws = plan.clearances.index(metric), self.clearances
+        if of_draws is None or not of_draws.measured[row, i]:
+            return math.nan
+        return float(of_draws.at_least[row, i])
 
 
 @typed
@@ -111,6 +143,12 @@ class CampaignFlights:
         self._batch = batch.holding(fails)
         # What steps do not tell, the motion does, run by run.
         self._whole_runs = not all(metric.of_steps for metric in entries)
+        self.clearances = {
+            name: case.lowest_clearance(name) for name in plan.clearances
+        }
+        for clearance in self.clearances.values():
+            clearance.check_apart()
+        self._screens: dict[str, BatchScreens] = {}
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -125,7 +163,9 @@ class CampaignFlights:
     @property
     def together(self) -> int:
         """Draws that are flown together on all cores."""
-        return _WHOLE if self._whole_runs else self._batch.chunk * self._batch.workers
+        if self._whole_runs:
+            return _WHOLE
+        return TOGETHER if self.clearances else self._batch.chunk * self._batch.workers
 
     def with_spans(self) -> "CampaignFlights":
         """Return what flies the plan with spans of histograms, from its first draws.
@@ -185,6 +225,7 @@ class CampaignFlights:
         """
         drawn = self.drawn(indices)
         metrics = np.full((len(indices), len(self.plan.metrics)), np.nan)
+        at_least = np.full((len(indices), len(self.clearances)), np.nan)
         reasons: dict[int, str] = {}
         done = 0
 
@@ -192,21 +233,30 @@ class CampaignFlights:
             if on_progress is not None:
                 on_progress(done + part, len(indices))
 
-        for failure, rows in self._by_failure(drawn.failure):
-            values = drawn.values[rows]
-            flown, failed = self._fly(failure, values, tell)
-            metrics[rows] = flown
-            reasons |= {
-                int(indices[rows[i]]): why.replace("\n", " ")
-                for i, why in failed.items()
-            }
-            done += len(rows)
+        for failure, mine in self._by_failure(drawn.failure):
+            for rows in self._together(mine):
+                values = drawn.values[rows]
+                flown, failed = self._fly(failure, values, tell)
+                metrics[rows] = flown
+                reasons |= {
+                    int(indices[rows[i]]): why.replace("\n", " ")
+                    for i, why in failed.items()
+                }
+                if self.clearances and not _never(failure):
+                    at_least[rows] = self._at_least(failure, values)
+                    at_least[rows[[*failed]]] = np.nan
+                done += len(rows)
+        clearances = None
+        if self.clearances:
+            measured = np.zeros(at_least.shape, bool)
+            clearances = DrawnClearances(at_least=at_least, measured=measured)
         return FlownDraws(
             first=int(indices[0]),
             metrics=metrics,
             failure=drawn.failure.astype(np.int16),
             attempts=drawn.attempts.astype(np.int32),
             reasons=dict(sorted(reasons.items())),
+            clearances=clearances,
         )
 
     def metrics_at(
@@ -222,6 +272,42 @@ class CampaignFlights:
         """
         return self._fly(None, values, on_progress)[0]
 
+    def _together(self, rows: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:
+        """Yield the rows that are flown together: what is screened takes memory."""
+        size = TOGETHER if self.clearances else len(rows)
+        for first in range(0, len(rows), size):
+            yield rows[first : first + size]
+
+    def _at_least(self, failure: FailureCase | None, values: Array) -> Array:
+        """Return (n, c) how near parts come at least in rows, m."""
+        batch, columns = self._flown_by(failure)
+        name = failure.name if failure else ""
+        if name not in self._screens:
+            tried = self.drawn(np.arange(min(TRIED, self.plan.runs))).values
+            clearances = [*self.clearances.values()]
+            self._screens[name] = BatchScreens(batch, clearances, tried[:, columns])
+        return self._screens[name].at_least(values[:, columns])
+
+    def measured(self, name: str, draws: Mapping[int, float]) -> Array:
+        """Return (n,) how near parts come in draws, m; NaN of one that does not tell.
+
+        The same whatever else is measured.
+
+        Args:
+            name: of a clearance of the plan.
+            draws: what is known of each at least, m, by its number.
+        """
+        clearance, found = self.clearances[name], []
+        drawn = self.drawn([*draws])
+        for i, at_least in enumerate(draws.values()):
+            which = int(drawn.failure[i])
+            batch, columns = self._flown_by(
+                self.failures[which] if which >= 0 else None
+            )
+            [run] = batch.runs(drawn.values[i : i + 1, columns])
+            found.append(measured_in(run, clearance, at_least))
+        return np.array(found)
+
     def _by_failure(
         self, which: NDArray[np.int_]
     ) -> Iterator[tuple[FailureCase | None, NDArray[np.intp]]]:
@@ -233,22 +319,23 @@ class CampaignFlights:
         self, failure: FailureCase | None, values: Array, on_progress: Progress
     ) -> tuple[Array, Mapping[int, str]]:
         """Return the metrics of rows, and why some failed."""
-        batch, held = self._batch, failure.values if failure else {}
-        never = [name for name, value in held.items() if math.isinf(value)]
-        if failure and never:
+        if failure and (never := _never(failure)):
             # Met by nobody, as it is in Drake: it does not separate.
             why = f"{failure.name}: {', '.join(never)}: does not separate"
             failed = dict.fromkeys(range(len(values)), why)
             return np.full((len(values), len(self.plan.metrics)), np.nan), failed
-        if held:
-            batch = batch.holding(held)
-        columns = [self._draws.names.index(name) for name in batch.names]
+        batch, columns = self._flown_by(failure)
         rows = values[:, columns]
         if self._whole_runs:
             return self._whole(batch, rows, on_progress)
         result = batch.run(rows, on_progress=on_progress)
         kept = result.metrics[[*self.plan.metrics]].to_numpy()
         return kept, result.failures
+
+    def _flown_by(self, failure: FailureCase | None) -> tuple[Batch, list[int]]:
+        """Return what flies a failure case, and which columns of values it takes."""
+        batch = self._batch.holding(failure.values) if failure else self._batch
+        return batch, [self._draws.names.index(name) for name in batch.names]
 
     def _whole(
         self, batch: Batch, rows: Array, on_progress: Progress
@@ -286,6 +373,12 @@ def _span(values: Array) -> tuple[float, float]:
 
 _WHOLE = 64
 """Whole runs that are flown at once."""
+
+
+def _never(failure: FailureCase | None) -> list[str]:
+    """Return the names of what never happens in a failure case."""
+    held = failure.values if failure else {}
+    return [name for name, value in held.items() if math.isinf(value)]
 
 
 def _untold(names: Sequence[str], values: Array) -> str:

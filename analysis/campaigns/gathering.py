@@ -6,6 +6,7 @@ import numpy as np
 
 from drakesep.analysis.campaigns.flights import FlownDraws
 from drakesep.analysis.campaigns.plan import ROWS, CampaignPlan
+from drakesep.analysis.campaigns.screens import DrawnClearances
 from drakesep.analysis.campaigns.tallies import TalliedDraws
 
 
@@ -37,6 +38,7 @@ class Gathered:
         self._metrics = np.empty((runs, len(plan.metrics)))
         self._failure = np.empty(runs, np.int16)
         self._attempts = np.empty(runs, np.int32)
+        self._at_least = np.empty((runs, len(plan.clearances)))
         self._reasons: dict[int, str] = {}
 
     def add(self, number: int, chunk: KeptDraws) -> None:
@@ -53,16 +55,23 @@ class Gathered:
         mine = slice(chunk.first, chunk.first + len(chunk))
         self._metrics[mine], self._failure[mine] = chunk.metrics, chunk.failure
         self._attempts[mine] = chunk.attempts
+        if chunk.clearances is not None:
+            self._at_least[mine] = chunk.clearances.at_least
         self._reasons |= chunk.reasons
 
     def whole(self) -> KeptDraws:
         """Return what is kept of all draws, once no chunk is missing."""
         if self._tallies:
             return TalliedDraws.merged(self._tallies)
+        clearances = None
+        if self._at_least.size:
+            measured = np.zeros(self._at_least.shape, bool)
+            clearances = DrawnClearances(at_least=self._at_least, measured=measured)
         return FlownDraws(
             first=0,
             metrics=self._metrics,
             failure=self._failure,
             attempts=self._attempts,
             reasons=dict(sorted(self._reasons.items())),
+            clearances=clearances,
         )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.clearance.screen import can_be_screened
 from drakesep.analysis.engines.jax.batch import TOLERANCE
 from drakesep.analysis.metrics.of_run import metric_named
 from drakesep.systems.argument_types import typed
@@ -46,6 +47,8 @@ class CampaignPlan:
     """Of the draws."""
     metrics: tuple[str, ...] = ()
     """Names of what is kept of every run."""
+    clearances: tuple[str, ...] = ()
+    """Names of the clearances that are screened in every run, and measured in some."""
     chunk: int = CHUNKS[ROWS]
     """Draws of each chunk but the last, which may have fewer."""
     keep: Keep = "rows"
@@ -80,6 +83,14 @@ class CampaignPlan:
                 raise InputError(f"metrics: {name}: no run of the case tells it")
             if self.metrics.count(name) > 1:
                 raise InputError(f"metrics: {name} must stand once")
+        for name in self.clearances:
+            required = [r for r in self.case.requirements if r.metric == name]
+            if not any(one.measured_apart for one in required):
+                raise InputError(f"clearances: {name}: must be one that is required")
+            if self.keep != ROWS:
+                raise InputError(f"clearances: {name}: must be none without rows")
+            if self.clearances.count(name) > 1:
+                raise InputError(f"clearances: {name} must stand once")
         if not self.case.tolerances and not self.case.failure_cases:
             raise InputError("dispersions: a campaign needs something that varies")
 
@@ -115,6 +126,7 @@ class CampaignPlan:
             runs=runs,
             seed=seed,
             metrics=metrics,
+            clearances=tuple(_screened(case)) if keep == ROWS else (),
             chunk=CHUNKS.get(keep, 1) if chunk is None else chunk,
             keep=keep,
         )
@@ -158,3 +170,17 @@ def judged_metrics(case: AnalysisCase) -> list[str]:
         for requirement in case.requirements
         if not requirement.measured_apart and case.tells(requirement)
     ]
+
+
+def _screened(case: AnalysisCase) -> dict[str, None]:
+    """Return the names of the clearances that are required and can be screened."""
+    varied = {*case.tolerances}
+    for failure in case.failure_cases:
+        if failure.name in case.failure_probabilities:
+            varied |= {*failure.values}
+    return {
+        one.metric: None
+        for one in case.requirements
+        if one.measured_apart
+        and can_be_screened(case.lowest_clearance(one.metric), case.separation, varied)
+    }

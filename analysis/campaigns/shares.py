@@ -13,8 +13,10 @@ from drakesep.analysis.campaigns.answers import (
     Tally,
     launch_requirements,
 )
+from drakesep.analysis.campaigns.measuring import NearestOfDraws
 from drakesep.analysis.campaigns.order_statistics import CampaignSize, runs_needed
 from drakesep.analysis.campaigns.plan import CampaignPlan
+from drakesep.analysis.campaigns.screens import DrawnClearances
 from drakesep.analysis.metrics.requirements import Requirement, Verdict
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
@@ -38,9 +40,13 @@ class ShareFinding:
     """What the draws say; of a limit that every run must keep, as if it were of a
     share. None: they were not looked at."""
     failed: tuple[int, ...] = ()
-    """The first draws whose runs failed: they come before all others."""
+    """The first draws that do not tell, such as runs that failed: they come before all
+    others."""
     worst: float = math.nan
     """Of all draws that tell, in SI."""
+    measured: int | None = None
+    """Draws that were measured, of a clearance: the others are proven not to come as
+    near as decides it."""
     confirmed: bool = True
     """Whether Drake says the same of the draws that decide the verdict."""
 
@@ -106,7 +112,10 @@ class ShareFinding:
 
 
 def share_findings(
-    plan: CampaignPlan, metrics: Array, failed: Sequence[int]
+    plan: CampaignPlan,
+    metrics: Array,
+    failed: Sequence[int],
+    clearances: DrawnClearances | None = None,
 ) -> list[ShareFinding]:
     """Return how each requirement of a case fares, in their order.
 
@@ -114,9 +123,49 @@ def share_findings(
         plan: of the campaign.
         metrics: (N, m) of all draws; NaN of runs that failed.
         failed: numbers of the draws that did.
+        clearances: of all draws, if the plan has any.
     """
     found = counted(plan, metrics, lambda size: (size.allowed or 0) + _MORE)
-    return findings_of(plan, found, sorted(failed)[:_FAILED])
+    findings = findings_of(plan, found, sorted(failed)[:_FAILED])
+    return [
+        _of_clearance(plan, one.requirement, clearances)
+        if one.requirement.metric in plan.clearances and clearances is not None
+        else one
+        for one in findings
+    ]
+
+
+def nearest_of_draws(
+    plan: CampaignPlan, requirement: Requirement, clearances: DrawnClearances
+) -> NearestOfDraws:
+    """Return how near parts come in all draws, by the clearance of a requirement."""
+    required = of_launches(requirement, plan.case.requirements)
+    i = plan.clearances.index(requirement.metric)
+    return NearestOfDraws(
+        required=required,
+        size=size_of(required, plan.runs),
+        at_least=clearances.at_least[:, i],
+        measured=clearances.measured[:, i],
+    )
+
+
+def _of_clearance(
+    plan: CampaignPlan,
+    requirement: Requirement,
+    clearances: DrawnClearances,
+) -> ShareFinding:
+    nearest = nearest_of_draws(plan, requirement, clearances)
+    tally = nearest.tally((nearest.size.allowed or 0) + _MORE)
+    told = nearest.at_least[nearest.measured]
+    untold = np.flatnonzero(np.isnan(nearest.values))[:_FAILED]
+    return ShareFinding(
+        requirement=requirement,
+        size=nearest.size,
+        answer=CampaignAnswer(required=nearest.required, tally=tally),
+        failed=tuple(untold.tolist()),
+        worst=float(np.nanmin(told)) if np.isfinite(told).any() else math.nan,
+        measured=len(told),
+    )
 
 
 _FAILED = 100_000

@@ -114,10 +114,31 @@ class LowestClearance(LargestOfParts):
 
     def check_apart(self) -> None:
         """Raise InputError if parts overlap while mated that are not said to touch."""
-        self._analysis.check_apart()
+        self.analysis.check_apart()
 
     @property
-    def _analysis(self) -> ClearanceAnalysis:
+    def pairs(self) -> Sequence[Names]:
+        """The pairs of parts that are measured."""
+        return self._pairs
+
+    @property
+    def touching(self) -> bool:
+        """Whether any of them touch or overlap while mated."""
+        touching = set(map(frozenset, self._touching))
+        return any(frozenset(pair) in touching for pair in self._pairs)
+
+    @property
+    def window(self) -> tuple[tuple[Pair, ...], float] | None:
+        """The pairs whose bodies must have moved so far, m, until it does not matter.
+
+        None: it matters to the end of the run.
+        """
+        until = self._until_separation
+        return None if until is None else (self._leaving, until)
+
+    @property
+    def analysis(self) -> ClearanceAnalysis:
+        """What measures it."""
         self.prepare()
         assert self._prepared is not None
         return self._prepared
@@ -138,7 +159,7 @@ class LowestClearance(LargestOfParts):
 
     def nearer(self, run: Run, than: float) -> Clearance | None:
         """Return how near the nearest pair comes; None if not nearer than that, m."""
-        return self._analysis.smallest(run, until=self._end(run), than=than)
+        return self.analysis.smallest(run, until=self.end(run), than=than)
 
     def of_run(self, run: Run, limits: Limits) -> float:
         """Return less the smallest distance in a completed run, m."""
@@ -159,11 +180,11 @@ class LowestClearance(LargestOfParts):
         """
         found = self.nearest(run, likely=-at_least)
         A, B = self._owners[found.first], self._owners[found.second]
-        ends_there = found.time >= self._end(run)
+        ends_there = found.time >= self.end(run)
         points = (found.first, found.p_AoCa_A), (found.second, found.p_BoCb_B)
 
         def second_from_first(other: Run) -> np.ndarray:
-            time = self._end(other) if ends_there else found.time
+            time = self.end(other) if ends_there else found.time
             pose = RelativePath(other.completed_trajectory, A, B).at(time)
             first, second = _carried(points, run, other)
             return np.asarray(pose.p_AoBo_A + pose.R_AB @ second - first)
@@ -188,9 +209,9 @@ class LowestClearance(LargestOfParts):
         To first order: those of the nearest points, as for the smallest. What is too
         far apart to become the smallest is -inf, and does not change.
         """
-        times = np.linspace(0.0, self._end(run), _MOMENTS)
+        times = np.linspace(0.0, self.end(run), _MOMENTS)
         flown = [one.completed_trajectory for one in (run, *around)]
-        ends_of = dict(zip(self._analysis.names, self._analysis.bodies, strict=True))
+        ends_of = dict(zip(self.analysis.names, self.analysis.bodies, strict=True))
         places = {
             ends: [RelativePath(one, *ends).places(times) for one in flown]
             for ends in set(ends_of.values())
@@ -205,13 +226,13 @@ class LowestClearance(LargestOfParts):
             within = np.array(
                 [
                     reach @ self._most_moved(names, *stacked[ends_of[names]])
-                    for names in self._analysis.apart
+                    for names in self.analysis.apart
                 ]
             )
-        values = np.full((len(self._analysis.apart), len(times)), -np.inf)
+        values = np.full((len(self.analysis.apart), len(times)), -np.inf)
         changes = np.zeros((*values.shape, len(around)))
-        told = self._analysis.moments(run, times.tolist(), within)
-        for k, (names, pair) in enumerate(zip(self._analysis.apart, told, strict=True)):
+        told = self.analysis.moments(run, times.tolist(), within)
+        for k, (names, pair) in enumerate(zip(self.analysis.apart, told, strict=True)):
             (a, b), (R, p) = names, stacked[ends_of[names]]
             known = [i for i, there in enumerate(pair) if there is not None]
             near = [there.nearest for there in pair if there is not None]
@@ -239,7 +260,7 @@ class LowestClearance(LargestOfParts):
             R_AB: (1 + r, t, 3, 3) of a run and of those around it.
             p_AoBo_A: (1 + r, t, 3) of the same, m.
         """
-        centre, radius = self._analysis.ball_around(pair)
+        centre, radius = self.analysis.ball_around(pair)
         centres = p_AoBo_A + R_AB @ centre
         turned = np.linalg.norm(R_AB[1:] - R_AB[0], axis=(2, 3))
         moved = np.linalg.norm(centres[1:] - centres[0], axis=2)
@@ -260,19 +281,19 @@ class LowestClearance(LargestOfParts):
             are meant, for the two whose parts are nearest (see `leaving_among`), m; and
             (n,) the distances, m.
         """
-        times = np.append(np.linspace(0.0, self._end(run), count), found.time)
+        times = np.append(np.linspace(0.0, self.end(run), count), found.time)
         times.sort()
         bodies = self._owners[found.first], self._owners[found.second]
         leaves = leaving_among(self._leaving, bodies)
         moved = _path_of(leaves, run).moved(times, leaves.direction)
         pair = found.first, found.second
-        return moved, self._analysis.at_times(run, times, of=[pair])[:, 0]
+        return moved, self.analysis.at_times(run, times, of=[pair])[:, 0]
 
     def is_window_ended(self, run: Run) -> bool:
         """Return whether B moves as far as the window goes; else none can judge it."""
         return self._until_separation is None or math.isfinite(self._reached(run))
 
-    def _end(self, run: Run) -> float:
+    def end(self, run: Run) -> float:
         """Return until when distances matter, s: to the end if it is not reached."""
         last = float(run.completed_trajectory.time[-1])
         return last if self._until_separation is None else min(self._reached(run), last)

@@ -20,6 +20,7 @@ from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, check_finite
 from drakesep.systems.equations.mated_stack import mated_places
 from drakesep.systems.equations.motion_of_run import mated_trajectory
+from drakesep.systems.geometry.bounding_tree import Node
 from drakesep.systems.geometry.convex_pieces import mesh_of
 from drakesep.systems.geometry.distance import Nearest, Proximity
 from drakesep.systems.geometry.meshes import DoubtfulScale
@@ -271,16 +272,19 @@ class ClearanceAnalysis:
         """The pairs of parts that do not touch while mated."""
         return [names for names in self.names if frozenset(names) not in self._touching]
 
+    def pieces(self, pair: Names) -> tuple[Names, Proximity, tuple[Node, Node]]:
+        """Return the bodies of a pair of parts, what measures it, and its trees."""
+        bodies = self.bodies[self.names.index(pair)]
+        proximity = self._proximities[bodies]
+        return bodies, proximity, (proximity.roots[pair[0]], proximity.roots[pair[1]])
+
     def ball_around(self, pair: Names) -> tuple[Array, float]:
         """Return the centre (3,) in its body, and the radius of a ball around a part.
 
         Args:
             pair: whose second part it is.
         """
-        [bodies] = [
-            b for n, b in zip(self.names, self.bodies, strict=True) if n == pair
-        ]
-        root = self._proximities[bodies].roots[pair[1]]
+        _, _, (_, root) = self.pieces(pair)
         return np.array(root.centre), root.radius
 
     def _along_run(self, run: Run) -> list[PartDistance]:

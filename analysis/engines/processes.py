@@ -3,14 +3,16 @@
 import contextlib
 import os
 import signal
+import subprocess
 import threading
 import time
-from collections.abc import Callable, Iterator
-from multiprocessing import resource_tracker
+from collections.abc import Callable, Iterator, Sequence
+from multiprocessing import resource_tracker, util
 from types import FrameType
 from typing import Any
 
 from loky import ProcessPoolExecutor
+from loky.backend import resource_tracker as loky_tracker
 
 
 _NOT_THEIRS = {signal.SIGINT, signal.SIGHUP}
@@ -35,7 +37,8 @@ def start_processes(
         arguments: of it.
     """
     with contextlib.ExitStack() as failed:
-        with _signals_held(), _trackers_silent():
+        with _trackers_silent(), _signals_held():
+            _start_trackers()
             pool = ProcessPoolExecutor(
                 max_workers=count,
                 initializer=_begin,
@@ -66,9 +69,6 @@ def _signals_held() -> Iterator[None]:
     if mine := in_main and callable(handler):  # else nothing of Python's is to wait
         signal.signal(signal.SIGINT, lambda _, frame: came.append(frame))
     before = signal.pthread_sigmask(signal.SIG_BLOCK, _NOT_THEIRS)
-    # As it starts, Python's own tracker lets interrupts through again.
-    resource_tracker.ensure_running()
-    signal.pthread_sigmask(signal.SIG_BLOCK, _NOT_THEIRS)
     try:
         yield
     finally:
@@ -91,6 +91,36 @@ def _trackers_silent() -> Iterator[None]:
             del os.environ[_FILTERS]
         else:
             os.environ[_FILTERS] = before
+
+
+def _start_trackers() -> None:
+    """Start what clears semaphores away when this process and its workers have ended.
+
+    Python and loky have one each, in this process's group, where a kill of the group
+    ends them too. Ours are in sessions of their own; those that run already stay.
+    """
+    spawn = util.spawnv_passfds
+    util.spawnv_passfds = _spawn_apart
+    try:
+        resource_tracker.ensure_running()
+        loky_tracker.ensure_running()
+    finally:
+        util.spawnv_passfds = spawn
+    # As it starts, Python's lets interrupts through again.
+    signal.pthread_sigmask(signal.SIG_BLOCK, _NOT_THEIRS)
+
+
+def _spawn_apart(path: bytes, args: Sequence[Any], passfds: Sequence[int]) -> int:
+    """Do as `util.spawnv_passfds` does, in a session of its own."""
+    process = subprocess.Popen(
+        args,
+        executable=path,
+        pass_fds=passfds,
+        restore_signals=False,
+        start_new_session=True,
+    )
+    process.returncode = 0  # it is waited for by its number, by who has asked for it
+    return process.pid
 
 
 def _begin(

@@ -24,6 +24,7 @@ from drakesep.analysis.metrics.requirements import Requirement, UnusableLimit
 from drakesep.analysis.tolerances.box import ToleranceBox, UnphysicalTolerance
 from drakesep.analysis.tolerances.tolerance_set import ToleranceSet
 from drakesep.case_file.attachments import AttachmentSection, LoadSection
+from drakesep.case_file.before_separation import BeforeSeparationSection
 from drakesep.case_file.bodies import BodySection
 from drakesep.case_file.dispersions import (
     RankCorrelationSection,
@@ -33,10 +34,9 @@ from drakesep.case_file.dispersions import (
 from drakesep.case_file.errors import CaseError, explained
 from drakesep.case_file.failure_cases import FailureCases, failure_cases_in_si
 from drakesep.case_file.geometry import ClearanceSection, RecontactSection
+from drakesep.case_file.orbit import OrbitSection
 from drakesep.case_file.others import (
-    BeforeSeparationSection,
     CorrelationSection,
-    OrbitSection,
     PairSection,
     PublishedSection,
     RequirementSection,
@@ -177,7 +177,7 @@ class Case(Section):
     def _separation(self) -> Separation:
         touching, recontact = self.clearance.touching, self.recontact
         first, *others = self._pairs
-        return Separation(
+        mated = Separation(
             bodies=tuple(body.in_si(name) for name, body in self.bodies.items()),
             attachments=tuple(a.in_si(name) for name, a in self.attachments.items()),
             A=first.A,
@@ -190,6 +190,8 @@ class Case(Section):
             recontact=None if recontact is None else recontact.in_si(touching),
             duration=self.run.duration_s,
         )
+        with named("before_separation"):
+            return self.before_separation.taken(mated)
 
     def _clearance_pairs(self) -> ClearancePairs:
         pairs = self.clearance.pairs

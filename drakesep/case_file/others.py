@@ -40,12 +40,7 @@ from drakesep.case_file.values import parameter_of
 from drakesep.systems.checks import unknown
 from drakesep.systems.model.integration import Integration, Scheme
 from drakesep.systems.model.parameters import parameters
-from drakesep.systems.model.separation import (
-    EARTH_RADIUS,
-    InitialMotion,
-    Orbit,
-    Separation,
-)
+from drakesep.systems.model.separation import Separation
 from drakesep.units import unit_of, with_unit
 
 
@@ -99,33 +94,6 @@ class PairSection(Section):
     """Pushed away."""
     direction: Vector = (1.0, 0.0, 0.0)
     """In which B leaves, a unit vector fixed in A."""
-
-
-class OrbitSection(Section):
-    """A circular orbit."""
-
-    altitude_km: Positive
-    """Above a sphere of the Earth's equatorial radius."""
-
-    def in_si(self) -> Orbit:
-        """Return the orbit."""
-        return Orbit(radius=EARTH_RADIUS + 1000.0 * self.altitude_km)
-
-
-class BeforeSeparationSection(Section):
-    """Motion of the mated stack at t = 0."""
-
-    attitude_deg: Vector = (0.0, 0.0, 0.0)
-    """Roll, pitch and yaw of A in W."""
-    rate_deg_s: Vector = (0.0, 0.0, 0.0)
-    """Angular velocity of A in W, in A's axes."""
-
-    def in_si(self) -> InitialMotion:
-        """Return the motion."""
-        return InitialMotion(
-            rpy_WA=to_si("attitude", self.attitude_deg),
-            w_WA_A=to_si("rate", self.rate_deg_s),
-        )
 
 
 class CorrelationSection(Section):

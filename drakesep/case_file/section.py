@@ -63,16 +63,23 @@ class Section(BaseModel):
     """A mapping of keys, each of which is known."""
 
     model_config = ConfigDict(
-        strict=True, frozen=True, extra="forbid", allow_inf_nan=False
+        strict=True,
+        frozen=True,
+        extra="forbid",
+        allow_inf_nan=False,
+        # A key that is a word of Python has an underscore at its end there.
+        alias_generator=lambda name: name.removesuffix("_"),
+        serialize_by_alias=True,
     )
 
     @model_validator(mode="before")
     @classmethod
     def _check_keys(cls, data: Any) -> Any:
         if isinstance(data, dict):
+            known = [name.removesuffix("_") for name in cls.model_fields]
             for key in data:
-                if key not in cls.model_fields:
-                    raise ValueError(unknown("key", key, cls.model_fields))
+                if key not in known:
+                    raise ValueError(unknown("key", key, known))
         return data
 
 
@@ -83,6 +90,8 @@ def files_of(value: Any) -> Iterator[str]:
             entry = getattr(value, name)
             if name == "file":
                 yield entry
+            elif name == "from_":
+                yield from entry or ()
             else:
                 yield from files_of(entry)
     elif isinstance(value, dict | list):

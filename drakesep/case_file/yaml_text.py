@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from ruamel.yaml import YAML
+from ruamel.yaml.constructor import SafeConstructor
 from ruamel.yaml.error import YAMLError
 from ruamel.yaml.events import (
     AliasEvent,
@@ -27,6 +28,15 @@ _REPEATED = 100_000
 """Entries for which aliases may stand, all together; those of a case for hundreds."""
 
 
+class _Constructor(SafeConstructor):
+    """Leaves times as text: a Python time has no more than six decimals of a second."""
+
+
+_Constructor.add_constructor(
+    "tag:yaml.org,2002:timestamp", SafeConstructor.construct_yaml_str
+)
+
+
 def read_yaml(text: str) -> Any:
     """Return the data of YAML text.
 
@@ -35,7 +45,9 @@ def read_yaml(text: str) -> Any:
     """
     try:
         _check(YAML(typ="safe", pure=True).parse(text))
-        return YAML(typ="safe", pure=True).load(text)
+        yaml = YAML(typ="safe", pure=True)
+        yaml.Constructor = _Constructor
+        return yaml.load(text)
     except InputError:
         raise
     except YAMLError as error:

@@ -8,7 +8,10 @@ import typer
 
 from drakesep.cli.campaign_commands import campaign, replay
 from drakesep.cli.case_commands import cases, new, show
+from drakesep.cli.compare_command import compare
+from drakesep.cli.export_command import export
 from drakesep.cli.report import BAD_INPUT, print_json, say_error
+from drakesep.cli.report_command import report
 from drakesep.cli.run_commands import animate, clearance, simulate
 from drakesep.cli.search_commands import verify, worst_case
 from drakesep.cli.sweep_command import sweep
@@ -50,6 +53,7 @@ _COMMANDS = (
     *(cases, show, new),
     *(simulate, sweep, clearance, animate),
     *(worst_case, verify, replay),
+    *(report, compare, export),
 )
 for command in _COMMANDS:
     app.command(command.__name__.replace("_", "-"))(command)

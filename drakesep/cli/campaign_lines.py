@@ -70,7 +70,14 @@ def print_campaign(console: Console, study: Campaign) -> None:
 
 
 def print_oddities(console: Console, study: Campaign) -> None:
-    """Print how many draws failed, and how many values cannot be."""
+    """Print what was measured, how many draws failed, and how many values cannot be."""
+    for one in study.findings:
+        if one.measured is not None:
+            console.print(
+                f"{one.requirement.metric}: measured in {one.measured} draws; the "
+                "others are proven not to come as near as decides it.",
+                markup=False,
+            )
     failed = study.flown.failed
     if failed:
         first = next(iter(study.failures.items()))

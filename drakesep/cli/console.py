@@ -14,6 +14,7 @@ from drakesep.case_file.case import Case
 from drakesep.cli.requirement_lines import requirement_lines
 from drakesep.systems.checks import X_AXIS
 from drakesep.systems.equations.springs import law_name
+from drakesep.systems.model.orbit import EARTH_RADIUS, Orbit
 from drakesep.systems.model.parameters import ParameterName, parameters
 from drakesep.systems.model.parts import Cone, Shape
 from drakesep.systems.model.separation import Pair
@@ -87,14 +88,16 @@ def print_cases(console: Console, cases: Iterable[Case]) -> None:
 def print_case(console: Console, case: Case) -> None:
     """Print a case: bodies, attachments, dispersions, requirements."""
     console.print(f"{case.name}: {case.description}", markup=False)
-    before = case.before_separation
-    orbit = f"circular, {case.orbit.altitude_km:g} km" if case.orbit else "none"
+    before = case.separation.initial
+    attitude, rate = (
+        [float(f"{math.degrees(x):.9g}") for x in each]
+        for each in (before.rpy_WA, before.w_WA_A)
+    )
     leave = "; ".join(map(_leaving, case.separation.pairs))
     console.print(
-        f"{leave}; orbit: {orbit}; before separation: "
-        f"attitude {list(before.attitude_deg)} deg, rate {list(before.rate_deg_s)} "
-        f"deg/s; run: {case.run.duration_s:g} s with {case.run.integrator} at accuracy "
-        f"{case.run.accuracy:g}",
+        f"{leave}; orbit: {_orbit(case.separation.orbit)}; before separation: "
+        f"attitude {attitude} deg, rate {rate} deg/s; run: {case.run.duration_s:g} s "
+        f"with {case.run.integrator} at accuracy {case.run.accuracy:g}",
         markup=False,
     )
     print_frame(console, "Bodies", _bodies(case))
@@ -131,6 +134,15 @@ def print_notes(console: Console, notes: Iterable[str]) -> None:
     """Print what should be known, a line each."""
     for note in notes:
         console.print(f"Note: {note}", markup=False)
+
+
+def _orbit(orbit: Orbit | None) -> str:
+    if orbit is None:
+        return "none"
+    altitude = (orbit.radius - EARTH_RADIUS) / 1000.0
+    if orbit.horizontal_speed is None:
+        return f"circular, {altitude:g} km"
+    return f"eccentricity {orbit.eccentricity:.6g}, at {altitude:.6g} km"
 
 
 def _leaving(pair: Pair) -> str:

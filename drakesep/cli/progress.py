@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeAlias
 from rich import progress as rich_progress
 from rich.console import Console
 
-from drakesep.studies.campaign.progress import CONFIRM, CampaignProgress
+from drakesep.studies.campaign.progress import CONFIRM, MEASURE, CampaignProgress
 from drakesep.studies.runs_progress import RunsProgress
 from drakesep.studies.sweep import SweepProgress
 from drakesep.studies.worst_case.effort import in_time
@@ -186,7 +186,7 @@ def _standing(progress: AnyProgress) -> _Standing:
         described = f"{progress.done} of {progress.total} variants"
     elif isinstance(progress, CampaignProgress):
         step, begins, plan = progress.step, not progress.step, str(progress)
-        where = " in Drake" if step == CONFIRM else ""
+        where = {CONFIRM: " in Drake", MEASURE: " measured"}.get(step, "")
         described = f"{progress.done} of {progress.total} draws{where}"
     elif isinstance(progress, RunsProgress):
         step, begins, plan = progress.what, progress.done == 0, str(progress)

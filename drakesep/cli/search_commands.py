@@ -1,6 +1,7 @@
 """Commands that search worst cases: worst-case, verify."""
 
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
@@ -15,6 +16,7 @@ from drakesep.cli.options import (
     WorkersOption,
 )
 from drakesep.cli.report import Report
+from drakesep.cli.report_command import say_written
 from drakesep.cli.results_folder import load, results_folder, say
 
 
@@ -172,6 +174,10 @@ def verify(
     ] = None,
     share: ShareOption = None,
     confidence: ConfidenceOption = None,
+    page: Annotated[
+        bool,
+        typer.Option("--report", help="Make a report of the folder, as `report` does."),
+    ] = False,
     output: OutputOption = None,
     workers: WorkersOption = None,
     quiet: QuietOption = False,
@@ -225,8 +231,11 @@ def verify(
         from drakesep.cli.results import print_requirements, print_verdict
         from drakesep.cli.summaries import of_verification
 
-        summary = of_verification(study, folder.path)
+        file = _reported(report, folder.path) if page else None
+        summary = of_verification(study, folder.path, file)
         say(report, folder, summary, partial(print_requirements, study=study))
+        if file is not None:
+            say_written(report, file)
         print_verdict(report.console, study)
         if study.verdict is None:
             report.fail(study.campaign_failure or _WHAT_FAILED)
@@ -234,6 +243,14 @@ def verify(
             report.not_met(study.campaign_failure or _WHAT_FAILED)
         if not study.passed:
             report.not_well()
+
+
+def _reported(report: Report, folder: Path) -> Path:
+    """Make the report of a folder; return its page."""
+    from drakesep.reports.html import report as write_report
+
+    with report.aside.status("drawing"):
+        return write_report(folder)
 
 
 def _given(**effort: int | None) -> "Effort":

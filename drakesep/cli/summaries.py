@@ -13,6 +13,7 @@ import pandas as pd
 
 from drakesep.analysis.tolerances.box import Dispersion
 from drakesep.case_file.case import Case
+from drakesep.reports.compare import Comparison
 from drakesep.studies.campaign.result import Campaign
 from drakesep.studies.clearance import Clearances
 from drakesep.studies.rare_events import RareEvents
@@ -147,6 +148,8 @@ class VerifySummary(WorstCaseSummary):
     """Rows of answers.csv; empty if no campaign was flown."""
     failure_cases: list[Row]
     """Rows of failure_cases.csv; empty if they were not looked at."""
+    report: str | None
+    """The page that `--report` asks for; null: it was not asked for."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -191,6 +194,47 @@ class AnimateSummary:
     """Labels of what it shows."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class CompareSummary:
+    """Of `compare`."""
+
+    first: str
+    """Folder of the one study."""
+    second: str
+    """Folder of the other."""
+    same: bool
+    """Whether no answer differs by more than the tolerance; without one, at all."""
+    inputs: list[Row]
+    """What changed in what was asked: `where`, `row`, `column`, `first`, `second`, of
+    numbers `difference` and `relative_difference`, and `beyond`, whether that is more
+    than is tolerated."""
+    answers: list[Row]
+    """What changed in what was found, likewise."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportSummary:
+    """Of `report`."""
+
+    case: str
+    """Its name."""
+    file: str
+    """The page."""
+    folders: list[str]
+    """That it tells of."""
+    verdict: str
+    """On everything that it tells of: `met`, `not met`, `not shown`, `not looked at`,
+    `no verdict`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportSummary:
+    """Of `export`."""
+
+    files: list[str]
+    """That have been written; the last is the table of the handover."""
+
+
 SUMMARIES: dict[str, type[Any]] = {
     "cases": CasesSummary,
     "new": NewSummary,
@@ -205,6 +249,9 @@ SUMMARIES: dict[str, type[Any]] = {
     "animate": AnimateSummary,
     "worst-case": WorstCaseSummary,
     "verify": VerifySummary,
+    "compare": CompareSummary,
+    "report": ReportSummary,
+    "export": ExportSummary,
 }
 """By commands."""
 
@@ -370,13 +417,27 @@ def of_worst_cases(study: WorstCases, folder: Path) -> WorstCaseSummary:
     )
 
 
-def of_verification(study: Verification, folder: Path) -> VerifySummary:
+def of_verification(
+    study: Verification, folder: Path, report: Path | None = None
+) -> VerifySummary:
     """Return the summary of a verdict."""
     return VerifySummary(
         **vars(of_worst_cases(study, folder)),
         requirements=_rows(study.requirements),
         answers=_rows(study.answers) if study.campaign else [],
         failure_cases=_rows(study.failure_cases) if study.failed_cases else [],
+        report=None if report is None else str(report),
+    )
+
+
+def of_comparison(found: Comparison) -> CompareSummary:
+    """Return the summary of what changed."""
+    return CompareSummary(
+        first=str(found.first),
+        second=str(found.second),
+        same=found.same,
+        inputs=_rows(found.inputs.drop(columns="kind")),
+        answers=_rows(found.answers.drop(columns="kind")),
     )
 
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from drakesep.plots.campaign_curves import Curve
 from drakesep.plots.limits import LIMIT, limit_words
-from drakesep.plots.style import COLOURS, save_plot, wrapped
+from drakesep.plots.style import COLOURS, DASHES, save_plot, wrapped
 from drakesep.units import unit_of
 
 
@@ -25,7 +25,14 @@ def save_campaign(name: str, runs: int, curves: Sequence[Curve], folder: Path) -
     save_plot(campaign_figure(name, runs, curves), folder / "campaign.png")
 
 
-def campaign_figure(name: str, runs: int, curves: Sequence[Curve]) -> Figure:
+def campaign_figure(
+    name: str,
+    runs: int,
+    curves: Sequence[Curve],
+    *,
+    most_across: int = _ACROSS,
+    cell: float = _CELL,
+) -> Figure:
     """Return which share of draws is beyond each value of what is required.
 
     A panel for each quantity and side of its limit, with a curve for each axis, that
@@ -37,21 +44,23 @@ def campaign_figure(name: str, runs: int, curves: Sequence[Curve]) -> Figure:
         name: of the case.
         runs: draws.
         curves: of each requirement, one or more.
+        most_across: panels beside each other, at most.
+        cell: width of a panel, in.
     """
     panels: dict[tuple[str, str, bool], list[Curve]] = {}
     for one in curves:
         required = one.requirement
         key = required.pair, required.quantity[0], required.from_above
         panels.setdefault(key, []).append(one)
-    across = min(len(panels), _ACROSS)
+    across = min(len(panels), most_across)
     down = math.ceil(len(panels) / across)
-    figure = Figure(figsize=(_CELL * across, 3.8 * down + 0.6), layout="constrained")
+    figure = Figure(figsize=(cell * across, 3.8 * down + 0.6), layout="constrained")
     grid = figure.subplots(down, across, squeeze=False)
     for axes, (key, mine) in zip(grid.flat, panels.items(), strict=False):
         pair, quantity, _ = key
         _draw(axes, mine, runs)
         title = f"{quantity}{f', {pair}' if pair else ''}".replace("_", " ")
-        axes.set_title(wrapped(title, _CELL - 1.0, 9), fontsize=9)
+        axes.set_title(wrapped(title, cell - 1.0, 9), fontsize=9)
     for axes in grid.flat[len(panels) :]:
         axes.set_visible(False)
     title = (
@@ -60,7 +69,7 @@ def campaign_figure(name: str, runs: int, curves: Sequence[Curve]) -> Figure:
     )
     if any(math.isfinite(one.worst_case) for one in curves):
         title += ", cross: worst case found, and how much worse than the bound"
-    figure.suptitle(wrapped(title, _CELL * across - 0.2, 11), fontsize=11)
+    figure.suptitle(wrapped(title, cell * across - 0.2, 11), fontsize=11)
     return figure
 
 
@@ -73,7 +82,8 @@ def _draw(axes: Axes, curves: Sequence[Curve], runs: int) -> None:
         required, colour = one.requirement, COLOURS[k % len(COLOURS)]
         values = unit.from_si(1.0) * one.values
         label = required.quantity[1] or None
-        axes.plot(values, one.shares, color=colour, label=label)
+        style: dict[str, Any] = {"color": colour, "ls": DASHES[k % len(DASHES)]}
+        axes.plot(values, one.shares, label=label, **style)
         if len(values):
             axes.plot(values[-1], one.shares[-1], "o", color=colour, markersize=5)
         bound = unit.from_si(one.bound)

@@ -37,12 +37,14 @@ def curve_of_rows(values: Array, from_above: bool) -> tuple[Array, Array]:
     """Return values in order, to the worst, and the share of draws as bad or worse.
 
     Args:
-        values: (N,) of all draws; NaN of runs that failed: beyond every value.
+        values: (N,) of all draws; NaN of runs that failed: beyond every value; infinite
+            of draws of which no more is known than that they are better than others.
         from_above: whether the larger are the worse.
     """
     told = np.sort(values[~np.isnan(values)])
     told = told if from_above else told[::-1]
     share = (len(values) - np.arange(len(told))) / len(values)
+    told, share = told[np.isfinite(told)], share[np.isfinite(told)]
     if len(told) > _POINTS:  # dense where few are left
         steps = np.geomspace(1, len(told), _POINTS).round().astype(int)
         kept = len(told) - np.unique(steps)[::-1]

@@ -2,8 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -67,6 +69,34 @@ def clearance_figure(time: Array, curves: Mapping[str, Curve]) -> Figure:
         handles, labels, loc="outside lower center", ncols=columns, frameon=False
     )
     figure.suptitle("Distances between parts; dots: smallest, crosses: contact")
+    return figure
+
+
+def distances_figure(distances: pd.DataFrame, summary: pd.DataFrame) -> Figure:
+    """Return how near the nearest pairs are over the distance of separation.
+
+    Args:
+        distances: as clearance.csv has them.
+        summary: as clearance_summary.csv has it, the nearest first.
+    """
+    figure = Figure(figsize=(7.0, 3.2), layout="constrained")
+    axes = figure.subplots()
+    shown = summary[summary["status"] != "parted"].head(len(DASHES))
+    named = zip(shown["first"], shown["second"], shown.to_dict("records"), strict=True)
+    for k, (first, second, row) in enumerate(named):
+        style: dict[str, Any] = {"color": COLOURS[k], "ls": DASHES[k]}
+        y = distances[f"{first}_to_{second}_mm"]
+        label = f"{first} to {second}".replace("_", " ")
+        axes.plot(distances["separation_mm"], y, label=label, **style)
+        marker = "o" if row["status"] == "clear" else "X"
+        nearest = row["separation_mm"], row["clearance_mm"]
+        axes.plot(*nearest, marker=marker, color=COLOURS[k], markersize=6)
+    axes.set_ylim(bottom=0.0)
+    axes.set_xlabel("separation (mm)", fontsize=8)
+    axes.set_ylabel("distance (mm)", fontsize=8)
+    axes.tick_params(labelsize=7)
+    axes.grid(alpha=0.3)
+    axes.legend(frameon=False, fontsize=8, handlelength=3.5)
     return figure
 
 

@@ -1,6 +1,7 @@
 """What is required in failure cases beside the design: nominal, worst and limits."""
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -33,22 +34,28 @@ def save_failure_cases(requirements: pd.DataFrame, folder: Path) -> None:
     save_plot(failure_figure(requirements), folder / "failure_cases.png")
 
 
-def failure_figure(requirements: pd.DataFrame) -> Figure:
+def failure_figure(
+    requirements: pd.DataFrame, *, most_across: int = _ACROSS, cell: float = _CELL
+) -> Figure:
     """Return a panel for each requirement, with a row for the design and each case.
 
     Of many requirements, those with the least margins.
+
+    Args:
+        requirements: as failure_requirements.csv has them.
+        most_across: panels beside each other, at most.
+        cell: width of a panel, in.
     """
-    keys = ["requirement", "axis", "pair", "sense", "limit", "unit", "id"]
-    groups = [mine for _, mine in requirements.groupby(keys, sort=False, dropna=False)]
+    groups = _panels(requirements)
     shown = sorted(sorted(groups, key=_least_margin)[:_MOST], key=lambda g: g.index[0])
-    across = min(len(shown), _ACROSS)
+    across = min(len(shown), most_across)
     down = math.ceil(len(shown) / across)
     cases = requirements[CASE].nunique()
     height = (_ROW * cases + 1.1) * down + 0.9
-    figure = Figure(figsize=(_CELL * across + 1.2, height), layout="constrained")
+    figure = Figure(figsize=(cell * across + 1.2, height), layout="constrained")
     grid = figure.subplots(down, across, squeeze=False, sharey=True)
     for axes, mine in zip(grid.flat, shown, strict=False):
-        _draw(axes, mine)
+        _draw(axes, mine, cell)
     for axes in grid.flat[len(shown) :]:
         axes.set_visible(False)
     title = (
@@ -56,8 +63,31 @@ def failure_figure(requirements: pd.DataFrame) -> Figure:
     )
     if len(shown) < len(groups):
         title += f"; the {len(shown)} requirements of least margin, of {len(groups)}"
-    figure.suptitle(wrapped(title, _CELL * across, 11), fontsize=11)
+    figure.suptitle(wrapped(title, cell * across, 11), fontsize=11)
     return figure
+
+
+def panels_within(
+    requirements: pd.DataFrame, height: float, *, across: int
+) -> Iterator[pd.DataFrame]:
+    """Yield rows of requirements whose panels are not higher than that together.
+
+    Args:
+        requirements: as failure_requirements.csv has them.
+        height: of a figure, in.
+        across: panels beside each other.
+    """
+    groups = _panels(requirements)
+    row = _ROW * requirements[CASE].nunique() + 1.1
+    most = across * max(1, int((height - 0.9) / row))
+    for k in range(0, len(groups), most):
+        yield pd.concat(groups[k : k + most])
+
+
+def _panels(requirements: pd.DataFrame) -> list[pd.DataFrame]:
+    """Return the rows of each requirement."""
+    keys = ["requirement", "axis", "pair", "sense", "limit", "unit", "id"]
+    return [mine for _, mine in requirements.groupby(keys, sort=False, dropna=False)]
 
 
 def _least_margin(group: pd.DataFrame) -> float:
@@ -66,7 +96,7 @@ def _least_margin(group: pd.DataFrame) -> float:
     return min(0.0 if math.isnan(share) else share for share in shares)
 
 
-def _draw(axes: Axes, mine: pd.DataFrame) -> None:
+def _draw(axes: Axes, mine: pd.DataFrame, cell: float) -> None:
     """Draw one requirement in the design and in each failure case."""
     y = np.arange(len(mine))
     beyond = (mine["verdict"] == Verdict.NOT_MET.value).to_numpy()
@@ -92,4 +122,4 @@ def _draw(axes: Axes, mine: pd.DataFrame) -> None:
     whose = f", {first['pair']}" if first["pair"] else ""
     limit = f"{first['sense']} {first['limit']:.6g} {first['unit']}".strip()
     text = f"{name}{whose}: {limit}" + (f" ({first['id']})" if first["id"] else "")
-    axes.set_title(wrapped(text, _CELL - 0.4, 8), fontsize=8)
+    axes.set_title(wrapped(text, cell - 0.4, 8), fontsize=8)

@@ -100,7 +100,7 @@ def motion_figure(topic: Topic, shown: ShownRuns, pair: Pair) -> Figure:
         _zoom(push, whole, run, pair)
         for axes in both:
             _draw(axes, panel, drawn, pair)
-            _fit(axes)
+            fit(axes)
             if math.isfinite(end := run.end_of(pair.B)):
                 axes.axvline(end, **_END)
         layout.write(k, [drawn[decided.run.label].colour for decided in panel.decided])
@@ -160,11 +160,11 @@ def _draw(axes: Axes, panel: Panel, drawn: Mapping[str, _Drawn], pair: Pair) -> 
     curves = {line.get_label(): line for line in axes.get_lines()}
     for decided in panel.decided:
         label = decided.run.label
-        _draw_limit(axes, panel, decided)
-        _mark(axes, panel, decided, curves[label])
+        draw_limit(axes, panel, decided)
+        mark(axes, panel, decided, curves[label])
 
 
-def _draw_limit(axes: Axes, panel: Panel, decided: Decided) -> None:
+def draw_limit(axes: Axes, panel: Panel, decided: Decided) -> None:
     """Draw a limit while it holds; on both sides, if curves go to the other."""
     metric = decided.metric
     limit = metric.sign * panel.unit.from_si(decided.finding.requirement.limit)
@@ -187,7 +187,7 @@ def _window(decided: Decided) -> tuple[float, float]:
     return start, end
 
 
-def _mark(axes: Axes, panel: Panel, decided: Decided, curve: Line2D) -> None:
+def mark(axes: Axes, panel: Panel, decided: Decided, curve: Line2D) -> None:
     """Mark where the run that decides a requirement is nearest its limit, or beyond."""
     worst = decided.metric.sign * panel.unit.from_si(decided.finding.worst)
     if math.isnan(worst):
@@ -217,8 +217,8 @@ def _is_in(axes: Axes, time: float) -> bool:
     return start <= time <= end
 
 
-def _fit(axes: Axes) -> None:
-    """Fit the height to what is seen of the lines, be it flat."""
+def fit(axes: Axes) -> None:
+    """Fit the height of a panel to what is seen of its lines, be it flat."""
     start, end = axes.get_xlim()
     seen: list[float] = []
     for line in axes.get_lines():

@@ -55,7 +55,13 @@ def columns_of_legend(labels: Sequence[str], width: float, size: float = 10.0) -
 
 def _widest(lines: Iterable[str], size: float) -> float:
     """Return the width of the widest line, in."""
-    from matplotlib.textpath import TextPath  # half a second, where something is drawn
+    # Half a second, where something is drawn.
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import text_to_path
 
-    paths = (TextPath((0.0, 0.0), line, size=size) for line in lines)
-    return max((path.get_extents().x1 / 72.0 for path in paths), default=0.0)
+    font = FontProperties(size=size)
+    widths = (
+        text_to_path.get_text_width_height_descent(line, font, ismath=False)[0]
+        for line in lines
+    )
+    return max(widths, default=0.0) / 72.0

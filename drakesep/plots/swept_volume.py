@@ -1,16 +1,13 @@
 """The space that parts of B sweep, as seen from A."""
 
-import functools
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch, PathPatch
-from matplotlib.path import Path as Outline
-from scipy.spatial import ConvexHull, QhullError
+from matplotlib.patches import Patch
 
+from drakesep.plots.outlines import fill, outlines
 from drakesep.plots.style import COLOURS, columns_of_legend, save_plot, wrapped
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import Vector3
@@ -29,12 +26,8 @@ from drakesep.units import unit_of
 
 _MOMENTS = 40
 """At which what is swept is drawn."""
-_DIRECTIONS = 72
-"""In which outlines are drawn."""
 _VIEWS = (("x", 0, "z", 2), ("x", 0, "y", 1), ("y", 1, "z", 2))
 _WIDTHS = (1.2, 1.2, 1.0)
-_MANY = 64
-"""Pieces of a part, beyond which they are not outlined one by one."""
 _STAYS = "#5A5A5A"
 _THROUGH = 0.3
 """How opaque a wall of A is, in front of what moves within it."""
@@ -98,13 +91,13 @@ def swept_figure(run: Run, pair: Pair, pairs: Sequence[Names]) -> Figure:
             drawn = [
                 outline
                 for t in times.tolist()
-                for outline in _outlines(root, (i, j), _place(path, t))
+                for outline in outlines(root, (i, j), _place(path, t))
             ]
-            _fill(axes, drawn, _pale(colours[name]), 1)
+            fill(axes, drawn, _pale(colours[name]), 1)
         for root in stays:
-            _fill(axes, _outlines(root, (i, j)), (_STAYS, _THROUGH), 2)
+            fill(axes, outlines(root, (i, j)), (_STAYS, _THROUGH), 2)
         for name, root in moves.items():
-            for outline in _outlines(root, (i, j), _place(path, 0.0)):
+            for outline in outlines(root, (i, j), _place(path, 0.0)):
                 mm = unit_of("position").per_si * outline[[*range(len(outline)), 0]]
                 axes.plot(*mm.T, color=colours[name], linewidth=1.0, zorder=3)
         axes.set_aspect("equal")
@@ -144,66 +137,6 @@ def _until_clear(
         for n in root.leaves
     )
     return max(front - back, 1e-3)
-
-
-_AT_HOME = np.eye(3), np.zeros(3)
-
-
-def _outlines(
-    root: Node,
-    view: tuple[int, int],
-    place: tuple[Array, Array] | None = None,
-) -> list[Array]:
-    """Return (d, 2) outlines of the pieces of a part, as a view shows them.
-
-    What moves and has many pieces is outlined as a whole.
-    """
-    moving = place is not None
-    R, p = place or _AT_HOME
-    turns = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
-    directions = np.zeros((_DIRECTIONS, 3))
-    directions[:, view[0]], directions[:, view[1]] = np.cos(turns), np.sin(turns)
-    leaves = root.leaves
-    if len(leaves) > _MANY and all(leaf.corners is not None for leaf in leaves):
-        if moving:
-            corners = _extreme_corners(root)
-            found = corners[(corners @ (R.T @ directions.T)).argmax(axis=0)]
-            return [(found @ R.T + p)[:, list(view)]]
-        corners = np.concatenate([leaf.corners for leaf in leaves])
-        if all(leaf.corners is not None and len(leaf.corners) == 3 for leaf in leaves):
-            return list(corners.reshape(-1, 3, 3)[..., list(view)])
-    return [
-        np.array([R @ support_point(leaf, R.T @ n) + p for n in directions])[
-            :, list(view)
-        ]
-        for leaf in leaves
-    ]
-
-
-@functools.lru_cache(maxsize=16)
-def _extreme_corners(root: Node) -> Array:
-    """Return the corners (k, 3) of a part's pieces that may be its farthest ones, m."""
-    corners = np.unique(np.concatenate([leaf.corners for leaf in root.leaves]), axis=0)
-    try:
-        extreme: Array = corners[ConvexHull(corners).vertices]
-    except QhullError:  # flat
-        return corners
-    return extreme
-
-
-def _fill(axes: Axes, outlines: Sequence[Array], colour: object, level: int) -> None:
-    """Fill what is within any of the outlines, evenly."""
-    mm = unit_of("position").per_si
-    paths = [Outline(mm * _counterclockwise(each), closed=True) for each in outlines]
-    whole = Outline.make_compound_path(*paths)
-    axes.add_patch(PathPatch(whole, facecolor=colour, linewidth=0.0, zorder=level))
-
-
-def _counterclockwise(outline: Array) -> Array:
-    """Return it closed, (d + 1, 2): where all turn one way, none undoes another."""
-    closed = outline[[*range(len(outline)), 0]]
-    (x, y), (x_next, y_next) = closed[:-1].T, closed[1:].T
-    return closed if (x * y_next - x_next * y).sum() >= 0.0 else closed[::-1]
 
 
 def _pale(colour: str) -> tuple[float, ...]:

@@ -23,7 +23,9 @@ def save_tornado(sensitivities: pd.DataFrame, folder: Path) -> None:
     save_plot(tornado_figure(sensitivities), folder / "tornado.png", dpi=110)
 
 
-def tornado_figure(sensitivities: pd.DataFrame) -> Figure:
+def tornado_figure(
+    sensitivities: pd.DataFrame, *, most_across: int = _ACROSS, cell: float = _CELL
+) -> Figure:
     """Return what each tolerance does to each objective, to first order.
 
     A panel for each objective, with the parameters that matter most at its worst case;
@@ -32,14 +34,16 @@ def tornado_figure(sensitivities: pd.DataFrame) -> Figure:
 
     Args:
         sensitivities: as `WorstCases.sensitivities` has them.
+        most_across: panels beside each other, at most.
+        cell: width of a panel with its names, in.
     """
     panels = list(sensitivities.groupby("objective", sort=False))
-    down = -(-len(panels) // _ACROSS)
-    across = min(len(panels), _ACROSS)
-    figure = Figure(figsize=(_CELL * across, 2.9 * down + 0.6), layout="constrained")
+    down = -(-len(panels) // most_across)
+    across = min(len(panels), most_across)
+    figure = Figure(figsize=(cell * across, 2.9 * down + 0.6), layout="constrained")
     grid = figure.subplots(down, across, squeeze=False)
     for axes, (objective, rows) in zip(grid.flat, panels, strict=False):
-        _draw_tornado(axes, str(objective), rows.head(_BARS))
+        _draw_tornado(axes, str(objective), rows.head(_BARS), cell)
     for axes in grid.flat[len(panels) :]:
         axes.set_visible(False)
     handles, labels = grid.flat[0].get_legend_handles_labels()
@@ -48,11 +52,11 @@ def tornado_figure(sensitivities: pd.DataFrame) -> Figure:
     parameters = sensitivities["parameter"].nunique()
     if parameters > _BARS:
         title += f"; of {parameters} parameters the {_BARS} that matter most"
-    figure.suptitle(wrapped(title, _CELL * across - 0.2, 12))
+    figure.suptitle(wrapped(title, cell * across - 0.2, 12))
     return figure
 
 
-def _draw_tornado(axes: Axes, objective: str, rows: pd.DataFrame) -> None:
+def _draw_tornado(axes: Axes, objective: str, rows: pd.DataFrame, cell: float) -> None:
     places = np.arange(len(rows))
     for at, height, colours, label in (
         ("worst", 0.8, ("#56B4E9", "#C7E6F7"), "at the worst case"),
@@ -67,7 +71,7 @@ def _draw_tornado(axes: Axes, objective: str, rows: pd.DataFrame) -> None:
     axes.invert_yaxis()
     axes.axvline(0.0, color="#555555", linewidth=0.8)
     # To the right, since the space above the names of parameters is free.
-    title = wrapped(objective.replace("_", " "), _CELL - 0.2, 9)
+    title = wrapped(objective.replace("_", " "), cell - 0.2, 9)
     axes.set_title(title, fontsize=9, loc="right")
     axes.set_xlabel(rows["unit"].iloc[0], fontsize=8)
     axes.tick_params(axis="x", labelsize=7)

@@ -18,6 +18,7 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.campaigns.flights import FlownDraws
 from drakesep.analysis.campaigns.gathering import Gathered, KeptDraws
 from drakesep.analysis.campaigns.plan import ROWS, CampaignPlan
+from drakesep.analysis.campaigns.screens import DrawnClearances
 from drakesep.analysis.engines.registered import Registered
 from drakesep.files import write_text, written
 from drakesep.results import provenance
@@ -30,6 +31,7 @@ from drakesep.results.campaign_arrays import (
 from drakesep.results.case_json import NO_RECORD, from_json, to_json
 from drakesep.results.parts import parts_folder
 from drakesep.results.recorded_case import as_recorded, with_meshes_in
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 
 
@@ -60,6 +62,7 @@ class RecordedPlan:
             "runs": plan.runs,
             "seed": plan.seed,
             "metrics": list(plan.metrics),
+            "clearances": list(plan.clearances),
             "chunk": plan.chunk,
             "chunks": plan.chunks,
             "keep": plan.keep,
@@ -73,13 +76,16 @@ class RecordedPlan:
         return cls(plan=plan, text=json.dumps(data, indent=1) + "\n")
 
     @classmethod
-    def parsed(cls, text: str, folder: Path, source: str = PLAN) -> "RecordedPlan":
+    def parsed(
+        cls, text: str, folder: Path, source: str = PLAN, *, to_fly: bool = True
+    ) -> "RecordedPlan":
         """Return the plan that a text says.
 
         Args:
             text: of its file.
             folder: that has the meshes of its case.
             source: what errors name.
+            to_fly: whether its draws will be flown: by these versions, then.
 
         Raises:
             ValueError: it is none, or of other versions than these.
@@ -96,6 +102,7 @@ class RecordedPlan:
                 runs=data["runs"],
                 seed=data["seed"],
                 metrics=tuple(data["metrics"]),
+                clearances=tuple(data["clearances"]),
                 chunk=data["chunk"],
                 tolerance=data["tolerance"],
                 keep=data["keep"],
@@ -104,7 +111,8 @@ class RecordedPlan:
             was = {**data["versions"], "commit": data["commit"]}
         except NO_RECORD as error:
             raise InputError(f"{source}: must be a campaign's, got: {error}") from error
-        _check_versions(source, was)
+        if to_fly:
+            _check_versions(source, was)
         return cls(plan=plan, text=text)
 
     def write(self, folder: Path) -> None:
@@ -112,8 +120,12 @@ class RecordedPlan:
         write_text(folder / PLAN, self.text)
 
     @classmethod
-    def read(cls, folder: Path) -> "RecordedPlan":
+    def read(cls, folder: Path, *, to_fly: bool = True) -> "RecordedPlan":
         """Return the plan of a campaign's folder.
+
+        Args:
+            folder: of the campaign.
+            to_fly: whether its draws will be flown, and not only looked at.
 
         Raises:
             ValueError: there is none, it was made with other versions, or what was
@@ -127,7 +139,7 @@ class RecordedPlan:
                 f"{file}: must be the plan of a campaign, got: {error}"
             ) from None
         _check_names(str(file), text)
-        recorded = cls.parsed(text, folder, str(file))
+        recorded = cls.parsed(text, folder, str(file), to_fly=to_fly)
         for name, was in json.loads(text)["registered"].items():
             if _definitions(recorded.plan).get(name) != was:
                 raise InputError(
@@ -264,9 +276,48 @@ def _file_of_all(folder: Path, plan: CampaignPlan) -> Path:
     return folder / (DRAWS if plan.keep == ROWS else TALLIES)
 
 
+def measured_file(folder: Path, clearance: int, number: int) -> Path:
+    """Return the file of some draws whose clearance was measured.
+
+    Args:
+        folder: of the campaign.
+        clearance: its place in the plan.
+        number: which some draws they are, from 0.
+    """
+    return parts_folder(folder) / f"clearance_{clearance}_{number:06d}.npz"
+
+
+def write_measured(
+    file: Path, recorded: RecordedPlan, draws: Sequence[int], values: Array
+) -> None:
+    """Write what was measured of some draws (n,), m, whole or not at all."""
+    file.parent.mkdir(exist_ok=True)
+    _write(file, recorded, {"draws": np.array(draws, np.int64), "measured": values})
+
+
+def read_measured(
+    file: Path, recorded: RecordedPlan, draws: Sequence[int]
+) -> Array | None:
+    """Return what was measured of these draws (n,), m; None if it is not there.
+
+    Raises:
+        ValueError: it is of another plan.
+    """
+    held = _read(file, recorded)
+    if held is None or not np.array_equal(held["draws"], draws):
+        return None
+    values: Array = held["measured"]
+    return values
+
+
 def _arrays(flown: KeptDraws) -> dict[str, Any]:
     reasons = [why.replace("\n", " ") for why in flown.reasons.values()]
+    clearances: dict[str, Any] = {}
+    if isinstance(flown, FlownDraws) and flown.clearances is not None:
+        clearances["clearance_at_least"] = flown.clearances.at_least
+        clearances["clearance_measured"] = flown.clearances.measured
     return {
+        **clearances,
         "first": np.array(flown.first, np.int64),
         **(
             {
@@ -287,18 +338,27 @@ def _kept(arrays: Mapping[str, Any], plan: CampaignPlan) -> KeptDraws:
     first, whys = int(arrays["first"]), dict(zip(failed, reasons, strict=True))
     if plan.keep != ROWS:
         return tallies_of_arrays(first, whys, arrays, plan)
+    clearances = None
+    if "clearance_at_least" in arrays:
+        clearances = DrawnClearances(
+            at_least=arrays["clearance_at_least"],
+            measured=arrays["clearance_measured"],
+        )
     return FlownDraws(
         first=first,
         metrics=arrays["metrics"],
         failure=arrays["failure_case"],
         attempts=arrays["attempts"],
         reasons=whys,
+        clearances=clearances,
     )
 
 
 def _write(file: Path, recorded: RecordedPlan, arrays: Mapping[str, Any]) -> None:
     names = np.array(recorded.plan.metrics, dtype=np.str_)
     held = {"metric_names": names, **arrays}
+    if recorded.plan.clearances:
+        held["clearance_names"] = np.array(recorded.plan.clearances, dtype=np.str_)
     with written(file, synced=True) as beside:
         # Members bear no time of writing: numpy leaves out what zip files may say.
         np.savez(

@@ -57,6 +57,7 @@ from drakesep.systems.equations.springs import PUSHERS
 from drakesep.systems.model.integration import Integration
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.loads import Load
+from drakesep.systems.model.orbit import Orbit
 from drakesep.systems.model.parts import Box, Capsule, Cone, Mesh, Part, Sphere
 from drakesep.systems.model.recontact import Recontact
 from drakesep.systems.model.run import ContactForces, RunStatus
@@ -64,7 +65,6 @@ from drakesep.systems.model.separation import (
     Attachment,
     Body,
     InitialMotion,
-    Orbit,
     Pair,
     Separation,
 )

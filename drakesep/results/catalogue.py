@@ -46,6 +46,12 @@ class FileKind:
     row: str = ""
     """What a row of the table is for; empty if it is no table."""
     columns: tuple[Column, ...] = ()
+    key: tuple[str, ...] = ()
+    """Columns that tell its rows apart; what has the same values there is told by its
+    order."""
+    is_long: bool = False
+    """Whether its rows are so many that of each column only the greatest difference
+    from another such table is worth telling."""
 
     def named(self, label: str, body: str) -> str:
         """Return its name for a run and a body, if it has one for each."""
@@ -63,6 +69,7 @@ class FileKind:
 
 
 _SAME = "as `unit` says"
+_LIMIT_KEY = ("pair", "requirement", "axis", "sense", "share", "id")
 _LABEL = Column("label", "", "Of the run, by which plots and files name it.")
 _ROLE = Column(
     "role",
@@ -164,6 +171,8 @@ _OF_RUNS = (
         studies=(SIMULATE,),
         what="The motion of B.",
         row="sample time",
+        key=("time_s",),
+        is_long=True,
         columns=_MOTION,
     ),
     FileKind(
@@ -171,6 +180,8 @@ _OF_RUNS = (
         studies=(VERIFY,),
         what="The motion of B in a run.",
         row="sample time",
+        key=("time_s",),
+        is_long=True,
         columns=_MOTION,
     ),
     FileKind(
@@ -178,6 +189,8 @@ _OF_RUNS = (
         studies=(SIMULATE,),
         what="The same of another body that leaves.",
         row="sample time",
+        key=("time_s",),
+        is_long=True,
         columns=_MOTION,
     ),
     FileKind(
@@ -186,6 +199,8 @@ _OF_RUNS = (
         what="The same of another body that leaves; of a worst case only for the body "
         "whose it is.",
         row="sample time",
+        key=("time_s",),
+        is_long=True,
         columns=_MOTION,
     ),
     FileKind(
@@ -195,6 +210,8 @@ _OF_RUNS = (
         "what plots and animations are made of. Compressed, which `pandas.read_csv` "
         "reads as it is.",
         row="sample time",
+        key=("time_s",),
+        is_long=True,
         columns=(
             _TIME,
             Column("{body}.orientation_{axis}", "", "Quaternion q_WB, w first."),
@@ -242,6 +259,7 @@ _OF_ONE_RUN = (
         studies=(SIMULATE,),
         what="The run: parameters, metrics, how it ended.",
         row="run",
+        key=("label",),
         columns=_RUN,
     ),
     FileKind(
@@ -250,6 +268,7 @@ _OF_ONE_RUN = (
         what="Whether the run alone meets the requirements, if there are any. That is "
         "no verdict, which is over the tolerances.",
         row="requirement and axis",
+        key=_LIMIT_KEY,
         columns=(
             *_LIMIT,
             Column("value", _SAME, "In the run; empty if it does not tell."),
@@ -267,6 +286,7 @@ _OF_ONE_RUN = (
         studies=(SIMULATE,),
         what="Contacts of parts that push each other, if the case has `recontact`.",
         row="contact",
+        key=("first", "second"),
         columns=(
             Column("first", "", "One part."),
             Column("second", "", "The other."),
@@ -281,6 +301,8 @@ _OF_ONE_RUN = (
         studies=(SIMULATE,),
         what="Forces between parts that touch again.",
         row="integration step in contact",
+        key=("first", "second", "time_s"),
+        is_long=True,
         columns=(
             _TIME,
             Column("first", "", "One part."),
@@ -294,6 +316,7 @@ _OF_ONE_RUN = (
         studies=(CLEARANCE,),
         what="How near parts of two bodies come, the nearest first.",
         row="pair of parts",
+        key=("first", "second"),
         columns=(
             Column("{side}", "", "Name of the part."),
             Column("{side}_body", "", "Its body."),
@@ -322,6 +345,8 @@ _OF_ONE_RUN = (
         studies=(CLEARANCE,),
         what="How near parts are over time.",
         row="sample time",
+        key=("time_s",),
+        is_long=True,
         columns=(
             _TIME,
             Column(
@@ -344,6 +369,7 @@ _VARIANTS = (
         studies=(SWEEP,),
         what="Variants of the case, one run each, and how they fare.",
         row="variant",
+        key=("variant",),
         columns=(
             Column("variant", "", "Its number, from 1."),
             Column("{parameter}", "in the name", "Value of the parameter."),
@@ -389,6 +415,7 @@ _CAMPAIGN = (
         studies=_OF_CAMPAIGN,
         what="What share of launches meets each requirement, by the draws.",
         row="requirement and axis",
+        key=_LIMIT_KEY,
         columns=(
             *_LIMIT,
             Column("runs", "", "Draws, all independent."),
@@ -421,6 +448,12 @@ _CAMPAIGN = (
             Column("deciding_draw", "", "Number of the draw that is the bound."),
             Column("failed", "", "Runs that failed, which count as beyond."),
             Column(
+                "measured",
+                "",
+                "Draws whose clearance was measured: the others are proven not to come "
+                "as near as decides it. Empty of what every draw tells.",
+            ),
+            Column(
                 "consumers_risk",
                 "",
                 "The chance that a design with just too small a share would pass.",
@@ -441,6 +474,7 @@ _CAMPAIGN = (
         studies=_OF_CAMPAIGN,
         what="Draws that decide the verdicts, and some at random, flown in Drake.",
         row="draw and quantity",
+        key=("quantity", "decides", "rank"),
         columns=(
             Column("quantity", "", "That is compared, with its unit."),
             Column("decides", "", "The limit that it decides; empty at random."),
@@ -459,6 +493,7 @@ _CAMPAIGN = (
         studies=_OF_CAMPAIGN,
         what="How each metric is distributed over the draws that tell it.",
         row="metric",
+        key=("metric",),
         columns=(
             Column("metric", "", "With its unit."),
             _UNIT,
@@ -473,6 +508,7 @@ _CAMPAIGN = (
         what="Spearman's rank correlation of each metric with each parameter, over the "
         "first 100 000 draws.",
         row="metric and parameter",
+        key=("metric", "parameter"),
         columns=(
             Column("metric", "", "With its unit."),
             Column("parameter", "", "With its unit."),
@@ -486,10 +522,21 @@ _CAMPAIGN = (
         studies=_OF_CAMPAIGN,
         what="All draws, of a campaign of at most 20 000.",
         row="draw",
+        key=("draw",),
+        is_long=True,
         columns=(
             Column("draw", "", "Its number, from 0."),
             *_DRAW,
-            Column("{metric}", "in the name", "The metric of the run, see metrics.md."),
+            Column(
+                "{metric}",
+                "in the name",
+                "The metric of the run, see metrics.md; of clearances those measured.",
+            ),
+            Column(
+                "at_least_{clearance}",
+                "in the name",
+                "How near parts come at least: as measured, or as is proven.",
+            ),
         ),
     ),
     FileKind(
@@ -497,8 +544,10 @@ _CAMPAIGN = (
         studies=_OF_CAMPAIGN,
         what="All draws: `metrics` by `metric_names`, in SI; `failure_case` by its "
         "place among those that may happen, -1 for none; `attempts`, how often values "
-        "were drawn before that cannot be; `failed` draws and `reasons`. What they "
-        "vary comes again from their numbers.",
+        "were drawn before that cannot be; `failed` draws and `reasons`; of the "
+        "clearances in `clearance_names` what is known at least, "
+        "`clearance_at_least`, and whether it was measured, `clearance_measured`. What "
+        "draws vary comes again from their numbers.",
     ),
     FileKind(
         name="campaign_tallies.npz",
@@ -586,6 +635,7 @@ _REMARKS = FileKind(
     "against its direction, one whose roll and yaw swing as it tumbles, springs of "
     "Eq. 5 that give another energy than they store.",
     row="remark",
+    key=("about",),
     columns=(
         Column("about", "", "The bodies or springs; each is told of once."),
         Column("remark", "", "In a sentence."),
@@ -648,6 +698,7 @@ _WORST_CASES = (
         studies=_SEARCHED,
         what="All runs flown in Drake: nominal, published, ends of SQP, worst.",
         row="run",
+        key=("label",),
         columns=_RUN,
     ),
     FileKind(
@@ -655,6 +706,7 @@ _WORST_CASES = (
         studies=_SEARCHED,
         what="The paper's objectives, where they are looked at.",
         row="objective of the paper",
+        key=("objective",),
         columns=(
             Column("objective", "", "Its metric."),
             _UNIT,
@@ -672,6 +724,7 @@ _WORST_CASES = (
         studies=_SEARCHED,
         what="Why worst cases may be believed, see worst_cases.md.",
         row="worst case",
+        key=("objective",),
         columns=(
             _OBJECTIVE,
             _UNIT,
@@ -718,6 +771,7 @@ _WORST_CASES = (
         studies=_SEARCHED,
         what="What was searched.",
         row="search",
+        key=("search",),
         columns=(
             Column("search", "", "Its name."),
             Column("what", "", "What it looked at."),
@@ -736,6 +790,7 @@ _WORST_CASES = (
         studies=_SEARCHED,
         what="The best point of each search.",
         row="objective and search",
+        key=("objective", "search"),
         columns=(
             _OBJECTIVE,
             Column("search", "", "Its name."),
@@ -749,6 +804,7 @@ _WORST_CASES = (
         studies=_SEARCHED,
         what="The way of SQP from the nominal.",
         row="iterate",
+        key=("objective", "iteration"),
         columns=(
             _OBJECTIVE,
             Column("iteration", "", "Its number; 0 is the nominal."),
@@ -763,6 +819,7 @@ _WORST_CASES = (
         studies=_SEARCHED,
         what="Where worst cases are: M at the upper bound, m at the lower, or a value.",
         row="parameter",
+        key=("parameter",),
         columns=(
             Column("parameter", "", "With its unit."),
             Column("{objective}", "in the row's name", "At its worst case."),
@@ -774,6 +831,7 @@ _WORST_CASES = (
         what="What a whole tolerance upward does, and either of its sides, to first "
         "order.",
         row="worst case and parameter",
+        key=("objective", "parameter"),
         columns=(
             _OBJECTIVE,
             _UNIT,
@@ -800,6 +858,7 @@ _WORST_CASES = (
         studies=(VERIFY,),
         what="The verdict.",
         row="requirement and axis",
+        key=_LIMIT_KEY,
         columns=_VERDICT,
     ),
     FileKind(
@@ -870,6 +929,7 @@ _WORST_CASES = (
         studies=(VERIFY,),
         what="What came of the design and of each failure case, if they are verified.",
         row="failure case",
+        key=("failure_case",),
         columns=(
             _FAILURE,
             Column(
@@ -910,6 +970,7 @@ _WORST_CASES = (
         what="requirements.csv of the design and of each failure case, in which "
         "tolerances do not grow.",
         row="failure case, requirement and axis",
+        key=("failure_case", *_LIMIT_KEY),
         columns=(_FAILURE, *_VERDICT),
     ),
     FileKind(
@@ -917,6 +978,7 @@ _WORST_CASES = (
         studies=(VERIFY,),
         what="Runs of each failure case flown in Drake: its nominal and its worst.",
         row="run",
+        key=("failure_case", "label"),
         columns=(_FAILURE, *_RUN),
     ),
     FileKind(
@@ -924,6 +986,7 @@ _WORST_CASES = (
         studies=(VERIFY,),
         what="Tolerances that would violate requirements, the others as they are.",
         row="requirement and parameter",
+        key=(*_LIMIT_KEY, "parameter"),
         columns=(
             *_LIMIT,
             Column("parameter", "", "With its unit."),
@@ -948,6 +1011,7 @@ _WORST_CASES = (
         "after separation, then M (maximum), m (minimum), Nom (nominal) or the value "
         "of each property.",
         row="condition or property",
+        key=("condition or property",),
         columns=(
             Column("condition or property", "", "With its unit."),
             Column("{label}", "in the row's name", "In this run; printed ones in ()."),
@@ -1028,6 +1092,14 @@ _MEMORY = (
         "`drakesep.read_results`.",
     ),
 )
+
+EFFORT = frozenset(
+    {
+        *("iterations", "evaluations", "run_by_run", "points", "failed_samples"),
+        *("starts", "ended_there", "unfinished", "local_maxima", "random_samples"),
+    }
+)
+"""Columns that say how hard something was, not what was found."""
 
 FILES = (
     *_MEMORY,

@@ -15,6 +15,7 @@ from drakesep.results.asked import Asked
 from drakesep.results.campaign_files import RecordedPlan
 from drakesep.studies.campaign.confirmation import chosen, confirmed, most_confirmed
 from drakesep.studies.campaign.flight import ChunksUnderWay, home_of, shown
+from drakesep.studies.campaign.measuring import with_measured
 from drakesep.studies.campaign.result import Campaign
 from drakesep.studies.campaign.settings import CampaignSettings
 from drakesep.studies.verified import Verification
@@ -74,7 +75,13 @@ class CampaignBeside:
             chunks = ChunksUnderWay(recorded, self.flights, home)
             before = plan.runs - chunks.left
             tell(before, plan.runs)
-            flown = chunks.flown(None, lambda done: tell(before + done, plan.runs))
+            flown = with_measured(
+                self.flights,
+                chunks.flown(None, lambda done: tell(before + done, plan.runs)),
+                recorded,
+                home,
+                workers=under_way.plan.workers,
+            )
         campaign = shown(self.asked, recorded, self.flights, flown)
         campaign = confirmed(campaign, chosen(campaign), under_way.pool)
         worst = {one.requirement: one.worst for one in study.findings}

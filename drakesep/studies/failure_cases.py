@@ -47,8 +47,8 @@ def failure_cases_verified(study: Verification, under_way: Session) -> Verificat
         return study
     tell = under_way.telling(FAILURES)
     tell(0, len(failures))
-    for done, failure in enumerate(failures, 1):
-        one = _verified(study, failure, under_way)
+    for done, (failure, case) in enumerate(failures.items(), 1):
+        one = _verified(study, failure, case, under_way)
         study = replace(study, failed_cases=(*study.failed_cases, one))
         under_way.write_down(study, Verification.write_failures)
         tell(done, len(failures))
@@ -56,10 +56,9 @@ def failure_cases_verified(study: Verification, under_way: Session) -> Verificat
 
 
 def _verified(
-    study: Verification, failure: FailureCase, under_way: Session
+    study: Verification, failure: FailureCase, case: AnalysisCase, under_way: Session
 ) -> FailedCase:
     design = study.case
-    case = design.in_failure(failure)
     fly = _holding(failure, under_way)
     [nominal] = fly([{}], lambda *_: None)
     held = _held(design, nominal)
@@ -79,12 +78,12 @@ def _verified(
         missed={},
     )
     if held:  # of such a run a function may know nothing
-        return FailedCase(failure=failure, study=failed, held=held)
+        return FailedCase(failure=failure, study=failed, design=design, held=held)
     failed = told(failed)
     if objectives and nominal.motion is not None:
         failed = _searched(failed, failure, under_way, study)
         failed = functions_compared(told(confirmed(failed, fly, of=failed.deciding)))
-    return FailedCase(failure=failure, study=failed)
+    return FailedCase(failure=failure, study=failed, design=design)
 
 
 def _held(design: AnalysisCase, nominal: Run) -> tuple[str, ...]:

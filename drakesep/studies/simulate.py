@@ -72,8 +72,8 @@ class Simulated:
     def requirements(self) -> pd.DataFrame:
         """A row for each requirement and axis, with whether this run alone meets it.
 
-        That is no verdict, which is over the tolerances. How near parts come is not
-        looked at. Empty if the run failed.
+        That is no verdict, which is over the tolerances. How near parts come is looked
+        at only if it was measured. Empty if the run failed.
         """
         if not self.completed:
             return pd.DataFrame()
@@ -111,7 +111,7 @@ class Simulated:
         results.keep([self.labelled.label])
         if self.completed:
             self._write_motion(folder)
-        results.end(failed="" if self.completed else self.run.message)
+        results.end(failed=self.labelled.outcome.message)
 
     def _write_motion(self, folder: Path) -> None:
         write_csv(self.motion, folder / "motion.csv")
@@ -133,6 +133,7 @@ def simulate(
     case: Case | AnalysisCase | str | Path,
     values: Mapping[str, float] | None = None,
     *,
+    measure: bool = False,
     output: Output | None = None,
 ) -> Simulated:
     """Fly a case once.
@@ -141,19 +142,22 @@ def simulate(
         case: a case, in SI or as a file holds it, a case file, or the name of a
             built-in case.
         values: new values by parameter name with unit, ``payload.mass_kg``.
+        measure: whether to measure how near parts come, where that is required.
         output: folder that receives tables and plots.
 
     Raises:
         ValueError: the case or a value is wrong, or the folder cannot be written.
     """
-    asked = Asked.of(SIMULATE, case, {"values": values})
+    asked = Asked.of(SIMULATE, case, {"values": values, "measure": measure or None})
     case, values = asked.case, values or {}
+    required = {r.metric: None for r in case.requirements if r.measured_apart}
+    clearances = [case.lowest_clearance(name) for name in required if measure]
     changed = values_in_si(case.separation, values)
     with_values(case.separation, changed)  # what is refused leaves the folder alone
     with begun(output, asked) as folder:
         run = shared_simulation(case.separation, case.integration).run(changed)
         role = Changed() if values else Nominal()
-        labelled = measured(role, run, case)
+        labelled = measured(role, run, case, clearances)
         result = Simulated(asked=asked.over(), labelled=labelled, values=values)
         if folder is not None:
             result._write(folder)

@@ -201,9 +201,10 @@ def planned(
             "failure_cases: a case whose failure cases are verified must have some, "
             "got none; 'failure_cases: standard' are the usual"
         )
+    failed = {}  # what cannot be is told before anything is flown
     for failure in case.failure_cases if failures else ():
         with named(f"failure_cases: {failure.name}"):
-            case.in_failure(failure)  # what cannot be is told before anything is flown
+            failed[failure] = case.in_failure(failure)
     of_functions = [o for function in requirements for o in function.objectives]
     also = [*listed(objectives), *of_functions]
     # Nothing leads out of requirements of which no run tells.
@@ -214,7 +215,7 @@ def planned(
         # Without dispersions, or objectives, there are the nominal and published runs.
         objectives=chosen if case.tolerances else (),
         searches=WantedSearches.named(searches, case.separation),
-        failures=case.failure_cases if failures else (),
+        failures=failed,
         clearances=clearances_of(chosen),
     )
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.failure_cases import DESIGN, FailureCase
 from drakesep.analysis.metrics.requirements import (
     Finding,
@@ -169,14 +170,8 @@ class Verification(WorstCases):
     @property
     def failure_runs(self) -> pd.DataFrame:
         """The runs of each failure case: its nominal, and its worst cases in Drake."""
-        names = [*self.case.box.names]
-        for one in self.failed_cases:
-            names += [name for name in one.failure.values if name not in names]
         return under_each_other(
-            {
-                one.failure.name: runs_table(one.study.runs, names, self.functions)
-                for one in self.failed_cases
-            }
+            {one.failure.name: one.runs for one in self.failed_cases}
         )
 
     @property
@@ -267,6 +262,8 @@ class FailedCase:
     failure: FailureCase
     study: Verification
     """Of the case in which it has failed."""
+    design: AnalysisCase
+    """In which nothing has."""
     held: tuple[str, ...] = ()
     """Bodies that leave in the design, and do not here, even nominally."""
 
@@ -274,6 +271,13 @@ class FailedCase:
     def requirements(self) -> pd.DataFrame:
         """The requirements' rows; told once, as what follows: it is over."""
         return self.study.requirements
+
+    @functools.cached_property
+    def runs(self) -> pd.DataFrame:
+        """Its runs, with each parameter that varies, or that a failure case changes."""
+        changed = [name for one in self.design.failure_cases for name in one.values]
+        names = list(dict.fromkeys([*self.design.box.names, *changed]))
+        return runs_table(self.study.runs, names, self.study.functions)
 
     @functools.cached_property
     def outcome(self) -> dict[str, object]:

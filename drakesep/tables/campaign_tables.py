@@ -12,11 +12,13 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
 from drakesep.analysis.campaigns.gathering import KeptDraws
 from drakesep.analysis.campaigns.plan import CampaignPlan
+from drakesep.analysis.campaigns.screens import DrawnClearances
 from drakesep.analysis.campaigns.sensitivity import rank_correlations
 from drakesep.analysis.campaigns.shares import ShareFinding
 from drakesep.analysis.campaigns.statistics import Estimate, Summary, quantile_within
 from drakesep.analysis.campaigns.tallies import TalliedDraws
 from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.systems.arrays import Array
 from drakesep.systems.model.parameters import parameters
 from drakesep.tables.columns import in_units
 from drakesep.tables.requirement_tables import identity_columns, limit_columns
@@ -43,7 +45,7 @@ def campaign_table(
     return frame.astype({name: "Int64" for name in _WHOLE if name in frame})
 
 
-_WHOLE = ("failures", "allowed", "worst_draw", "deciding_draw", "rank")
+_WHOLE = ("failures", "allowed", "worst_draw", "deciding_draw", "measured", "rank")
 """Columns of whole numbers that may be empty."""
 
 
@@ -74,6 +76,7 @@ def _finding(
         **({"worst_case_found": unit.from_si(worst_case)} if found else {}),
         "deciding_draw": None if answer is None else answer.deciding_draw,
         "failed": failed,
+        "measured": finding.measured,
         "consumers_risk": size.consumers_risk,
         "verdict": finding.verdict.value,
         **identity_columns(requirement, bodies),
@@ -176,8 +179,24 @@ def draws_table(flights: CampaignFlights, flown: FlownDraws) -> pd.DataFrame:
                 with_unit(name): flown.metrics[:, i] * unit_of(name).per_si
                 for i, name in enumerate(plan.metrics)
             },
+            **_of_clearances(plan, flown.clearances),
         }
     )
+
+
+def _of_clearances(
+    plan: CampaignPlan, found: DrawnClearances | None
+) -> dict[str, Array]:
+    """Return columns of clearances: of all draws at least so much, of some measured."""
+    columns: dict[str, Array] = {}
+    if found is None:
+        return columns
+    for i, name in enumerate(plan.clearances):
+        per_si, column = unit_of(name).per_si, with_unit(name)
+        at_least = found.at_least[:, i] * per_si
+        columns[column] = np.where(found.measured[:, i], at_least, np.nan)
+        columns[f"at_least_{column}"] = at_least
+    return columns
 
 
 def statistics_table(plan: CampaignPlan, flown: KeptDraws) -> pd.DataFrame:

@@ -30,6 +30,7 @@ from drakesep.systems.equations import gravity as gravity_laws
 from drakesep.systems.equations import loads as load_laws
 from drakesep.systems.equations import relative_motion as motion_laws
 from drakesep.systems.equations import rigid_body as newton_euler_laws
+from drakesep.systems.equations.kepler import ellipse_of, orbit_position
 from drakesep.systems.equations.mated_stack import (
     mated_motion,
     mated_spin,
@@ -241,9 +242,7 @@ class BatchEquations:
             mode: what has happened by the start of the step.
         """
         orbit = self.separation.orbit
-        r_W = None
-        if orbit is not None:
-            r_W = gravity_laws.orbit_position(t, orbit.radius, orbit.mean_motion, jnp)
+        r_W = None if orbit is None else orbit_position(t, ellipse_of(orbit), jnp)
         loads, first = [], 0
         times = self.row_times(params, mode)
         for i, load in enumerate(self.separation.loads):

@@ -5,7 +5,7 @@ them is exact up to degree 13.
 """
 
 import numpy as np
-from numpy.polynomial import Legendre, polynomial
+from numpy.polynomial import Legendre, chebyshev, polynomial
 
 from drakesep.systems.arrays import Array
 
@@ -37,3 +37,9 @@ INTEGRALS: Array = (
     - polynomial.polyvander([-1.0], COUNT)[:, 1:]
 ) @ (COEFFICIENTS / np.arange(1.0, COUNT + 1.0)[:, None])
 """(8, 8): from values at the nodes to integrals over xi from -1 to the nodes."""
+
+CHEBYSHEV: Array = np.asarray(
+    np.linalg.inv(chebyshev.chebvander(XI, COUNT - 1)), dtype=np.float64
+)
+"""(8, 8): from values at the nodes to coefficients of Chebyshev's polynomials, none of
+which is beyond 1: the sum of their magnitudes bounds a polynomial."""

@@ -10,6 +10,7 @@ from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import StateLayout
 from drakesep.systems.diagram.wrenches import Forces, WrenchSum
 from drakesep.systems.equations import gravity as gravity_laws
+from drakesep.systems.equations.kepler import Ellipse, ellipse, orbit_position
 from drakesep.systems.equations.relative_motion import BodyState
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
@@ -22,7 +23,11 @@ class OrbitRow(NamedTuple):
     mu: float
     """Gravitational parameter, m^3/s^2."""
     radius: float
-    """m."""
+    """At t = 0, m."""
+    horizontal_speed: float
+    """At t = 0, across the radius, m/s."""
+    climb_rate: float
+    """At t = 0, away from the centre, m/s."""
 
 
 class MassRow(NamedTuple):
@@ -40,12 +45,11 @@ class _Field(NamedTuple):
     """The field about W's origin, on bodies."""
 
     mu: float
-    radius: float
-    mean_motion: float
+    orbit: Ellipse
     masses: list[MassRow]
 
     def __call__(self, bodies: Sequence[BodyState], t: float, total: WrenchSum) -> None:
-        r_W = gravity_laws.orbit_position(t, self.radius, self.mean_motion, math)
+        r_W = orbit_position(t, self.orbit, math)
         for i, (body, row) in enumerate(zip(bodies, self.masses, strict=True)):
             total.add(i, gravity_laws.gravity_wrench(body, *row, r_W, self.mu, math))
 
@@ -53,8 +57,8 @@ class _Field(NamedTuple):
 class Gravity(LeafSystem):
     """The inverse-square field, less its value at W's origin, on every body.
 
-    Acts at each CG, with the gravity-gradient torque. W's origin moves along a
-    circular orbit; its axes do not turn.
+    Acts at each CG, with the gravity-gradient torque. W's origin moves along the
+    reference orbit; its axes do not turn.
 
     Input ports:
         plant_state: (s,) 1, m, rad/s and m/s in W: state of the plant, in which the
@@ -87,15 +91,15 @@ class Gravity(LeafSystem):
         return {*names_of(separation.bodies, MassRow._fields)}
 
     def _find_acting(self, context: Context) -> list[_Field]:
-        [(mu, radius)] = self._orbit.read(context)
+        [row] = self._orbit.read(context)
         masses = self._mass_properties.read(context)
-        return [_Field(mu, radius, math.sqrt(mu / radius**3), masses)]
+        return [_Field(row.mu, ellipse(*row), masses)]
 
 
 def _orbit_rows(separation: Separation) -> list[OrbitRow]:
     orbit = separation.orbit
     assert orbit is not None  # the structure of SeparationForces
-    return [OrbitRow(orbit.mu, orbit.radius)]
+    return [OrbitRow(*orbit.start)]
 
 
 def _mass_rows(separation: Separation) -> list[MassRow]:

@@ -158,6 +158,24 @@ def _depths_of(corners: Array) -> Array:
     return -(faces[:, :3] @ corners.mean(axis=0) + faces[:, 3])
 
 
+def thickness_of(shape: drake.Shape) -> float:
+    """Return how thick a pushing piece is across its two nearest faces, m."""
+    match shape:
+        case drake.Sphere() | drake.Capsule():
+            return 2.0 * float(shape.radius())
+        case drake.Box():
+            return float(shape.size().min())
+        case drake.Cylinder():
+            return min(2.0 * float(shape.radius()), float(shape.length()))
+        case drake.Convex():
+            mesh = shape.GetConvexHull()
+            corners = np.array([mesh.vertex(k) for k in range(mesh.num_vertices())])
+            faces = ConvexHull(corners).equations
+            across = -(corners @ faces[:, :3].T + faces[:, 3]).min(axis=0)
+            return float(across.min())
+    raise TypeError(f"no piece that pushes has the shape {shape}")
+
+
 def _edge(piece: Piece) -> float:
     """Return how long edges of the mesh of a round piece are, m."""
     if isinstance(piece.shape, drake.Cylinder):

@@ -15,6 +15,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
+from drakesep.systems.diagram.pushing_pieces import thickness_of
 from drakesep.systems.diagram.scene import register_contact, register_illustration
 from drakesep.systems.diagram.separation_forces import SeparationForces
 from drakesep.systems.diagram.state_layout import state_layout
@@ -113,13 +114,17 @@ class SeparationSystem(Diagram):
         builder = DiagramBuilder()
         plant = builder.AddNamedSystem("plant", plant_of_bodies(separation))
         pushing = separation.recontact is not None
-        scene = None
+        scene: Any = None
         if illustrated or pushing:
             scene = builder.AddNamedSystem("scene_graph", SceneGraph())
             plant.RegisterAsSourceForSceneGraph(scene)
         if illustrated:
             register_illustration(plant, separation)
         self._part_of = register_contact(plant, scene, separation) if pushing else {}
+        self._thickness = {
+            geometry: thickness_of(scene.model_inspector().GetShape(geometry))
+            for geometry in self._part_of
+        }
         plant.Finalize()
         names = [body.name for body in separation.bodies]
         layout = state_layout(plant, names)
@@ -225,6 +230,32 @@ class SeparationSystem(Diagram):
             x, y, z = before + force
             forces[first, second] = (float(x), float(y), float(z))
         return forces
+
+    def check_depths(self, context: Context) -> None:
+        """Check that what touches is not pressed in beyond the middle of a part.
+
+        There the law of contact ends: what pushes back grows no more, and a thin wall
+        is passed.
+
+        Args:
+            context: of this diagram, with recontact.
+
+        Raises:
+            RuntimeError: two parts overlap by more than half of the thinner one.
+        """
+        query = self.GetOutputPort("geometry_query").Eval(context)
+        for pair in query.ComputePointPairPenetration():
+            ids = (pair.id_A, pair.id_B)
+            thin = min(ids, key=self._thickness.__getitem__)
+            if pair.depth > 0.5 * self._thickness[thin]:
+                first, second = sorted(
+                    (self._part_of[one] for one in ids), key=self._order.__getitem__
+                )
+                raise RuntimeError(
+                    f"recontact: {first} and {second} overlap by {pair.depth:.3g} m, "
+                    f"more than half of {self._part_of[thin]}, which is "
+                    f"{self._thickness[thin]:.3g} m thick there: too soft a stiffness"
+                )
 
     def _check_mated(self, separation: Separation) -> None:
         context = self.CreateDefaultContext()

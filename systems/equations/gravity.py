@@ -18,15 +18,6 @@ from drakesep.systems.vectors import (
 )
 
 
-def orbit_position(t: Scalar, radius: Scalar, mean_motion: Scalar, ops: Ops) -> Vector:
-    """Return W's origin from the centre of the Earth, in W, m.
-
-    At t = 0, W's x axis lies along the velocity and z to the centre.
-    """
-    angle = mean_motion * t
-    return radius * ops.sin(angle), 0.0 * angle, -radius * ops.cos(angle)
-
-
 def differential_gravity(d: Vector, r_W: Vector, mu: Scalar, ops: Ops) -> Vector:
     """Return the inverse-square field at d from W's origin, less that at it, m/s^2.
 

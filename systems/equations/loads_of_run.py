@@ -11,8 +11,9 @@ from drakesep.systems.arrays import Array
 from drakesep.systems.equations import joints as joint_laws
 from drakesep.systems.equations.articulated_inertia import Massive
 from drakesep.systems.equations.forces_of_run import spring_force_over, states_of
-from drakesep.systems.equations.gravity import gravity_wrench, orbit_position
+from drakesep.systems.equations.gravity import gravity_wrench
 from drakesep.systems.equations.holding_joints import HoldingJoints, joints_that_hold
+from drakesep.systems.equations.kepler import ellipse_of, orbit_position
 from drakesep.systems.equations.load_sharing import joint_shares
 from drakesep.systems.equations.loads import load_wrench
 from drakesep.systems.equations.mated_stack import (
@@ -156,7 +157,7 @@ def _other_wrenches(run: Run) -> dict[str, Array]:
         total[each.body] += _rows(wrench, len(time))
     if separation.orbit is not None:
         orbit = separation.orbit
-        r_W = orbit_position(time, orbit.radius, orbit.mean_motion, np)
+        r_W = orbit_position(time, ellipse_of(orbit), np)
         for b in separation.bodies:
             wrench = gravity_wrench(
                 states[b.name], b.mass, b.p_BoBcm_B, b.I_BBcm_B, r_W, orbit.mu, np

@@ -18,7 +18,6 @@ from drakesep.systems.checks import (
     InputError,
     Vector3,
     check_entries,
-    check_positive,
     unit_vector,
     unknown,
 )
@@ -26,6 +25,7 @@ from drakesep.systems.model.inertia import ENTRIES, Inertia, check_inertia
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.loads import Load
 from drakesep.systems.model.magnitudes import check_size, check_within
+from drakesep.systems.model.orbit import Orbit
 from drakesep.systems.model.parameter_table import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -46,10 +46,6 @@ STACK = "before_separation"
 """Stands before the parameters of the mated stack's motion."""
 RESERVED_NAMES = (STACK, "world")
 """Names that no part can have; the second is Drake's."""
-EARTH_MU = 3.986004418e14
-"""Gravitational parameter of the Earth, m^3/s^2 (WGS 84)."""
-EARTH_RADIUS = 6378137.0
-"""Equatorial radius of the Earth, m (WGS 84)."""
 
 
 @typed
@@ -186,31 +182,6 @@ class Attachment:
                 f"{self.name}: release travel needs a joint that slides along its x "
                 f"axis alone, got {self.joint.type}"
             )
-
-
-@typed
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Orbit:
-    """The circular orbit along which W falls.
-
-    Raises:
-        ValueError: the radius or the gravitational parameter is not positive.
-    """
-
-    radius: float
-    """From the centre of the Earth, m."""
-    mu: float = EARTH_MU
-    """Gravitational parameter, m^3/s^2."""
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        check_size("orbit_radius", "orbit: radius", self.radius)
-        check_positive("orbit: mu", self.mu)
-
-    @property
-    def mean_motion(self) -> float:
-        """rad/s."""
-        return math.sqrt(self.mu / self.radius**3)
 
 
 @typed

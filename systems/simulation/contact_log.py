@@ -23,9 +23,15 @@ class ContactLog:
         self._before: float | None = None
 
     def note(self) -> None:
-        """Note the forces of a step."""
+        """Note the forces of a step.
+
+        Raises:
+            RuntimeError: parts are pressed so deep that their law has ended.
+        """
         now = self._context.get_time()
         forces = self._system.contact_forces(self._context)
+        if forces:
+            self._system.check_depths(self._context)
         for pair, noted in self._noted.items():
             if pair not in forces and _last(noted) != _NONE:
                 noted[now] = _NONE

@@ -16,6 +16,11 @@ from drakesep.analysis.search.sqp import Start, slopes_at
 from drakesep.systems.geometry.convex_pieces import FACET
 
 
+@pytest.fixture(autouse=True)
+def figures_stay_blank():
+    """They are looked at here."""
+
+
 NAME = "clearance_until_0.5_m"
 """Which the case requires."""
 

@@ -54,6 +54,7 @@ from drakesep.systems.batch.integrator import (
 )
 from drakesep.systems.batch.lanes import Lanes
 from drakesep.systems.batch.motion import MotionFold
+from drakesep.systems.batch.relative_places import CURVED, PLACE, PlacesFold
 from drakesep.systems.batch.row_checks import RowChecks
 from drakesep.systems.checks import InputError, check_finite, check_positive, unknown
 from drakesep.systems.model.parameters import (
@@ -63,6 +64,7 @@ from drakesep.systems.model.parameters import (
     places_of_parts,
     with_values,
 )
+from drakesep.systems.model.relative_places import RelativePlaces
 from drakesep.systems.model.run import Run, RunStatus
 from drakesep.systems.model.separation import Separation
 
@@ -84,6 +86,8 @@ _RUNS = 16
 """Rows whose motion is sampled together."""
 _TIMES = 256
 """Sample times come in multiples of this: each number of them is a program."""
+_PLACES = 2**20
+"""Numbers of places of rows that are flown together, at most."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,7 +114,8 @@ class Batch:
     first use, for a separation and the names of the parameters that vary, and kept on
     disk across processes: in JAX's cache, which is put into the user's cache folder
     unless JAX has been told of another. Rows are flown in chunks, on all cores: memory
-    does not grow with their number, and no result depends on the number of workers.
+    does not grow with their number, and no result depends on the number of workers. An
+    interrupt is raised at once, but the process ends only when its compiler has.
 
     Attributes:
         separation: that is flown.
@@ -210,6 +215,9 @@ class Batch:
         self._metrics = Program(compiled, flight(self._integrator), chunk)
         self._metrics_and_slopes = Program(compiled, slopes, few)
         self._motion = compiled(self._fly_motion)
+        self._flown_as = compiled, flight
+        self._places: tuple[Program, PlacesFold] | None = None  # see `watching`
+        self._watched: dict[Any, tuple[Program, PlacesFold]] = {}
 
     @typed
     def holding(self, values: Mapping[str, float]) -> "Batch":
@@ -295,6 +303,46 @@ class Batch:
         for part, flown, failures in self._fly_parts(self._metrics, rows):
             runs += self._sampled(rows[part], flown.final, failures)
         return runs
+
+    @typed
+    def watching(
+        self, ends: Sequence[tuple[str, str]], times: Sequence[float]
+    ) -> "Batch":
+        """Return a batch that tells where bodies are as seen from others, too.
+
+        Args:
+            ends: (k,) names of bodies A and B.
+            times: (T,) that rise, within the run, s.
+        """
+        watching, key = copy.copy(self), (tuple(ends), tuple(times))
+        if key not in self._watched:  # compiled once
+            compiled, flight = self._flown_as
+            fold = PlacesFold(self._equations, ends, times)
+            of_row = (PLACE + CURVED) * len(ends) * len(times)
+            chunk = min(self.chunk, max(_PLACES // of_row, 1))
+            program = Program(compiled, flight(self._integrator, fold=fold), chunk)
+            self._watched[key] = program, fold
+        watching._places = self._watched[key]
+        return watching
+
+    @typed
+    def places(self, values: Values) -> Iterator[tuple[slice, RelativePlaces]]:
+        """Yield where bodies are in parts of the rows, in order, if it is `watching`.
+
+        Of a row that fails, nothing it says holds.
+
+        Args:
+            values: (n, n_p) of the parameters, in SI, in their order; or a frame with
+                their names.
+
+        Raises:
+            ValueError: the values are not n_p columns, or nothing is watched.
+        """
+        if self._places is None:
+            raise InputError("places: a batch must be `watching` bodies, got none")
+        program, fold = self._places
+        for part, flown, _ in self._fly_parts(program, self._check_values(values)):
+            yield part, fold.places_of(flown.metrics)
 
     # Chunks of rows.
 

@@ -6,6 +6,7 @@ import tempfile
 import time
 import warnings
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -181,9 +182,20 @@ class Program:
 
 
 def call(program: Callable[..., Any], *arrays: Array) -> Any:
-    """Call a program in double precision, whatever the caller's JAX is set to."""
-    with jax.enable_x64(True):
-        return jax.tree.map(np.asarray, program(*map(jnp.asarray, arrays)))
+    """Call a program in double precision, whatever the caller's JAX is set to.
+
+    In a thread: it may have to be compiled, and an interrupt is raised meanwhile.
+    """
+
+    def called() -> Any:
+        with jax.enable_x64(True):
+            return jax.tree.map(np.asarray, program(*map(jnp.asarray, arrays)))
+
+    pool = ThreadPoolExecutor(1)
+    try:
+        return pool.submit(called).result()
+    finally:
+        pool.shutdown(wait=False)
 
 
 @functools.cache

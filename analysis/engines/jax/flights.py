@@ -1,13 +1,17 @@
 """What is flown of a batch's lanes, some steps at a time: metrics, and their slopes."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
 
-from drakesep.analysis.engines.jax.metrics_fold import MetricsFold
-from drakesep.systems.batch.integrator import BatchIntegrator, FinalState, LaneState
+from drakesep.systems.batch.integrator import (
+    BatchIntegrator,
+    FinalState,
+    Fold,
+    LaneState,
+)
 from drakesep.systems.batch.lanes import BatchParameters, Lanes
 
 
@@ -21,20 +25,27 @@ class Flown(NamedTuple):
     """(n_p, n_m, n), if asked for."""
 
 
+class FinishedFold(Fold, Protocol):
+    """A fold that makes numbers of lanes."""
+
+    def finish(self, folded: Any) -> Lanes:
+        """Return (n_m, n) numbers, of what there is after the last step."""
+
+
 class MetricsFlight:
-    """Tells the metrics of lanes of parameter values."""
+    """Tells the metrics of lanes of parameter values, or what else a fold does."""
 
     def __init__(
         self,
         integrator: BatchIntegrator,
-        fold: MetricsFold,
+        fold: FinishedFold,
         params: Callable[[Lanes], BatchParameters],
     ):
         """Prepare.
 
         Args:
             integrator: flies them.
-            fold: tells the metrics.
+            fold: tells them.
             params: returns all parameters of lanes, of those (n_p, n) that vary.
         """
         self._integrator, self._fold, self._params = integrator, fold, params

@@ -7,7 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drakesep.analysis.campaigns.flights import FlownDraws
 from drakesep.analysis.campaigns.plan import CampaignPlan
+from drakesep.analysis.campaigns.screens import has_separated, measured_in
 from drakesep.analysis.campaigns.shares import ShareFinding
 from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.metrics.objectives import highest
@@ -15,7 +17,7 @@ from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.studies.campaign.result import Campaign
 from drakesep.studies.worst_case.confirmation import may_differ
-from drakesep.systems.model.run import Run, RunStatus
+from drakesep.systems.model.run import Run
 from drakesep.tables.campaign_tables import ConfirmedDraw
 from drakesep.tables.roles import CONFIRMED, Outcome, failed
 
@@ -51,12 +53,25 @@ def most_confirmed(plan: CampaignPlan) -> int:
 
 def chosen(study: Campaign) -> list[Chosen]:
     """Return the draws that decide the verdicts, and some at random."""
-    draws = [one for finding in study.findings for one in _deciding(finding)]
+    draws = [
+        one
+        for finding in study.findings
+        for one in _deciding(finding)
+        if _tells(study, one.draw, finding.requirement.judged_by)
+    ]
     # None of those that were drawn: another stream, of the same seed.
     rng = np.random.default_rng([study.plan.seed, SAMPLE])
     count = min(SAMPLE, study.plan.runs)
     sample = sorted(rng.choice(study.plan.runs, size=count, replace=False).tolist())
     return [*draws, *map(Chosen, sample)]
+
+
+def _tells(study: Campaign, draw: int, metric: str) -> bool:
+    """Return whether a draw tells a metric, or failed: not a clearance unmeasured."""
+    flown = study.flown
+    if not isinstance(flown, FlownDraws) or draw in flown.reasons:
+        return True
+    return not math.isnan(flown.value_of(draw, metric, study.plan))
 
 
 def _deciding(finding: ShareFinding) -> Iterator[Chosen]:
@@ -66,7 +81,9 @@ def _deciding(finding: ShareFinding) -> Iterator[Chosen]:
     # Of what every run must keep, the worst decides.
     decides = last if finding.requirement.statistical else 0
     ranks = np.unique(np.linspace(0, last, min(MOST, last + 1)).round().astype(int))
-    for rank in ranks.tolist():
+    answer = finding.answer
+    known = 0 if answer is None else answer.tally.untold + len(answer.tally.worst_draws)
+    for rank in ranks[ranks < known].tolist():
         draw = finding.draw_of_rank(rank + 1)
         yield Chosen(draw, finding.requirement, rank + 1, rank == decides)
 
@@ -113,14 +130,24 @@ def confirmed_draws(
     numbers = sorted({one.draw for one in draws})
     values = study.flights.values(numbers)
     # What differs from the nominal by nothing tells what that is.
-    nominal, *runs = pool.fly([{}, *values], on_progress)
+    compared = [(one, metric) for one in draws for metric in _compared(one, study)]
+    # To measure a clearance takes as long as to fly.
+    measured = sum(metric in study.plan.clearances for _, metric in compared)
+    total = len(numbers) + 1 + measured
+
+    def tell(done: int, _: int) -> None:
+        on_progress(done, total)
+
+    nominal, *runs = pool.fly([{}, *values], tell)
     told = _Told(study, dict(zip(numbers, values, strict=True)), nominal)
-    flown = dict(zip(numbers, map(told.metrics, runs), strict=True))
-    return [
-        told.confirmed(one, metric, flown[one.draw])
-        for one in draws
-        for metric in _compared(one, study)
-    ]
+    flown = dict(zip(numbers, runs, strict=True))
+    confirmed, done = [], total - measured
+    for one, metric in compared:
+        confirmed.append(told.confirmed(one, metric, flown[one.draw]))
+        if metric in study.plan.clearances:
+            done += 1
+            tell(done, total)
+    return confirmed
 
 
 def _compared(one: Chosen, study: Campaign) -> Sequence[str]:
@@ -140,32 +167,33 @@ class _Told:
         self._study, self._values = study, values
         self._rows = {draw: row for row, draw in enumerate(values)}
         self._flown = study.some([*values])
-        self._nominal, _ = self.metrics(nominal)
+        self._nominal = nominal
+        self._metrics: dict[int, Mapping[str, float]] = {}
+        self._clearances: dict[tuple[int, str], float] = {}
 
-    def metrics(self, run: Run) -> tuple[Mapping[str, float], str]:
-        """Return the metrics of a run, or why it failed."""
-        if run.status is RunStatus.FAILED or run.not_separated:
-            return {}, run.message or run.not_separated
-        case = self._study.case
-        return metrics_of_run(run, case.limits_of_pairs, self._study.plan.metrics), ""
+    def confirmed(self, one: Chosen, metric: str, run: Run) -> ConfirmedDraw:
+        """Return a draw, with what both engines say of a metric.
 
-    def confirmed(
-        self, one: Chosen, metric: str, in_drake: tuple[Mapping[str, float], str]
-    ) -> ConfirmedDraw:
-        """Return a draw, with what both engines say of a metric."""
-        study, (metrics, drake_failed) = self._study, in_drake
-        column = study.plan.metrics.index(metric)
+        Args:
+            one: the draw.
+            metric: in question.
+            run: of it in Drake.
+        """
+        study = self._study
         row = self._rows[one.draw]
-        value = float(self._flown.metrics[row, column])
-        told = metrics.get(metric, math.nan)
+        value = self._flown.value_of(row, metric, study.plan)
+        drake_failed = "" if has_separated(run) else run.message or run.not_separated
+        told = math.nan if drake_failed else self._in(run, metric, value)
         which = int(self._flown.failure[row])
         batch_failed = self._flown.reasons.get(one.draw, "")
         if batch_failed or drake_failed:
             never = any(map(math.isinf, self._values[one.draw].values()))
             outcome = _of_failed(batch_failed, drake_failed or never)
         else:
-            nominal = np.nan_to_num(self._nominal.get(metric, 0.0))
-            within = may_differ(highest(metric), study.case, value, float(nominal))
+            nominal = np.nan_to_num(self._in(self._nominal, metric, value))
+            clearance = study.flights.clearances.get(metric)
+            objective = highest(metric) if clearance is None else clearance
+            within = may_differ(objective, study.case, value, float(nominal))
             outcome = _of_values(one, value, told, within)
         return ConfirmedDraw(
             draw=one.draw,
@@ -178,6 +206,22 @@ class _Told:
             rank=one.rank,
             outcome=outcome,
         )
+
+    def _in(self, run: Run, metric: str, likely: float) -> float:
+        """Return what a run in Drake tells of a metric, about which it may be."""
+        case, key = self._study.case, (id(run), metric)
+        clearance = self._study.flights.clearances.get(metric)
+        if clearance is not None:
+            if key not in self._clearances:
+                self._clearances[key] = measured_in(run, clearance, likely)
+            return self._clearances[key]
+        if not has_separated(run):
+            return math.nan
+        if id(run) not in self._metrics:
+            names = self._study.plan.metrics
+            told = metrics_of_run(run, case.limits_of_pairs, names)
+            self._metrics[id(run)] = told
+        return self._metrics[id(run)].get(metric, math.nan)
 
 
 def _of_failed(on_batch: str, in_drake: str | bool) -> Outcome:

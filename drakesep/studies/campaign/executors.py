@@ -4,16 +4,19 @@ import contextlib
 import functools
 import itertools
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from drakesep.analysis.campaigns.flights import CampaignFlights
 from drakesep.analysis.campaigns.gathering import KeptDraws, kept
 from drakesep.analysis.engines.processes import end_processes, start_processes
 from drakesep.analysis.engines.registered import Registered
 from drakesep.results.campaign_files import RecordedPlan
+from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 
 
@@ -88,6 +91,36 @@ def flown_by(
             task.cancel()
 
 
+def measured_by(
+    executor: Executor,
+    recorded: RecordedPlan,
+    folder: Path,
+    name: str,
+    draws: Mapping[int, float],
+) -> list[float]:
+    """Return how near parts come in draws, measured by an executor, m.
+
+    Args:
+        executor: any of `concurrent.futures`.
+        recorded: the plan.
+        folder: of the campaign.
+        name: of a clearance of the plan.
+        draws: what is known of each at least, m, by its number.
+    """
+    every = min(_IN_HAND * _workers(executor), len(draws))
+    known = [*draws.items()]
+    where = recorded.text, str(folder), Registered.here().as_bytes()
+    # The worst take longest: each worker has some of them.
+    tasks = [
+        executor.submit(measure_draws, *where, name, dict(known[k::every]))
+        for k in range(every)
+    ]
+    values = np.empty(len(known))
+    for k, task in enumerate(tasks):
+        values[k::every] = task.result()
+    return values.tolist()
+
+
 def _workers(executor: Executor) -> int:
     """Return how many chunks an executor flies at once, as far as it tells."""
     client: Any = getattr(executor, "_client", None)
@@ -115,6 +148,24 @@ def fly_chunk(text: str, folder: str, registered: bytes, number: int) -> KeptDra
     return kept(flights.plan, flights.chunk(number))
 
 
+def measure_draws(
+    text: str, folder: str, registered: bytes, name: str, draws: Mapping[int, float]
+) -> Array:
+    """Return how near parts come in draws of a plan, m.
+
+    Args:
+        text: of the plan.
+        folder: of the campaign, whose meshes a case may name.
+        registered: as `fly_chunk` takes it.
+        name: of a clearance of the plan.
+        draws: what is known of each at least, m, by its number.
+
+    Raises:
+        ValueError: this is another version than that of the plan.
+    """
+    return _flights(text, folder, registered).measured(name, draws)
+
+
 @functools.lru_cache(maxsize=1)
 def _flights(text: str, folder: str, registered: bytes) -> CampaignFlights:
     """Return what flies a plan: a worker's programs are made once."""
@@ -124,9 +175,13 @@ def _flights(text: str, folder: str, registered: bytes) -> CampaignFlights:
 
 
 @contextlib.contextmanager
-def own_processes(count: int) -> Iterator[Executor]:
-    """Give so many processes of this machine, spawned, that end with the block."""
-    pool = start_processes(count, _nothing)
+def own_processes(count: int | None) -> Iterator[Executor]:
+    """Give so many processes of this machine, spawned, that end with the block.
+
+    Args:
+        count: of them; one per core if None.
+    """
+    pool = start_processes(count or os.cpu_count() or 1, _nothing)
     try:
         yield pool
     finally:

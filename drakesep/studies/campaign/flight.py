@@ -104,7 +104,7 @@ def shown(
     """
     plan, failed = recorded.plan, [*flown.reasons]
     findings = (
-        share_findings(plan, flown.metrics, failed)
+        share_findings(plan, flown.metrics, failed, flown.clearances)
         if isinstance(flown, FlownDraws)
         else findings_of(plan, flown.counted(plan), failed)
     )

@@ -21,8 +21,9 @@ from drakesep.results.campaign_files import (
 from drakesep.results.catalogue import CAMPAIGN
 from drakesep.results.folder import Output, results_folder
 from drakesep.results.parts import parts_folder
-from drakesep.studies.campaign.confirmation import chosen, confirmed, most_confirmed
+from drakesep.studies.campaign.confirmation import chosen, confirmed
 from drakesep.studies.campaign.flight import ChunksUnderWay, home_of, shown
+from drakesep.studies.campaign.measuring import seconds_after, with_measured
 from drakesep.studies.campaign.progress import OnProgress, Telling
 from drakesep.studies.campaign.result import Campaign
 from drakesep.studies.campaign.settings import RUNS, CampaignOptions, CampaignSettings
@@ -79,8 +80,17 @@ def campaign(
         flight = ChunksUnderWay(recorded, flights, home)
         telling = Telling(on_progress, plan.runs, plan.runs - flight.left)
         each = _seconds_in_drake(plan.case)
-        telling.plan(flight.seconds(), each * most_confirmed(plan))
-        flown = flight.flown(executor, telling.flown)
+        measuring, confirming = seconds_after(flights, each)
+        telling.plan(flight.seconds(), measuring, confirming)
+        flown = with_measured(
+            flights,
+            flight.flown(executor, telling.flown),
+            recorded,
+            home,
+            executor=executor,
+            workers=workers,
+            on_progress=telling.measured,
+        )
         study = shown(asked, recorded, flights, flown)
         study = _confirmed(study, workers, each, telling)
         if folder is not None:
@@ -170,13 +180,21 @@ def merge_campaign(
         try:
             recorded = RecordedPlan.read(folder.path)
             flown = merged(folder.path, recorded)
-        except BaseException:  # whose chunks others still fly, it stays under way
+            flights = CampaignFlights(recorded.plan)
+            telling = Telling(on_progress, len(flown), len(flown))
+            each = _seconds_in_drake(recorded.plan.case)
+            telling.plan(0.0, *seconds_after(flights, each))
+            flown = with_measured(
+                flights,
+                flown,
+                recorded,
+                folder.path,
+                workers=workers,
+                on_progress=telling.measured,
+            )
+        except BaseException:  # it stays under way, for whoever goes on
             folder.hand_over()
             raise
-        flights, plan = CampaignFlights(recorded.plan), recorded.plan
-        telling = Telling(on_progress, len(flown), len(flown))
-        each = _seconds_in_drake(plan.case)
-        telling.plan(0.0, each * most_confirmed(plan))
         study = shown(folder.asked, recorded, flights, flown)
         study = _confirmed(study, workers, each, telling)
         study.write(folder)

@@ -9,7 +9,7 @@ from drakesep.studies.worst_case.effort import in_time
 from drakesep.studies.worst_case.pace import Pace, Remaining
 
 
-FLY, CONFIRM = "fly", "confirmation"
+FLY, MEASURE, CONFIRM = "fly", "clearance", "confirmation"
 """Its steps."""
 
 
@@ -18,7 +18,7 @@ class CampaignProgress:
     """Where a campaign stands."""
 
     step: str
-    """`FLY` or `CONFIRM`; empty as it begins, with what it will do."""
+    """`FLY`, `MEASURE` or `CONFIRM`; empty as it begins, with what it will do."""
     done: int
     """Draws of the step."""
     total: int
@@ -27,14 +27,18 @@ class CampaignProgress:
     """Draws that an earlier campaign has flown, from which this one goes on."""
     remaining: Remaining
     """What is left of it."""
+    measures: bool = False
+    """Whether clearances are measured in some draws."""
 
     def __str__(self) -> str:
         """Return what it will do, in a line."""
         before = self.flown_before
         there = f", {before} of them flown before" if before else ""
+        measured = " how near parts come is measured where it decides;"
         return (
-            f"{self.total} draws{there}, flown on the batch engine; then those that "
-            f"decide in Drake; about {in_time(self.remaining.seconds)}"
+            f"{self.total} draws{there}, flown on the batch engine;"
+            f"{measured if self.measures else ''} then those that decide in Drake; "
+            f"about {in_time(self.remaining.seconds)}"
         )
 
 
@@ -53,22 +57,28 @@ class Telling:
             flown_before: that are there already.
         """
         self._on_progress, self._runs = on_progress, runs
-        self._before = flown_before
+        self._before, self._measures = flown_before, False
         self._pace = Pace({})
 
-    def plan(self, seconds: float, confirming: float) -> None:
+    def plan(self, seconds: float, measuring: float, confirming: float) -> None:
         """Tell what will be done, and how long it takes.
 
         Args:
             seconds: of what is flown on the batch engine.
+            measuring: seconds of how near parts come.
             confirming: seconds of what is flown in Drake.
         """
-        self._pace = Pace({FLY: seconds, CONFIRM: confirming}, time.monotonic)
+        steps = {FLY: seconds, MEASURE: measuring, CONFIRM: confirming}
+        self._pace, self._measures = Pace(steps, time.monotonic), measuring > 0.0
         self._tell("", 0, self._runs)
 
     def flown(self, done: int) -> None:
         """Tell how many draws are flown, beside those that were before."""
         self._tell(FLY, done, self._runs - self._before)
+
+    def measured(self, done: int, total: int) -> None:
+        """Tell in how many draws it is measured how near parts come."""
+        self._tell(MEASURE, done, total)
 
     def confirmed(self, done: int, total: int) -> None:
         """Tell how many draws are flown in Drake."""
@@ -83,5 +93,6 @@ class Telling:
                     total=total,
                     flown_before=self._before,
                     remaining=self._pace.at(step or FLY, done, total),
+                    measures=self._measures,
                 )
             )

@@ -19,6 +19,8 @@ def replay(
 ) -> Simulated:
     """Fly a draw of a campaign in Drake, with its motion, as `simulate` flies a run.
 
+    How near parts come is measured, where that is required.
+
     What was drawn comes again from its number: the campaign may keep no runs, and may
     not have flown yet.
 
@@ -35,4 +37,4 @@ def replay(
     if not 0 <= run < plan.runs:
         raise InputError(f"run: must be from 0 to {plan.runs - 1}, got {run}")
     [values] = CampaignFlights(plan).values(np.array([run]))
-    return simulate(plan.case, in_units(values), output=output)
+    return simulate(plan.case, in_units(values), measure=True, output=output)

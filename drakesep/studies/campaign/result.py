@@ -1,7 +1,6 @@
 """What came of a campaign: shares, verdict, draws, and what Drake says of some."""
 
 import functools
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,7 +18,7 @@ from drakesep.analysis.metrics.requirements import (
     Verdict,
     verdict_on_all,
 )
-from drakesep.plots.campaign_curves import Curve, curve_of_rows, curve_of_summary
+from drakesep.plots.campaign_draws import curves_of
 from drakesep.plots.pictures import OfCampaign
 from drakesep.results.asked import Asked
 from drakesep.results.campaign_files import RecordedPlan, write_draws
@@ -204,23 +203,5 @@ class Campaign:
     @property
     def picture(self) -> OfCampaign:
         """What shows what is required over the draws."""
-        curves = [self._curve(one) for one in self.findings if one.beyond is not None]
+        curves = curves_of(self.findings, self.plan, self.flown, self.found)
         return OfCampaign(name=self.case.name, runs=self.plan.runs, curves=curves)
-
-    def _curve(self, finding: ShareFinding) -> Curve:
-        required, flown = finding.requirement, self.flown
-        place = self.plan.metrics.index(required.judged_by)
-        values, shares = (
-            curve_of_rows(flown.metrics[:, place], required.from_above)
-            if isinstance(flown, FlownDraws)
-            else curve_of_summary(flown.summaries[place], required.from_above)
-        )
-        return Curve(
-            requirement=required,
-            values=values,
-            shares=shares,
-            bound_of=finding.size.share,
-            bound=finding.bound,
-            bound_share=(finding.size.rank or 1) / self.plan.runs,
-            worst_case=self.found.get(required, math.nan),
-        )

@@ -133,10 +133,10 @@ class CampaignSettings:
             chunk=self.chunk,
             keep=self.keep,
         )
-        if not plan.metrics:
+        if not plan.metrics and not plan.clearances:
             raise InputError(
-                "requirements: a campaign needs one that runs tell without measuring "
-                "how near parts come, or a metric to keep, got none"
+                "requirements: a campaign needs one that runs tell, or a metric to "
+                "keep, got none"
             )
         check_size(plan)
         return plan

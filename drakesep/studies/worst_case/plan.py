@@ -42,8 +42,8 @@ class StudyPlan:
     """That it may take; None: ten, or as long as searches take that are asked for."""
     workers: int | None = None
     """Processes that fly Drake; one per core if None; with 1, the caller's does all."""
-    failures: tuple[FailureCase, ...] = ()
-    """That are searched beside the design."""
+    failures: Mapping[FailureCase, AnalysisCase] = field(default_factory=dict)
+    """That are searched beside the design, with the case in which each has failed."""
     draws: int = 0
     """Of the campaign that is flown beside the worst cases."""
     draws_in_drake: int = 0

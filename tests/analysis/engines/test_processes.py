@@ -2,9 +2,12 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 
 import pytest
+from left_behind import descendants, nothing_is_left, semaphores
 from loky.process_executor import ShutdownExecutorError
 
 from drakesep.analysis.engines import processes
@@ -65,3 +68,35 @@ def test_an_interrupt_as_they_start_comes_after(
     with pytest.raises(ShutdownExecutorError):
         submit(pools[0], os.getpid)
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+BUSY = """
+import os, time
+from drakesep.analysis.engines import processes
+pool = processes.start_processes(2, os.getpid)
+try:
+    pool.submit(os.getpid).result()
+    for _ in range(2):
+        pool.submit(time.sleep, 600)
+    print("ready", flush=True)
+    time.sleep(600)
+finally:
+    processes.end_processes(pool)
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT, signal.SIGHUP])
+@pytest.mark.parametrize("end", [os.kill, os.killpg], ids=["one", "group"])
+def test_nothing_is_left_of_who_is_killed(end, number):
+    """Nor of its group, as a terminal or `timeout` kills: semaphores are unlinked."""
+    command = [sys.executable, "-c", BUSY]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, process_group=0
+    ) as process:
+        assert process.stdout.readline() == b"ready\n"
+        theirs = descendants(process.pid)
+        assert len(theirs) >= 4  # workers and trackers
+        assert semaphores(process.pid)
+        end(process.pid, number)
+        process.wait(timeout=30)
+    nothing_is_left(process.pid, theirs)

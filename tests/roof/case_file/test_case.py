@@ -12,7 +12,7 @@ from ruamel.yaml import YAML
 
 import drakesep
 from drakesep.case_file.reader import load_case
-from drakesep.systems.model.separation import EARTH_RADIUS
+from drakesep.systems.model.orbit import EARTH_RADIUS
 from drakesep.systems.model.springs import DisplacementSpring
 
 

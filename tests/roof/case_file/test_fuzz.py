@@ -11,6 +11,7 @@ import warnings
 
 import numpy as np
 import pytest
+from every_leaf import write_models
 from hypothesis import HealthCheck, Phase, event, given, settings
 from mutations import as_text, mangled, mutated
 from rich.console import Console
@@ -69,56 +70,64 @@ def check_flown(text, folder):
         flown = simulate(load_case(file))
         event("flown" if flown.completed else "failed")
         if not flown.completed:
-            assert flown.run.message
+            assert flown.labelled.outcome.message
             return
         states = flown.run.completed_trajectory.states
         assert np.isfinite(states).all()
         assert not any(map(math.isinf, flown.labelled.metrics.values()))
 
 
-FOLDER = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
-"""Each file is written where the one before was."""
-few = settings(max_examples=60, derandomize=True, suppress_health_check=FOLDER)
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """With the files that cases name."""
+    folder = tmp_path_factory.mktemp("fuzz")
+    write_models(folder)
+    return folder
+
+
+SLOW = [HealthCheck.too_slow]
+"""Some fly for seconds."""
+few = settings(max_examples=60, derandomize=True, suppress_health_check=SLOW)
 fewer = settings(few, max_examples=25)
 UNSHRUNK = [Phase.explicit, Phase.reuse, Phase.generate]
 """To shrink what takes ten seconds to fail takes hours."""
-many = settings(max_examples=5000, phases=UNSHRUNK, suppress_health_check=FOLDER)
+many = settings(max_examples=5000, phases=UNSHRUNK, suppress_health_check=SLOW)
 
 
 @few
 @given(data=mutated())
-def test_a_few_are_read_or_refused(data, tmp_path):
-    check_read(as_text(data), tmp_path)
+def test_a_few_are_read_or_refused(data, folder):
+    check_read(as_text(data), folder)
 
 
 @few
 @given(text=mangled())
-def test_a_few_texts_are_read_or_refused(text, tmp_path):
-    check_read(text, tmp_path)
+def test_a_few_texts_are_read_or_refused(text, folder):
+    check_read(text, folder)
 
 
 @fewer
 @given(data=mutated())
-def test_a_few_are_flown_or_refused(data, tmp_path):
-    check_flown(as_text(data), tmp_path)
+def test_a_few_are_flown_or_refused(data, folder):
+    check_flown(as_text(data), folder)
 
 
 @pytest.mark.fuzz
 @many
 @given(data=mutated())
-def test_many_are_read_or_refused(data, tmp_path):
-    check_read(as_text(data), tmp_path)
+def test_many_are_read_or_refused(data, folder):
+    check_read(as_text(data), folder)
 
 
 @pytest.mark.fuzz
 @many
 @given(text=mangled())
-def test_many_texts_are_read_or_refused(text, tmp_path):
-    check_read(text, tmp_path)
+def test_many_texts_are_read_or_refused(text, folder):
+    check_read(text, folder)
 
 
 @pytest.mark.fuzz
 @settings(many, max_examples=1000)
 @given(data=mutated())
-def test_many_are_flown_or_refused(data, tmp_path):
-    check_flown(as_text(data), tmp_path)
+def test_many_are_flown_or_refused(data, folder):
+    check_flown(as_text(data), folder)

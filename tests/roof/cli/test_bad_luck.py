@@ -7,10 +7,9 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
-from left_behind import whole
+from left_behind import descendants, nothing_is_left, semaphores, whole
 from small_case import small_case, write_case
 
 
@@ -177,54 +176,58 @@ def test_a_study_that_is_killed_goes_on(tmp_path):
     assert whole(folder, but=["again"]) == whole(tmp_path / "whole", but=["again"]), err
 
 
-def beside(process):
-    """Numbers of the processes that a command has started, and theirs; their words."""
-    told = subprocess.run(
-        ["ps", "-eo", "pid=,ppid=,args="], capture_output=True, text=True, check=True
-    )
-    rows = [line.split(None, 2) for line in told.stdout.splitlines()]
-    found, parents = {}, {str(process.pid)}
-    while parents:
-        new = {pid: words for pid, parent, words in rows if parent in parents}
-        parents = new.keys() - found.keys()
-        found |= new
-    return found
-
-
-def under_way(tmp_path):
-    """A study that has begun, with a worker beside it, in a session of its own."""
-    words = ("verify", "vega", "-o", tmp_path, "--workers", "2")
-    process = begun(*words, start_new_session=True)
-    while process.poll() is None and not (tmp_path / "study.json").exists():
+def begun_apart(*words, until, **how):
+    """A command in a session of its own that has come so far; and what it started."""
+    process = begun(*words, start_new_session=True, **how)
+    while process.poll() is None and not until():
         time.sleep(0.05)
     assert process.poll() is None
-    return process
+    return process, descendants(process.pid)
 
 
-def left_of(process):
-    """Processes of its session, and what it keeps in shared memory, semaphores too."""
-    told = subprocess.run(
-        ["ps", "-eo", "sess=,stat=,pid=,args="], capture_output=True, text=True
+def verifies(tmp_path):
+    """A study that has begun, with a worker beside it."""
+    words = ("verify", "vega", "-o", tmp_path, "--workers", "2")
+    return begun_apart(*words, until=(tmp_path / "study.json").exists)
+
+
+POOL = """
+import sys, pathlib
+from drakesep.analysis.engines.drake_pool import DrakePool
+import drakesep
+case = drakesep.load_case("vega").in_si()
+with DrakePool(case.separation, workers=2) as pool:
+    said = lambda *_: pathlib.Path(sys.argv[1]).touch()
+    pool.fly([{"payload.mass": 2000.0 + i} for i in range(100_000)], said)
+"""
+
+
+def flies_a_campaign(tmp_path):
+    case = write_case(tmp_path, small_case())
+    words = ("campaign", case, "--workers", 2, "--runs", 1_000_000)
+    chunks = (tmp_path / "out").glob
+    return begun_apart(
+        *words, "-o", tmp_path / "out", until=lambda: any(chunks(".parts/chunk*"))
     )
-    rows = [line.split(None, 3) for line in told.stdout.splitlines()]
-    ours = [row[2:] for row in rows if row[0] == str(process.pid) and row[1][0] != "Z"]
-    return [*ours, *Path("/dev/shm").glob(f"*-{process.pid}-*")]
 
 
-def nothing_is_left_of(process):
-    """Within 30 s."""
-    ended = time.monotonic()
-    while left := left_of(process):
-        assert time.monotonic() - ended < 30.0, left
-        time.sleep(0.2)
+def flies_in_drake(tmp_path):
+    entry = (sys.executable, "-c", POOL)
+    flown = tmp_path / "flown"
+    return begun_apart(flown, entry=entry, until=flown.exists)
 
 
 @pytest.mark.slow
-def test_nothing_is_left_of_what_is_killed(tmp_path):
-    with under_way(tmp_path) as process:
-        assert len(left_of(process)) > 3  # a worker, trackers, semaphores
-        process.kill()
-    nothing_is_left_of(process)
+@pytest.mark.parametrize("command", [verifies, flies_a_campaign, flies_in_drake])
+@pytest.mark.parametrize("kill", [os.kill, os.killpg], ids=["one", "group"])
+def test_nothing_is_left_of_what_is_killed(kill, command, tmp_path):
+    """Though what clears away may have been in the group that was killed."""
+    process, theirs = command(tmp_path)
+    with process:
+        assert len(theirs) >= 3  # workers and trackers
+        assert semaphores(process.pid)
+        kill(process.pid, signal.SIGKILL)
+    nothing_is_left(process.pid, theirs)
 
 
 @pytest.fixture(scope="module")
@@ -257,6 +260,7 @@ def test_a_signal_at_any_moment(number, moments, to_all, a_study, tmp_path):
         process = begun(*words, "-o", folder, start_new_session=True)
         time.sleep(moment)
         over = process.poll() is not None  # it was faster
+        theirs = descendants(process.pid)
         sent = time.monotonic()
         if not over:
             (os.killpg if to_all else os.kill)(process.pid, number)
@@ -279,17 +283,16 @@ def test_a_signal_at_any_moment(number, moments, to_all, a_study, tmp_path):
             # What is completed may be being told of.
             assert ended in (None, "interrupted", "completed"), told
             assert not (folder / ".drakesep.lock").exists(), told
-        nothing_is_left_of(process)
+        nothing_is_left(process.pid, theirs)
     assert heard > moments // 3
 
 
 @pytest.mark.slow
 def test_a_worker_that_is_killed(tmp_path):
     """Is told of in one line; what is finished is kept."""
-    with under_way(tmp_path) as process:
-        workers = [
-            int(pid) for pid, words in beside(process).items() if "popen" in words
-        ]
+    process, theirs = verifies(tmp_path)
+    workers = [int(pid) for pid, words in theirs.items() if "popen" in words]
+    with process:
         os.kill(workers[-1], signal.SIGKILL)
         _, err = process.communicate(timeout=300)
     assert process.returncode == 3
@@ -298,7 +301,7 @@ def test_a_worker_that_is_killed(tmp_path):
     assert "Traceback" not in err
     assert json.loads((tmp_path / "study.json").read_text())["ended"] == "failed"
     assert (tmp_path / ".parts").is_dir()
-    nothing_is_left_of(process)
+    nothing_is_left(process.pid, theirs)
 
 
 @pytest.mark.slow

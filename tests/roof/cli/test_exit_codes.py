@@ -72,6 +72,9 @@ def test_exit_code(command, outcome, tmp_path, capsys, monkeypatch):
     elif outcome == NOT_MET and command in ("verify", "campaign"):
         assert not lines
         assert out.splitlines()[-1] == "Not every requirement is met."
+    elif outcome == NOT_MET and command == "compare":
+        assert not lines
+        assert "The answers differ: 1 by more than 1e-06." in out
     elif outcome == INTERRUPTED:
         told = "drakesep: interrupted"
         if command in BEGUN:

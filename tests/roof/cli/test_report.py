@@ -41,6 +41,7 @@ VERDICTS = {
     ("campaign", NOT_MET): "not met",
     ("clearance", GOOD): "clear",
     ("clearance", NOT_MET): "contact",
+    ("report", GOOD): "no verdict",  # of a campaign that is planned
 }
 
 

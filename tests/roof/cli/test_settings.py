@@ -61,6 +61,7 @@ OPTIONS = {
         "--metric": (["final_rate_x"], {"metrics": ["final_rate_x"]}),
     },
     "replay": {},  # test_campaign.py
+    "report": {},  # roof/reports/test_command.py
     "clearance": {
         "--set": (
             ["upper.mass_kg=1180", "two.position_y_mm=-390"],
@@ -68,6 +69,8 @@ OPTIONS = {
         )
     },
     "animate": {},  # below
+    "compare": {},  # test_compare.py
+    "export": {},  # test_export.py
     "worst-case": {
         **OF_SEARCH,
         "--objective": (
@@ -91,18 +94,24 @@ OPTIONS = {
 ELSEWHERE = {
     "new": {"--from", "--output", "-o"},
     "animate": {"--output", "-o", "--runs", "--run"},
+    "compare": {"--output", "-o", "--tolerance"},
+    "export": {
+        *("--format", "--run", "--epoch", "--frame", "--plane", "--time-system"),
+        *("--output", "-o"),
+    },
     "simulate": {"--output", "-o"},
     "sweep": {"--output", "-o", "--workers"},
     "campaign": {"--output", "-o", "--workers", "--resume", "--dask"},
     "replay": {"--run", "--animation", "--no-animation", "--output", "-o"},
+    "report": {"--output", "-o"},
     "clearance": {"--output", "-o"},
     "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes", "--resume"},
     "verify": {
         *("--output", "-o", "--workers", "--flips", "--corners", "--minutes"),
-        *("--resume", "--share", "--confidence"),
+        *("--resume", "--share", "--confidence", "--report"),
     },
 }
-"""Tested below."""
+"""Tested below; `--report` in roof/reports/test_html.py."""
 SWEPT = {"upper.mass_kg": [1180.0, 1200.0, 1220.0]}
 FEW = {"runs": 300, "share": 0.99, "confidence": 0.9}
 """Of a campaign: enough to show so much."""

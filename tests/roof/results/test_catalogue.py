@@ -1,6 +1,7 @@
 """Every column that a command writes is in the catalogue."""
 
 import json
+import shutil
 
 import pandas as pd
 import pytest
@@ -57,8 +58,17 @@ def test_every_column_of_every_command_is_described(tmp_path, monkeypatch):
     two = one_pair(dispersions=varying, published=[], **required)
     studies(case, two, tmp_path)
     assert {folder.name for folder in tmp_path.iterdir()} == set(STUDIES)
-    for folder in tmp_path.iterdir():
+    for folder in [*tmp_path.iterdir()]:
         assert list(undescribed(folder)) == []
+        copy = shutil.copytree(folder, tmp_path / f"copy_of_{folder.name}")
+        assert drakesep.compare(folder, copy, tolerance=0.0).table.empty
+
+
+def test_keys_are_columns():
+    for kind in FILES:
+        assert bool(kind.row) == bool(kind.key)
+        for name in kind.key:
+            assert described(kind, name), (kind.name, name)
 
 
 @pytest.mark.parametrize("name", sorted(set(builtin_cases()) - {"vega", "rideshare"}))

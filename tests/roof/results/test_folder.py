@@ -74,6 +74,14 @@ def test_a_failed_run_leaves_nothing_of_the_run_before(tmp_path):
     assert record(tmp_path)["message"] == failed.run.message != ""
 
 
+def test_a_run_that_does_not_separate_is_recorded_as_failed(tmp_path):
+    brief = drakesep.load_case("fairing").replaced(run={"duration_s": 0.5})
+    failed = drakesep.simulate(brief, output=tmp_path)
+    assert not failed.completed and failed.run.motion is not None
+    assert record(tmp_path)["ended"] == "failed"
+    assert record(tmp_path)["message"] == failed.run.not_separated != ""
+
+
 def test_study_that_raises_is_recorded_as_failed(tmp_path):
     drakesep.clearance(one_pair(), output=tmp_path)
     with pytest.raises(RuntimeError, match="the run failed"):

@@ -21,6 +21,11 @@ from drakesep.tables.columns import write_csv
 from drakesep.tables.run_tables import runs_table
 
 
+@pytest.fixture(autouse=True)
+def figures_stay_blank():
+    """They are looked at here."""
+
+
 @pytest.fixture(scope="module")
 def verified(tmp_path_factory):
     """VEGA's verification over two parameters, and its folder.

@@ -191,10 +191,10 @@ def test_what_is_finished_is_written_down(tmp_path, monkeypatch):
     two = {name: FAILURES[name] for name in ("s1_weak", "held")}
     verify = failure_cases._verified
 
-    def interrupted(study, failure, under_way):
+    def interrupted(study, failure, case, under_way):
         if failure.name == "held":
             raise KeyboardInterrupt
-        return verify(study, failure, under_way)
+        return verify(study, failure, case, under_way)
 
     monkeypatch.setattr(failure_cases, "_verified", interrupted)
     with pytest.raises(KeyboardInterrupt):

@@ -1,13 +1,17 @@
-"""Gravity in the falling world against Clohessy and Wiltshire's relative motion."""
+"""Gravity in the falling world: Clohessy and Wiltshire, and two bodies on ellipses."""
 
 import dataclasses
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from separations import generic_pair
+from two_bodies import two_bodies
 
+from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.systems.model.integration import Integration
-from drakesep.systems.model.separation import InitialMotion, Orbit
+from drakesep.systems.model.orbit import Orbit
+from drakesep.systems.model.separation import InitialMotion
 from drakesep.systems.simulation.simulation import Simulation
 
 
@@ -55,6 +59,48 @@ def clohessy_wiltshire(n, p_W, v_W, t):
     y = 6 * (s - n * t) * x0 + y0 - 2 / n * (1 - c) * u0 + (4 * s - 3 * n * t) / n * v0
     z = z0 * c + w0 / n * s
     return np.stack([x, y, z], axis=1)
+
+
+@pytest.mark.parametrize(
+    "engine", ["drake", pytest.param("batch", marks=pytest.mark.slow)]
+)
+def test_relative_motion_on_an_ellipse_against_two_bodies(engine):
+    """A body that drifts 27 m from the reference, on its way down to the perigee.
+
+    Both fall about the Earth in an inertial frame, each integrated by itself.
+    """
+    T, rate = 1200.0, np.array([1e-3, 2e-3, -1.5e-3])
+    orbit = Orbit(radius=8.6e6, horizontal_speed=7300.0, climb_rate=-1900.0)
+    separation = generic_pair(
+        initial=InitialMotion(w_WA_A=tuple(rate)),
+        springs=False,
+        orbit=orbit,
+        duration=T,
+    )
+    lower, upper = separation.bodies
+    lower = dataclasses.replace(lower, p_BoBcm_B=(0.0, 0.0, 0.0))
+    separation = dataclasses.replace(separation, bodies=(lower, upper))
+    if engine == "batch":
+        names = ["upper.mass"]
+        [run] = Batch(separation, names).runs(np.array([[upper.mass]]))
+    else:
+        run = Simulation(separation, Integration(accuracy=1e-9)).run()
+    state = run.completed_trajectory.of("upper")
+    R_WB = Rotation.from_quat(state[:, :4], scalar_first=True)
+    p_WBcm = state[:, 4:7] + R_WB.apply(upper.p_BoBcm_B)
+
+    time = run.completed_trajectory.time
+    r = np.array([0.0, 0.0, -orbit.radius])
+    v = np.array([orbit.horizontal_speed, 0.0, -orbit.climb_rate])
+    p = np.array(upper.p_BoBcm_B)
+    reference, body = (
+        two_bodies(np.concatenate(start), time)[:, :3]
+        for start in ((r, v), (r + p, v + np.cross(rate, p)))
+    )
+    # Round-off of two radii of 8e6 m over some hundred steps, and the run's accuracy.
+    assert np.abs(p_WBcm - (body - reference)).max() <= 3e-5
+    straight = p + np.outer(time, np.cross(rate, p))
+    assert np.abs(p_WBcm - straight).max() > 1.0  # gravity does matter here
 
 
 def test_a_body_at_rest_at_the_origin_stays():

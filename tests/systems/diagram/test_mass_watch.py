@@ -18,8 +18,8 @@ from drakesep.systems.diagram.separation_system import (
     spatial_inertia,
 )
 from drakesep.systems.model.joints import Joint
+from drakesep.systems.model.orbit import Orbit
 from drakesep.systems.model.parameters import with_values
-from drakesep.systems.model.separation import Orbit
 
 
 SEPARATION = generic_pair(release_times=(0.0, 0.0, 0.1, 0.101))

@@ -12,8 +12,8 @@ from separations import generic_pair
 
 from drakesep.systems.diagram.separation_system import SeparationSystem
 from drakesep.systems.model.integration import Integration
+from drakesep.systems.model.orbit import Orbit
 from drakesep.systems.model.run import Motion
-from drakesep.systems.model.separation import Orbit
 from drakesep.systems.simulation.simulation import Simulation
 
 

@@ -6,6 +6,7 @@ the torques of joints are derived from their angles by complex steps, and Pinocc
 articulated-body algorithm makes accelerations of them.
 """
 
+import functools
 import math
 from typing import NamedTuple
 
@@ -16,6 +17,7 @@ import pinocchio
 import pytest
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.math import SpatialVelocity
+from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 from separations import inertia_of_points
 
@@ -27,8 +29,9 @@ from drakesep.systems.equations.relative_motion import body_state
 from drakesep.systems.equations.springs import law_of
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.loads import Load
+from drakesep.systems.model.orbit import Orbit
 from drakesep.systems.model.parameters import parameters
-from drakesep.systems.model.separation import Attachment, Body, Orbit, Separation
+from drakesep.systems.model.separation import Attachment, Body, Separation
 from drakesep.systems.model.springs import DisplacementSpring, Spring
 
 
@@ -167,7 +170,7 @@ def every_force() -> Separation:
             make_load(rng, "to_start", "upper", after="attachment_3"),
         ),
         # So small a planet that its field varies over the stack, as strong as springs.
-        orbit=Orbit(radius=50.0, mu=1e5),
+        orbit=Orbit(radius=50.0, mu=1e5, horizontal_speed=52.0, climb_rate=-17.0),
         duration=2.0,
     )
 
@@ -357,14 +360,27 @@ def gravity(body, motion):
 
     The plain difference of two fields keeps its digits near so small a planet.
     """
-    mu, radius = SEPARATION.orbit.mu, SEPARATION.orbit.radius
-    angle = math.sqrt(mu / radius**3) * NOW
-    origin = radius * np.array([math.sin(angle), 0.0, -math.cos(angle)])
+    mu, origin = SEPARATION.orbit.mu, reference_position()
     r = origin + motion.p + motion.R @ body.p_BoBcm_B
     distance = np.linalg.norm(r)
-    field = -mu * r / distance**3 + mu * origin / radius**3
+    field = -mu * r / distance**3 + mu * origin / np.linalg.norm(origin) ** 3
     I_W = motion.R @ inertia_matrix(body) @ motion.R.T
     return body.mass * field, 3.0 * mu / distance**5 * np.cross(r, I_W @ r)
+
+
+@functools.cache
+def reference_position():
+    """W's origin now, integrated from its state at t = 0."""
+    orbit = SEPARATION.orbit
+
+    def fall(_, state):
+        r, v = state[:3], state[3:]
+        return np.concatenate([v, -orbit.mu * r / np.linalg.norm(r) ** 3])
+
+    speed = orbit.horizontal_speed
+    start = [0.0, 0.0, -orbit.radius, speed, 0.0, -orbit.climb_rate]
+    how = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-13}
+    return solve_ivp(fall, (0.0, NOW), start, **how).y[:3, -1]
 
 
 def inertia_matrix(body):

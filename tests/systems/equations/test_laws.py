@@ -15,7 +15,7 @@ from drakesep.systems.equations import joints as joint_laws
 from drakesep.systems.equations import relative_motion as motion_laws
 from drakesep.systems.equations.pushers import push_wrenches
 from drakesep.systems.equations.springs import law_of
-from drakesep.systems.model.separation import EARTH_MU
+from drakesep.systems.model.orbit import EARTH_MU
 from drakesep.systems.model.springs import Spring
 
 

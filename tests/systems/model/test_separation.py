@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from separations import generic_pair, inertia_of_points
 
 from drakesep.systems.model.integration import Integration
-from drakesep.systems.model.separation import Body, InitialMotion, Orbit
+from drakesep.systems.model.orbit import Orbit
+from drakesep.systems.model.separation import Body, InitialMotion
 
 
 @pytest.mark.parametrize(

@@ -230,6 +230,31 @@ def test_contact_on_a_plant_of_ones_own():
     assert velocity[0] == pytest.approx(400.0 / 1200.0 * 0.2, rel=1e-3)
 
 
+WALL = Part(name="wall", shape=Box(size=(0.02, 0.6, 0.6)), p_BoGo_B=(0.0, 0.0, 0.0))
+CUBE = Part(name="cube", shape=Box(size=(0.2, 0.2, 0.2)), p_BoGo_B=(0.16, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("depth", [0.009, 0.011, 0.1])
+def test_what_is_pressed_beyond_the_middle_of_a_thin_wall_has_failed(depth):
+    """A foundation of s A takes up the energy of m v^2 / 2 by a depth of v (m/sA)^1/2.
+
+    10 mm are half of the wall.
+    """
+    separation = pair([WALL], [CUBE], dissipation=0.0)
+    m = [body.mass for body in separation.bodies]
+    energy = m[0] * m[1] / (m[0] + m[1]) * (400.0 / m[1] * 0.2) ** 2
+    stiffness = energy / (0.2**2 * depth**2)
+    soft = dataclasses.replace(separation.recontact, face_stiffness=stiffness)
+    run = Simulation(dataclasses.replace(separation, recontact=soft), FINE).run()
+    if depth < 0.01:
+        assert run.status is RunStatus.COMPLETED
+        assert run.motion.relative_velocity[-1, 0] > 0.0
+        return
+    assert run.status is RunStatus.FAILED
+    assert "recontact: wall and cube overlap by 0.01" in run.message
+    assert "more than half of wall, which is 0.02 m thick there" in run.message
+
+
 def test_without_recontact_bodies_pass_through_each_other():
     separation = dataclasses.replace(pair([LOWER], [UPPER]), recontact=None)
     assert fly(separation).motion.relative_position[-1, 0] < -0.1

@@ -10,8 +10,8 @@ from separations import GENERIC, generic_pair, vega
 
 from drakesep.systems.model.integration import SCHEMES, Integration
 from drakesep.systems.model.joints import Joint
+from drakesep.systems.model.orbit import Orbit
 from drakesep.systems.model.run import Motion, RunStatus
-from drakesep.systems.model.separation import Orbit
 from drakesep.systems.simulation.simulation import Simulation
 
 

@@ -1,0 +1,148 @@
+"""The state of a stack, taken from files that another program has written."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from drakesep.exchange.aem import attitudes_of
+from drakesep.exchange.epochs import epoch_text, parse_epoch
+from drakesep.exchange.histories import index_at
+from drakesep.exchange.kvn import read_message
+from drakesep.exchange.oem import check_inertial, ephemeris_of
+from drakesep.systems.arrays import Array
+from drakesep.systems.checks import InputError
+
+
+@dataclass(frozen=True, kw_only=True)
+class TakenState:
+    """What files say of a stack at an epoch."""
+
+    frame: str
+    """Inertial."""
+    time_system: str
+    epoch: str
+    position: Array | None = None
+    """(3,), of a point of it, from the centre of the Earth, m; None: not said."""
+    velocity: Array | None = None
+    """(3,), of that point, m/s."""
+    orientation: Array | None = None
+    """(4,), unit quaternion q_FA of its axes A in the frame F, w first."""
+    rate: Array | None = None
+    """(3,), of A in F, in A, rad/s."""
+
+
+_POSITION = [f"position_{axis}_m" for axis in "xyz"]
+_VELOCITY = [f"velocity_{axis}_m_s" for axis in "xyz"]
+_ORIENTATION = [f"orientation_{q}" for q in "wxyz"]
+_RATE = [f"rate_{axis}_rad_s" for axis in "xyz"]
+_COLUMNS = (
+    *("label", "body", "epoch", "time_system", "frame"),
+    *(*_POSITION, *_VELOCITY, *_ORIENTATION, *_RATE),
+)
+"""Of a table of ours."""
+
+
+def taken_from(
+    files: Sequence[Path], at: str, run: str | None, body: str | None
+) -> TakenState:
+    """Return what files say at an epoch: nothing is interpolated.
+
+    Args:
+        files: an OEM, an AEM, one of each, or a ``handover.csv``.
+        at: the epoch.
+        run: label of the run in a table that has several.
+        body: name of the body in a table that has several.
+
+    Raises:
+        ValueError: a file cannot be read, it has no such epoch, or two files do not fit
+            each other.
+    """
+    wanted = parse_epoch("at", at)
+    states = [_read(file, wanted, run, body) for file in files]
+    found = states[0]
+    for other in states[1:]:
+        for name in ("frame", "time_system"):
+            was, got = getattr(found, name), getattr(other, name)
+            if was != got:
+                raise InputError(
+                    f"from: files must have one {name}, got {was} and {got}"
+                )
+        for name in ("position", "velocity", "orientation", "rate"):
+            value = getattr(other, name)
+            if value is None:
+                continue
+            if getattr(found, name) is not None:
+                raise InputError(f"from: one file must have the {name}, got two")
+            found = replace(found, **{name: value})
+    return found
+
+
+def _read(file: Path, at: Decimal, run: str | None, body: str | None) -> TakenState:
+    if file.suffix.lower() == ".csv":
+        return _of_table(file, at, run, body)
+    if run is not None or body is not None:
+        raise InputError(f"run and body: must stand with a CSV file, got {file}")
+    message = read_message(file)
+    if message.kind == "OEM":
+        orbit = ephemeris_of(message)
+        i = index_at(str(file), orbit.epochs, at)
+        return TakenState(
+            frame=orbit.frame,
+            time_system=orbit.time_system,
+            epoch=epoch_text(at),
+            position=orbit.position[i],
+            velocity=orbit.velocity[i],
+        )
+    if message.kind == "AEM":
+        history = attitudes_of(message)
+        i = index_at(str(file), history.epochs, at)
+        return TakenState(
+            frame=history.frame,
+            time_system=history.time_system,
+            epoch=epoch_text(at),
+            orientation=history.orientation[i],
+            rate=None if history.rate is None else history.rate[i],
+        )
+    raise InputError(f"{file}: must be an OEM or an AEM, got {message.kind}")
+
+
+def _of_table(file: Path, at: Decimal, run: str | None, body: str | None) -> TakenState:
+    """Return what a table of ours says."""
+    try:
+        table = pd.read_csv(file)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{file}: must be a table, got: {error}") from error
+    for name in _COLUMNS:
+        if name not in table:
+            raise InputError(
+                f"{file}: must have a column {name}, as a handover.csv has in a frame, "
+                "got none"
+            )
+    for name, value in (("label", run), ("body", body)):
+        if value is not None:
+            table = table[table[name] == value]
+    if table.empty:
+        raise InputError(f"{file}: must have a row of the run and the body, got none")
+    epochs = [parse_epoch(f"{file}: an epoch", str(text)) for text in table["epoch"]]
+    index = index_at(str(file), epochs, at)
+    if epochs.count(epochs[index]) > 1:
+        raise InputError(
+            f"{file}: run and body must choose one row at {epoch_text(at)}, got "
+            f"{epochs.count(epochs[index])}"
+        )
+    row = table.iloc[index]
+    check_inertial(str(file), "frame", str(row["frame"]))
+    quaternion = row[_ORIENTATION].to_numpy(float)
+    return TakenState(
+        frame=str(row["frame"]),
+        time_system=str(row["time_system"]),
+        epoch=epoch_text(at),
+        position=row[_POSITION].to_numpy(float),
+        velocity=row[_VELOCITY].to_numpy(float),
+        orientation=quaternion / np.linalg.norm(quaternion),
+        rate=row[_RATE].to_numpy(float),
+    )

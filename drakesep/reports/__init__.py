@@ -1,0 +1,1 @@
+"""What is made of results folders alone: nothing is flown."""

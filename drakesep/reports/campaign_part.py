@@ -1,0 +1,94 @@
+"""A campaign: what share of launches is within limits, and how surely."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from drakesep.reports.cells import Columns, Row, Table, table_of
+from drakesep.reports.pictures import Picture, campaign_picture
+from drakesep.reports.studies import Studies
+
+
+_SHOWN = 3
+"""Parameters that are told of for each metric: those that matter most."""
+_SHARES: Columns = {
+    "requirement axis pair": "requirement",
+    "unit": "unit",
+    "limit": "limit",
+    "runs": "draws",
+    "failures": "beyond",
+    "allowed": "allowed",
+    "share_shown": "share shown",
+    "bound_of": "bound of",
+    "at_confidence": "at confidence",
+    "bound": "bound",
+    "worst": "worst draw",
+    "failed": "failed",
+    "verdict": "verdict",
+}
+_CONFIRMED: Columns = {
+    "decides": "decides",
+    "draw": "draw",
+    "unit": "unit",
+    "value": "by the batch engine",
+    "in_drake": "in Drake",
+    "failure_case": "failure case",
+    "status": "status",
+}
+_STATISTICS: Columns = {
+    "metric": "metric",
+    "draws": "draws",
+    "untold": "untold",
+    "mean": "mean",
+    "deviation": "deviation",
+    "least": "least",
+    "low_3_sigma": "low 3 sigma",
+    "median": "median",
+    "high_3_sigma": "high 3 sigma",
+    "greatest": "greatest",
+}
+_RANKS: Columns = {
+    "metric": "metric",
+    "parameter": "parameter",
+    "rank_correlation": "rank correlation",
+    "from": "from, at 95 %",
+    "to": "to, at 95 %",
+}
+
+
+class CampaignPart(NamedTuple):
+    """Of the campaign."""
+
+    shares: Table
+    confirmed: Table
+    statistics: Table
+    ranks: Table
+    picture: Picture | None
+
+
+def of(studies: Studies) -> CampaignPart | None:
+    """Return what a report says of a campaign; None if none was flown."""
+    found = [study for study in studies.all if study.has("campaign.csv")]
+    if not found:
+        return None
+    [study] = found
+    worst = [r for r in study.rows("campaign_worst.csv") if r.get("rank") == 1]
+    return CampaignPart(
+        shares=table_of(study.rows("campaign.csv"), _SHARES),
+        confirmed=table_of(worst, _CONFIRMED),
+        statistics=table_of(study.rows("campaign_statistics.csv"), _STATISTICS),
+        ranks=table_of(_largest(study.rows("campaign_sensitivities.csv")), _RANKS),
+        picture=campaign_picture(study),
+    )
+
+
+def _largest(rows: Sequence[Row]) -> list[Row]:
+    """Return the rows of the parameters that matter most for each metric."""
+    by_metric: dict[object, list[Row]] = {}
+    for row in rows:
+        if row["rank_correlation"]:
+            by_metric.setdefault(row.get("metric"), []).append(row)
+    return [
+        row
+        for mine in by_metric.values()
+        for row in sorted(mine, key=lambda r: -abs(r.get("rank_correlation")))[:_SHOWN]
+    ]

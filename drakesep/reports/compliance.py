@@ -1,0 +1,238 @@
+"""The compliance matrix: each requirement with all that studies say of it."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+from drakesep.analysis.metrics.requirements import Verdict
+from drakesep.reports.cells import EMPTY, Cell, Row
+from drakesep.reports.studies import Studies
+
+
+MET, NOT_MET = Verdict.MET.value, Verdict.NOT_MET.value
+NOT_LOOKED_AT = Verdict.NOT_LOOKED_AT.value
+NOT_SHOWN = "not shown"
+NO_VERDICT = "no verdict"
+_SENSES = {"<=": "≤", ">=": "≥"}
+_SEARCHED, _DRAWN, _FLOWN = (
+    "worst case searched",
+    "campaign of draws",
+    "single run, which gives no verdict",
+)
+
+_Key: TypeAlias = tuple[Any, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """A requirement, and what studies say of it; rows that there are not are empty."""
+
+    searched: Row | None = None
+    """Of requirements.csv."""
+    drawn: Row | None = None
+    """Of campaign.csv."""
+    flown: Row | None = None
+    """Of requirements_of_run.csv."""
+    unconfirmed: str = ""
+    """How the worst run ended, if it was not confirmed."""
+
+    @property
+    def asked(self) -> Row:
+        """The row that says what is required."""
+        found = self.searched or self.drawn or self.flown
+        assert found is not None
+        return found
+
+    @property
+    def sense(self) -> str:
+        """As it is written."""
+        sense = str(self.asked.get("sense", ""))
+        return _SENSES.get(sense, sense)
+
+    @property
+    def share(self) -> Cell:
+        """Of launches that must be within the limit; empty: every run must."""
+        return self.asked["share"]
+
+    @property
+    def methods(self) -> list[str]:
+        """How it was looked at."""
+        told = []
+        if self.searched and not self.share:
+            told.append(_SEARCHED)
+        if self.drawn:
+            told.append(_DRAWN)
+        return told or [_FLOWN if self.flown else NOT_LOOKED_AT]
+
+    @property
+    def nominal(self) -> Cell:
+        """In the nominal run, or in the one that was flown."""
+        if self.searched and self.searched["nominal"]:
+            return self.searched["nominal"]
+        return self.flown["value"] if self.flown else EMPTY
+
+    @property
+    def worst(self) -> Cell:
+        """The worst that was found: in a run in Drake, else of all draws."""
+        if self.searched and self.searched["worst"]:
+            return self.searched["worst"].told_from(self.asked["limit"])
+        return self.drawn["worst"] if self.drawn else EMPTY
+
+    @property
+    def which(self) -> Cell:
+        """The run or the draw that is the worst."""
+        if self.searched and self.searched["worst"]:
+            return self.searched["which_run"]
+        return self.drawn["worst_draw"] if self.drawn else EMPTY
+
+    @property
+    def bound(self) -> Cell:
+        """The statistical bound."""
+        return self.drawn["bound"] if self.drawn else EMPTY
+
+    @property
+    def margin(self) -> Cell:
+        """Of the worst; of what is required of a share of launches, of its bound."""
+        by_share = self.drawn is not None and bool(self.share)
+        if self.searched and not by_share:
+            return self.searched["margin"]
+        row = self.drawn or self.flown
+        return row["margin"] if row else EMPTY
+
+    @property
+    def growth(self) -> Cell:
+        """The factor on all tolerances at which it is violated."""
+        return self.searched["growth_factor"] if self.searched else EMPTY
+
+    @property
+    def grows_beyond(self) -> Cell:
+        """The largest factor that was looked at, if it was not violated up to that."""
+        infinite = self.growth.value == float("inf")
+        return self.searched["looked_up_to"] if self.searched and infinite else EMPTY
+
+    @property
+    def verdict(self) -> Cell:
+        """On it, by the study that has to tell; a violation stands whoever tells it.
+
+        A single run gives no verdict.
+        """
+        rows = [row for row in (self.searched, self.drawn) if row]
+        for row in rows:
+            if row.get("verdict") == NOT_MET:
+                return row["verdict"]
+        told = [
+            row["verdict"] for row in rows if row["share"].value == self.share.value
+        ]
+        for word in (MET, NOT_SHOWN):
+            for cell in told:
+                if cell.value == word:
+                    return cell
+        return told[0] if told else Cell(NOT_LOOKED_AT)
+
+    @property
+    def share_apart(self) -> Cell:
+        """What a campaign says of a share that the case does not ask for."""
+        apart = self.drawn and self.drawn["share"].value != self.share.value
+        return self.drawn["verdict"] if self.drawn and apart else EMPTY
+
+    @property
+    def open_points(self) -> list[str]:
+        """What is still to be done, or to be known of how it was looked at."""
+        return list(_open_points(self))
+
+
+def _open_points(entry: Entry) -> Iterator[str]:
+    searched, drawn = entry.searched, entry.drawn
+    if entry.unconfirmed:
+        yield f"the worst run is not confirmed: {entry.unconfirmed}"
+    if entry.share and drawn is None:
+        yield "what is required of a share of launches is for a campaign to show"
+    if not entry.share and searched is None:
+        yield "the worst case over the tolerances has not been searched"
+    if searched and not entry.share:
+        if searched.get("verdict") == NOT_LOOKED_AT:
+            yield "no run tells it, or the one that does is not confirmed"
+        how = searched.get("growth_by", "")
+        if how == "ray":
+            yield "growth: looked at on the way to the worst case alone"
+        elif how != "search":
+            yield f"growth: {how}"
+    if drawn and drawn.get("failed", 0):
+        yield "draws failed, which count as beyond the limit"
+    if drawn and entry.share and drawn.get("verdict") == NOT_SHOWN:
+        yield "too few draws to show the share, or that it is not kept"
+    if drawn and entry.share and drawn.get("verdict") == NOT_LOOKED_AT:
+        yield "no draw tells it, or Drake does not confirm those that do"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Matrix:
+    """All requirements."""
+
+    entries: Sequence[Entry] = field(default_factory=tuple)
+
+    def __bool__(self) -> bool:
+        """Return whether there are any."""
+        return bool(self.entries)
+
+    def any(self, name: str) -> bool:
+        """Return whether an entry has something under a name."""
+        return any(bool(getattr(entry, name)) for entry in self.entries)
+
+    def any_asked(self, name: str) -> bool:
+        """Return whether a requirement says something in a column of its table."""
+        return any(bool(entry.asked[name]) for entry in self.entries)
+
+    def with_verdict(self, *words: str) -> list[Entry]:
+        """Return the entries with some verdicts."""
+        return [entry for entry in self.entries if entry.verdict.value in words]
+
+    @property
+    def verdict(self) -> str:
+        """On all requirements together."""
+        told = {str(entry.verdict.value) for entry in self.entries}
+        return worst_verdict(told) if told else NO_VERDICT
+
+
+def worst_verdict(words: Iterable[str]) -> str:
+    """Return what several verdicts say together; met only if all are."""
+    told = set(words)
+    for word in (NOT_MET, NO_VERDICT, NOT_SHOWN, NOT_LOOKED_AT):
+        if word in told:
+            return word
+    return MET if told == {MET} else NO_VERDICT
+
+
+def matrix_of(studies: Studies) -> Matrix:
+    """Return the compliance matrix of some studies."""
+    tables = {
+        "searched": _keyed(studies.rows("requirements.csv")),
+        "drawn": _keyed(studies.rows("campaign.csv")),
+        "flown": _keyed(studies.rows("requirements_of_run.csv")),
+    }
+    status = {
+        row.get("label"): str(row.get("status", ""))
+        for row in studies.rows("worst_cases.csv")
+    }
+    keys = dict.fromkeys(key for rows in tables.values() for key in rows)
+    entries = []
+    for key in keys:
+        found = {name: rows.get(key) for name, rows in tables.items()}
+        searched = found["searched"]
+        ended = status.get(searched.get("which_run")) if searched else None
+        failed = ended if ended and ended.startswith("failed") else ""
+        entries.append(Entry(**found, unconfirmed=failed))
+    return Matrix(entries=entries)
+
+
+def _keyed(rows: Iterable[Row]) -> Mapping[_Key, Row]:
+    """Return rows by what they require, and of several alike by their order."""
+    names = ("requirement", "axis", "pair", "sense", "limit", "unit", "id")
+    seen: Counter[_Key] = Counter()
+    keyed: dict[_Key, Row] = {}
+    for row in rows:
+        key = tuple(row.get(name, "") for name in names)
+        seen[key] += 1
+        keyed[*key, seen[key]] = row
+    return keyed

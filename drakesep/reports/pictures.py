@@ -1,0 +1,166 @@
+"""Pictures of a report: vector graphics that stand in the page itself."""
+
+import base64
+import io
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from drakesep.reports.studies import Study
+from drakesep.results.campaign_files import DRAWS, RecordedPlan, read_draws
+from drakesep.systems.model.separation import Separation
+from drakesep.tables.roles import Changed, Nominal
+
+
+if TYPE_CHECKING:  # half a second to import, where something is drawn
+    from matplotlib.figure import Figure
+
+_ACROSS, _CELL = 2, 3.5
+"""Panels beside each other, and the width of each, in: so that letters are legible on
+paper."""
+_PANELS = 6
+"""Of tornados in a picture: more take more than a page."""
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A picture with its words."""
+
+    source: str
+    """The picture itself, as the address of an image."""
+    alternative: str
+    """What it shows, for those who do not see it."""
+    caption: str
+
+
+def picture_of(figure: "Figure", alternative: str, caption: str) -> Picture:
+    """Return a figure as a vector graphic, the same to the last byte each time."""
+    import matplotlib
+
+    drawn = io.BytesIO()
+    same: Any = {"svg.hashsalt": "drakesep", "svg.fonttype": "path"}
+    with matplotlib.rc_context(same):
+        figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": None})
+    text = base64.b64encode(drawn.getvalue()).decode("ascii")
+    return Picture(f"data:image/svg+xml;base64,{text}", alternative, caption)
+
+
+def _table(study: Study, file: str, *words: str) -> pd.DataFrame:
+    """Return a table of a study, with no word where none is in some columns."""
+    table = study.results.table(file)
+    return table.astype(dict.fromkeys(words, object)).fillna(dict.fromkeys(words, ""))
+
+
+def stack_picture(separation: Separation) -> Picture:
+    """Return the mated stack."""
+    from drakesep.plots.stack import stack_figure
+
+    names = ", ".join(body.name for body in separation.bodies)
+    return picture_of(
+        stack_figure(separation),
+        f"Two views of the mated stack along y and z: the parts of {names}, the "
+        "attachments between them, and the centres of mass.",
+        f"The mated stack in the frame of {separation.A}, seen along y and along z.",
+    )
+
+
+def required_picture(study: Study) -> Picture | None:
+    """Return what is required over time; None if nothing is that has a course."""
+    from drakesep.plots.required_over_time import required_figure
+    from drakesep.plots.shown_runs import ShownRuns
+
+    roles = study.results.roles.values()
+    if not any(isinstance(role, Nominal | Changed) for role in roles):
+        return None
+    shown = ShownRuns.of(study.results.runs, study.results.case)
+    figure = required_figure(shown)
+    if figure is None:
+        return None
+    named = ", ".join(dict.fromkeys(each.run.label for each in shown.decided))
+    return picture_of(
+        figure,
+        "Over time, each signal that is limited while its limit holds: in the nominal "
+        f"run, and in the run that decides the requirement. These are {named}.",
+        "What is required over time: dashed the limit while it holds, solid the run "
+        "that decides, with a dot where it does.",
+    )
+
+
+def failure_pictures(study: Study) -> Iterator[Picture]:
+    """Yield what is required in failure cases beside the design, a page at a time."""
+    from drakesep.plots.failure_cases import failure_figure, panels_within
+
+    table = _table(study, "failure_requirements.csv", "axis", "pair", "id")
+    for some in panels_within(table, _HEIGHT, across=_ACROSS):
+        yield picture_of(
+            failure_figure(some, most_across=_ACROSS, cell=_CELL),
+            "A panel for each requirement, with a row for the design and each failure "
+            "case: nominal, worst and limit, as in the table of failure cases.",
+            "Failure cases against each limit.",
+        )
+
+
+_HEIGHT = 9.0
+"""That a picture may have on paper, in."""
+
+
+def tornado_pictures(study: Study, objectives: Sequence[str]) -> Iterator[Picture]:
+    """Yield what each tolerance does to some objectives, a page at a time."""
+    from drakesep.plots.tornado import tornado_figure
+
+    table = _table(study, "sensitivities.csv", "at_worst")
+    there = [name for name in objectives if (table["objective"] == name).any()]
+    for k in range(0, len(there), _PANELS):
+        mine = there[k : k + _PANELS]
+        some = table[table["objective"].isin(mine)]
+        yield picture_of(
+            tornado_figure(some, most_across=_ACROSS, cell=_CELL),
+            "Bars of what a whole side of each tolerance changes, at the nominal and "
+            f"at the worst case, for {', '.join(mine)}.",
+            "What each tolerance does, to first order: wide bars at the worst case, "
+            "narrow ones at the nominal.",
+        )
+
+
+def campaign_picture(study: Study) -> Picture | None:
+    """Return how what is required is distributed over draws; None without draws."""
+    from drakesep.analysis.campaigns.flights import FlownDraws
+    from drakesep.analysis.campaigns.shares import share_findings
+    from drakesep.plots.campaign import campaign_figure
+    from drakesep.plots.campaign_draws import curves_of
+
+    if not study.has(DRAWS):
+        return None
+    recorded = RecordedPlan.read(study.results.folder, to_fly=False)
+    flown = read_draws(study.results.folder, recorded)
+    plan = recorded.plan
+    if not isinstance(flown, FlownDraws):  # DRAWS are rows
+        return None
+    failed = [*flown.reasons]
+    findings = share_findings(plan, flown.metrics, failed, flown.clearances)
+    curves = curves_of(findings, plan, flown, {})
+    if all(one.beyond is None for one in findings):
+        return None
+    return picture_of(
+        campaign_figure(
+            plan.case.name, plan.runs, curves, most_across=_ACROSS, cell=_CELL
+        ),
+        "Curves of the share of draws beyond each value of what is required, with the "
+        "limits, the statistical bounds and the worst draws, as in the table.",
+        "Share of draws beyond a value.",
+    )
+
+
+def clearance_picture(study: Study) -> Picture:
+    """Return how near the nearest parts are over the distance of separation."""
+    from drakesep.plots.clearance_plots import distances_figure
+
+    summary = study.results.table("clearance_summary.csv")
+    return picture_of(
+        distances_figure(study.results.table("clearance.csv"), summary),
+        "Distances of the nearest pairs of parts over the distance of separation; a "
+        "dot where each is smallest, a cross at contact.",
+        "Distances of the pairs that come nearest; dots: smallest, crosses: contact.",
+    )

@@ -1,0 +1,64 @@
+"""What each tolerance does, and how far each alone may grow."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from drakesep.reports.cells import Columns, Row, Table, table_of
+from drakesep.reports.pictures import Picture, tornado_pictures
+from drakesep.reports.studies import Studies
+from drakesep.reports.worst_cases_part import deciding
+
+
+_SHOWN = 3
+"""Parameters that are told of for each worst case: those that matter most there."""
+_SLOPES: Columns = {
+    "objective": "worst case",
+    "unit": "unit",
+    "parameter": "parameter",
+    "minus": "below by",
+    "plus": "above by",
+    "downward_at_worst": "change for all below",
+    "upward_at_worst": "change for all above",
+    "at_worst": "there at",
+}
+_GROWTH: Columns = {
+    "requirement axis pair": "requirement",
+    "parameter": "parameter",
+    "minus": "below by",
+    "plus": "above by",
+    "factor": "factor",
+    "violated_minus": "violated below by",
+    "violated_plus": "violated above by",
+}
+
+
+class SensitivitiesPart(NamedTuple):
+    """Of the studies that searched."""
+
+    slopes: Table
+    growth: Table
+    pictures: Sequence[Picture]
+
+
+def of(studies: Studies) -> SensitivitiesPart | None:
+    """Return what a report says of sensitivities; None if there is nothing."""
+    found = [study for study in studies.all if study.has("sensitivities.csv")]
+    growth = [r for r in studies.rows("tolerances.csv") if _violates(r)]
+    if not found and not growth:
+        return None
+    slopes, pictures = [], []
+    for study in found:
+        names = deciding(study)
+        pictures += list(tornado_pictures(study, names))
+        rows = study.rows("sensitivities.csv")
+        for name in names:
+            slopes += [r for r in rows if r.get("objective") == name][:_SHOWN]
+    return SensitivitiesPart(
+        table_of(slopes, _SLOPES), table_of(growth, _GROWTH), pictures
+    )
+
+
+def _violates(row: Row) -> bool:
+    factor = row.get("factor")
+    return factor is not None and 0.0 < factor < math.inf

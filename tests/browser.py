@@ -1,0 +1,137 @@
+"""A browser without a window, driven over its DevTools protocol by a pipe."""
+
+import base64
+import contextlib
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+
+
+class Browser:
+    """One tab; `events` is all that it has told of, since it was opened."""
+
+    def __init__(self, reads: int, writes: int):
+        self._reads, self._writes = reads, writes
+        self._next, self._rest, self._session = 0, b"", None
+        self.events: list[dict[str, Any]] = []
+
+    def ask(self, method: str, **parameters: Any) -> Any:
+        self._next += 1
+        asked: dict[str, Any] = {"id": self._next, "method": method}
+        asked["params"] = parameters
+        if self._session is not None:
+            asked["sessionId"] = self._session
+        os.write(self._writes, json.dumps(asked).encode() + b"\0")
+        while True:
+            told = self._told()
+            if told.get("id") == self._next:
+                assert "error" not in told, told["error"]
+                return told["result"]
+            self.events.append(told)
+
+    def _told(self) -> Any:
+        while b"\0" not in self._rest:
+            more = os.read(self._reads, 1 << 20)
+            assert more, "the browser has ended"
+            self._rest += more
+        one, _, self._rest = self._rest.partition(b"\0")
+        return json.loads(one)
+
+    def open(self, page: Path, width: int = 1280, height: int = 900) -> None:
+        """Open a page, and wait until it is whole."""
+        if self._session is None:
+            target = self.ask("Target.createTarget", url="about:blank")["targetId"]
+            attached = self.ask("Target.attachToTarget", targetId=target, flatten=True)
+            self._session = attached["sessionId"]
+            for domain in ("Page", "Network", "Runtime", "Log"):
+                self.ask(f"{domain}.enable")
+        self.resize(width, height)
+        self.events.clear()
+        self.ask("Page.navigate", url=page.absolute().as_uri())
+        while self.value("document.readyState") != "complete":
+            time.sleep(0.05)
+
+    def resize(self, width: int, height: int = 900) -> None:
+        self.ask(
+            "Emulation.setDeviceMetricsOverride",
+            **{"width": width, "height": height},
+            **{"deviceScaleFactor": 1, "mobile": False},
+        )
+
+    def value(self, expression: str) -> Any:
+        asked = self.ask("Runtime.evaluate", expression=expression, returnByValue=True)
+        return asked["result"].get("value")
+
+    def picture(self) -> bytes:
+        """The whole page as PNG."""
+        told = self.ask("Page.captureScreenshot", captureBeyondViewport=True)
+        return base64.b64decode(told["data"])
+
+    def paper(self) -> bytes:
+        """The page as PDF, by its print styles."""
+        told = self.ask("Page.printToPDF", preferCSSPageSize=True, printBackground=True)
+        return base64.b64decode(told["data"])
+
+    @property
+    def requests(self) -> list[str]:
+        """Addresses that the page has asked for, but its own and what it holds."""
+        urls = [
+            event["params"]["request"]["url"]
+            for event in self.events
+            if event.get("method") == "Network.requestWillBeSent"
+        ]
+        return [url for url in urls if not url.startswith(("file:", "data:", "blob:"))]
+
+    @property
+    def complaints(self) -> list[Any]:
+        """What stands in the console, and errors of scripts."""
+        told = ("Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded")
+        return [e["params"] for e in self.events if e.get("method") in told]
+
+
+@contextlib.contextmanager
+def browser() -> Iterator[Browser]:
+    """Start one; a machine without any skips the test."""
+    if CHROMIUM is None:
+        pytest.skip("no chromium")
+    to_it, ours = os.pipe()
+    mine, from_it = os.pipe()
+
+    def as_3_and_4() -> None:
+        # Both are moved away first: either may be 3 or 4 itself.
+        reads, writes = os.dup(to_it), os.dup(from_it)
+        os.dup2(os.dup(reads), 3)
+        os.dup2(os.dup(writes), 4)
+
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as home:
+        process = subprocess.Popen(
+            [
+                *(CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu"),
+                *("--remote-debugging-pipe", f"--user-data-dir={home}"),
+                *("--no-first-run", "--disable-background-networking"),
+            ],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            preexec_fn=as_3_and_4,
+            close_fds=False,
+        )
+        os.close(to_it)
+        os.close(from_it)
+        try:
+            yield Browser(mine, ours)
+        finally:
+            process.terminate()
+            process.wait(timeout=10)
+            os.close(mine)
+            os.close(ours)
