@@ -23,6 +23,10 @@ from .studies.campaign.replay import replay as replay
 from .studies.campaign.result import Campaign as Campaign
 from .studies.clearance import Clearances as Clearances
 from .studies.clearance import clearance as clearance
+from .studies.rare_events import RareEvents as RareEvents
+from .studies.rare_events import rare_events as rare_events
+from .studies.sensitivity import Sensitivity as Sensitivity
+from .studies.sensitivity import sensitivity as sensitivity
 from .studies.simulate import Simulated as Simulated
 from .studies.simulate import simulate as simulate
 from .studies.sweep import Sweep as Sweep

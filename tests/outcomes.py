@@ -26,6 +26,7 @@ OF_STUDY = {
     NO_FOLDER: 2,
     INTERRUPTED: 130,
 }
+OF_DISTRIBUTIONS = {one: code for one, code in OF_STUDY.items() if one != RUN_FAILED}
 CODES = {
     "cases": {GOOD: 0, INTERRUPTED: 130},
     "show": {GOOD: 0, BAD_FILE: 2, INTERRUPTED: 130},
@@ -34,6 +35,8 @@ CODES = {
     "sweep": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "clearance": {**OF_STUDY, NOT_MET: 1},
     "campaign": {**OF_STUDY, NOT_MET: 1},
+    "campaign sensitivity": OF_DISTRIBUTIONS,
+    "campaign rare-events": OF_DISTRIBUTIONS,
     "replay": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
     "animate": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "worst-case": {**OF_STUDY, OTHER_RUN_FAILED: 4},
@@ -49,6 +52,8 @@ SETTINGS = {
     "sweep": ("--engine", "steam"),
     "clearance": ("--set", "upper.mas_kg=1200"),
     "campaign": ("--runs", "10"),
+    "campaign sensitivity": ("--base", "3"),
+    "campaign rare-events": ("--replicates", "1"),
     "replay": ("--run", "300"),
     "animate": ("--run", "worst_L1"),
     "worst-case": ("--objective", "L3"),
@@ -64,6 +69,8 @@ def case_for(outcome, command):
     if outcome == BAD_FILE:
         return small_case(pair={"A": "lower", "B": "uper"})
     data = small_case(dispersions={"upper.mass_kg": 20.0}, published=None)
+    if command == "campaign sensitivity":  # of one parameter there is nothing to share
+        data["dispersions"]["s1.force_max_N"] = 20.0
     data["requirements"] = data["requirements"][:1]
     if outcome == NOT_MET:
         data["requirements"][0]["at_least"] = 5.0
@@ -132,6 +139,11 @@ def arguments(command, outcome, folder):
     if command == "campaign":
         more = ["--share", 0.99, "--confidence", 0.9, "--workers", 1]
         more += [] if outcome == BAD_SETTING else ["--runs", 300]
+    if command == "campaign sensitivity":
+        more = [] if outcome == BAD_SETTING else ["--base", 4, "--replicates", 2]
+    if command == "campaign rare-events":
+        more = ["--per-level", 40, "--least", 0.01]
+        more += [] if outcome == BAD_SETTING else ["--replicates", 2]
     if command == "sweep":
         other = outcome == OTHER_RUN_FAILED
         more = ["s2.stroke_mm=110,5000" if other else "upper.mass_kg=1180:1220:3"]

@@ -179,20 +179,25 @@ class Tally:
             tallies: one or more, of different draws.
         """
         parts = list(tallies)
-        kept = [[*zip(p.worst_margins, p.worst_draws, strict=True)] for p in parts]
         lasts = [
-            pairs[-1] if pairs else (-math.inf, -1)
-            for part, pairs in zip(parts, kept, strict=True)
-            if len(pairs) < part.runs - part.untold
+            (part.worst_margins[-1], part.worst_draws[-1])
+            if part.worst_draws
+            else (-math.inf, -1)
+            for part in parts
+            if len(part.worst_draws) < part.runs - part.untold
         ]
-        last = min(lasts, default=(math.inf, math.inf))
-        worst = sorted(pair for pairs in kept for pair in pairs if pair <= last)
+        last = min(lasts, default=(math.inf, np.iinfo(np.int64).max))
+        margins = np.concatenate([np.array(p.worst_margins, float) for p in parts])
+        draws = np.concatenate([np.array(p.worst_draws, np.int64) for p in parts])
+        known = (margins < last[0]) | ((margins == last[0]) & (draws <= last[1]))
+        margins, draws = margins[known], draws[known]
+        order = np.lexsort((draws, margins))
         return cls(
             runs=sum(part.runs for part in parts),
             beyond=sum(part.beyond for part in parts),
             untold=sum(part.untold for part in parts),
-            worst_margins=tuple(margin for margin, _ in worst),
-            worst_draws=tuple(draw for _, draw in worst),
+            worst_margins=tuple(margins[order].tolist()),
+            worst_draws=tuple(draws[order].tolist()),
             doubtful=sum(part.doubtful for part in parts),
         )
 

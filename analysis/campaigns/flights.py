@@ -1,14 +1,15 @@
 """The draws of a campaign, flown on the batch engine."""
 
+import copy
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drakesep.analysis.campaigns.draws import Drawn, Draws
-from drakesep.analysis.campaigns.plan import CampaignPlan
+from drakesep.analysis.campaigns.plan import ROWS, CampaignPlan
 from drakesep.analysis.campaigns.screens import (
     TOGETHER,
     TRIED,
@@ -51,6 +52,54 @@ class FlownDraws:
 
     def __len__(self) -> int:
         return len(self.metrics)
+
+    @property
+    def failed(self) -> int:
+        """How many runs failed."""
+        return len(self.reasons)
+
+    @property
+    def again(self) -> int:
+        """How often values were drawn that cannot be."""
+        return int(self.attempts.sum())
+
+    def some(self, numbers: Sequence[int]) -> "FlownDraws":
+        """Return what came of some of the draws, in their order.
+
+        Args:
+            numbers: of the draws, one or more.
+        """
+        rows = np.asarray(numbers) - self.first
+        return FlownDraws(
+            first=numbers[0],
+            metrics=self.metrics[rows],
+            failure=self.failure[rows],
+            attempts=self.attempts[rows],
+            reasons={i: self.reasons[i] for i in numbers if i in self.reasons},
+            clearances=None
+            if self.clearances is None
+            else DrawnClearances(
+                at_least=self.clearances.at_least[rows],
+                measured=self.clearances.measured[rows],
+            ),
+        )
+
+    def value_of(self, row: int, metric: str, plan: CampaignPlan) -> float:
+        """Return what a draw tells of a metric or clearance of the plan, in SI.
+
+        NaN if its run failed, or it was not measured.
+
+        Args:
+            row: of the draw.
+            metric: in question.
+            plan: of the campaign.
+        """
+        if metric not in plan.clearances:
+            return float(self.metrics[row, plan.metrics.index(metric)])
+        i, of_draws = plan.clearances.index(metric), self.clearances
+        if of_draws is None or not of_draws.measured[row, i]:
+            return math.nan
+        return float(of_draws.at_least[row, i])
 
 
 @typed
@@ -118,6 +167,20 @@ class CampaignFlights:
             return _WHOLE
         return TOGETHER if self.clearances else self._batch.chunk * self._batch.workers
 
+    def with_spans(self) -> "CampaignFlights":
+        """Return what flies the plan with spans of histograms, from its first draws.
+
+        Where rows are kept, itself: there are none. They are one and a half times as
+        wide as these draws lie apart, to either side of them.
+        """
+        if self.plan.keep == ROWS:
+            return self
+        first = self.fly(np.arange(min(_FIRST, self.plan.runs), dtype=np.int64))
+        spans = tuple(map(_span, first.metrics.T))
+        prepared = copy.copy(self)
+        prepared.plan = replace(self.plan, spans=spans)
+        return prepared
+
     def chunk(self, number: int, on_progress: Progress | None = None) -> FlownDraws:
         """Fly a chunk of the plan.
 
@@ -175,7 +238,10 @@ class CampaignFlights:
                 values = drawn.values[rows]
                 flown, failed = self._fly(failure, values, tell)
                 metrics[rows] = flown
-                reasons |= {int(indices[rows[i]]): why for i, why in failed.items()}
+                reasons |= {
+                    int(indices[rows[i]]): why.replace("\n", " ")
+                    for i, why in failed.items()
+                }
                 if self.clearances and not _never(failure):
                     at_least[rows] = self._at_least(failure, values)
                     at_least[rows[[*failed]]] = np.nan
@@ -192,6 +258,19 @@ class CampaignFlights:
             reasons=dict(sorted(reasons.items())),
             clearances=clearances,
         )
+
+    def metrics_at(
+        self, values: Array, on_progress: Progress = lambda *_: None
+    ) -> Array:
+        """Return what the plan keeps of launches in which nothing fails, (n, m) in SI.
+
+        NaN of runs that failed.
+
+        Args:
+            values: (n, n_p) of the parameters that are drawn, in SI.
+            on_progress: called now and then.
+        """
+        return self._fly(None, values, on_progress)[0]
 
     def _together(self, rows: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:
         """Yield the rows that are flown together: what is screened takes memory."""
@@ -277,6 +356,19 @@ class CampaignFlights:
                     metrics[i] = np.nan
             on_progress(min(first + _WHOLE, len(rows)), len(rows))
         return metrics, failed
+
+
+_FIRST = 2048
+"""Draws that tell how far histograms go."""
+
+
+def _span(values: Array) -> tuple[float, float]:
+    told = values[np.isfinite(values)]
+    if not len(told):
+        return 0.0, 1.0
+    least, greatest = float(told.min()), float(told.max())
+    beyond = 1.5 * (greatest - least) or 1e-3 * abs(least) or 1.0
+    return least - beyond, greatest + beyond
 
 
 _WHOLE = 64

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Literal, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +15,15 @@ from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError, check_positive
 
 
-CHUNK = 32_768
-"""Draws of a chunk: what is flown, kept and lost at once."""
-MOST_RUNS = 10_000_000
-"""Of a campaign that keeps the metrics of every run."""
+Keep: TypeAlias = Literal["rows", "worst"]
+"""What is kept of draws: the metrics of each; or counts, histograms and the worst."""
+ROWS, WORST = "rows", "worst"
+CHUNKS = {ROWS: 32_768, WORST: 262_144}
+"""Draws of a chunk, by what is kept: what is flown, written and lost at once."""
+MOST_RUNS = {ROWS: 10_000_000, WORST: 10_000_000_000}
+"""Of a campaign, by what is kept."""
+BINS = 200
+"""Of a histogram."""
 
 
 @typed
@@ -44,8 +49,13 @@ class CampaignPlan:
     """Names of what is kept of every run."""
     clearances: tuple[str, ...] = ()
     """Names of the clearances that are screened in every run, and measured in some."""
-    chunk: int = CHUNK
+    chunk: int = CHUNKS[ROWS]
     """Draws of each chunk but the last, which may have fewer."""
+    keep: Keep = "rows"
+    """What is kept of the draws."""
+    spans: tuple[tuple[float, float], ...] = ()
+    """From where to where the histogram of each metric goes, in SI: fixed before
+    any draw is flown, so that those of all chunks add up. None, where rows are kept."""
     tolerance: float = TOLERANCE
     """Of the batch engine's steps; see `Batch`."""
 
@@ -55,8 +65,18 @@ class CampaignPlan:
             value = getattr(self, name)
             if value < least:
                 raise InputError(f"{name}: must be {least} or more, got {value}")
-        if self.runs > MOST_RUNS:
-            raise InputError(f"runs: must be {MOST_RUNS} or fewer, got {self.runs}")
+        if self.keep not in MOST_RUNS:
+            raise InputError(f"keep: must be rows or worst, got {self.keep!r}")
+        if self.runs > MOST_RUNS[self.keep]:
+            raise InputError(
+                f"runs: must be {MOST_RUNS[self.keep]} or fewer where {self.keep} are "
+                f"kept, got {self.runs}"
+            )
+        if self.spans and len(self.spans) != len(self.metrics):
+            raise InputError(
+                f"spans: must be one for each of {len(self.metrics)} metrics, got "
+                f"{len(self.spans)}"
+            )
         check_positive("tolerance", self.tolerance)
         for name in self.metrics:
             if not metric_named(name).told_by(self.case.separation):
@@ -67,6 +87,8 @@ class CampaignPlan:
             required = [r for r in self.case.requirements if r.metric == name]
             if not any(one.measured_apart for one in required):
                 raise InputError(f"clearances: {name}: must be one that is required")
+            if self.keep != ROWS:
+                raise InputError(f"clearances: {name}: must be none without rows")
             if self.clearances.count(name) > 1:
                 raise InputError(f"clearances: {name} must stand once")
         if not self.case.tolerances and not self.case.failure_cases:
@@ -80,7 +102,8 @@ class CampaignPlan:
         *,
         seed: int = 0,
         also: Sequence[str] = (),
-        chunk: int = CHUNK,
+        chunk: int | None = None,
+        keep: Keep | None = None,
     ) -> Self:
         """Return a plan that keeps what the requirements of a case are judged by.
 
@@ -89,30 +112,38 @@ class CampaignPlan:
             runs: draws.
             seed: of the draws.
             also: names of metrics that are kept beside these.
-            chunk: draws of a chunk.
+            chunk: draws of a chunk; None: as `CHUNKS` says.
+            keep: what of the draws; None: rows, unless they are too many for that.
 
         Raises:
             ValueError: as the class says.
         """
-        judges = [
-            requirement.judged_by
-            for requirement in case.requirements
-            if not requirement.measured_apart and case.tells(requirement)
-        ]
-        metrics = tuple(dict.fromkeys([*judges, *also]))
+        metrics = tuple(dict.fromkeys([*judged_metrics(case), *also]))
+        if keep is None:
+            keep = "rows" if runs <= MOST_RUNS[ROWS] else "worst"
         return cls(
             case=case,
             runs=runs,
             seed=seed,
             metrics=metrics,
-            clearances=tuple(_screened(case)),
-            chunk=chunk,
+            clearances=tuple(_screened(case)) if keep == ROWS else (),
+            chunk=CHUNKS.get(keep, 1) if chunk is None else chunk,
+            keep=keep,
         )
 
     @property
     def chunks(self) -> int:
         """How many there are."""
         return -(-self.runs // self.chunk)
+
+    def edges(self, metric: int) -> list[float]:
+        """Return the edges of the histogram of a metric.
+
+        Args:
+            metric: its place among those that are kept.
+        """
+        least, greatest = self.spans[metric]
+        return [*map(float, np.linspace(least, greatest, BINS + 1))]
 
     def indices(self, chunk: int) -> NDArray[np.int64]:
         """Return the numbers of a chunk's draws.
@@ -127,6 +158,18 @@ class CampaignPlan:
             raise InputError(f"chunk: must be from 0 to {self.chunks - 1}, got {chunk}")
         first = chunk * self.chunk
         return np.arange(first, min(first + self.chunk, self.runs), dtype=np.int64)
+
+
+def judged_metrics(case: AnalysisCase) -> list[str]:
+    """Return the metrics by which requirements of a case are judged, as runs tell them.
+
+    Without what is measured apart.
+    """
+    return [
+        requirement.judged_by
+        for requirement in case.requirements
+        if not requirement.measured_apart and case.tells(requirement)
+    ]
 
 
 def _screened(case: AnalysisCase) -> dict[str, None]:

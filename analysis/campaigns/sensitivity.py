@@ -145,18 +145,13 @@ def sobol_indices(
             a metric is not finite; the base is no power of two, or there is but one
             parameter or replicate.
     """
-    check_share("confidence", confidence)
-    if dependences:
-        raise InputError(
-            "Sobol' indices must be of independent parameters, so that shares of the "
-            f"variance add up, got {'; '.join(dependences)}: see rank correlations"
-        )
-    if parameters < 2:
-        raise InputError(f"parameters must be >= 2, got {parameters}")
-    if base < 2 or base & (base - 1):
-        raise InputError(f"base must be a power of two, got {base}")
-    if replicates < 2:
-        raise InputError(f"replicates must be >= 2, got {replicates}")
+    check_sobol(
+        parameters,
+        base=base,
+        replicates=replicates,
+        confidence=confidence,
+        dependences=dependences,
+    )
     found = [
         indices_of_scipy(
             func=partial(_of_columns, metrics, quantiles),
@@ -181,8 +176,36 @@ def sobol_indices(
         first_error=first_error,
         total=total,
         total_error=total_error,
-        runs=replicates * base * (parameters + 2),
+        runs=runs_of_sobol(parameters, base, replicates),
     )
+
+
+def runs_of_sobol(parameters: int, base: int, replicates: int) -> int:
+    """Return how many runs indices take; arguments as of `sobol_indices`."""
+    return replicates * base * (parameters + 2)
+
+
+def check_sobol(
+    parameters: int,
+    *,
+    base: int,
+    replicates: int,
+    confidence: float,
+    dependences: Sequence[str],
+) -> None:
+    """Raise InputError unless `sobol_indices` can tell something of its arguments."""
+    check_share("confidence", confidence)
+    if dependences:
+        raise InputError(
+            "Sobol' indices must be of independent parameters, so that shares of the "
+            f"variance add up, got {'; '.join(dependences)}: see rank correlations"
+        )
+    if parameters < 2:
+        raise InputError(f"parameters must be >= 2, got {parameters}")
+    if base < 2 or base & (base - 1):
+        raise InputError(f"base must be a power of two, got {base}")
+    if replicates < 2:
+        raise InputError(f"replicates must be >= 2, got {replicates}")
 
 
 def _of_columns(metrics: Metrics, quantiles: Metrics, probabilities: Array) -> Array:

@@ -1,8 +1,9 @@
 """What the draws of a campaign say of each requirement, of a share or of every run."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,11 +14,12 @@ from drakesep.analysis.campaigns.answers import (
     launch_requirements,
 )
 from drakesep.analysis.campaigns.measuring import NearestOfDraws
-from drakesep.analysis.campaigns.order_statistics import CampaignSize
+from drakesep.analysis.campaigns.order_statistics import CampaignSize, runs_needed
 from drakesep.analysis.campaigns.plan import CampaignPlan
 from drakesep.analysis.campaigns.screens import DrawnClearances
 from drakesep.analysis.metrics.requirements import Requirement, Verdict
 from drakesep.systems.arrays import Array
+from drakesep.systems.checks import InputError
 
 
 SHARE, CONFIDENCE = 0.99865, 0.90
@@ -71,10 +73,26 @@ class ShareFinding:
 
     @property
     def ranked(self) -> tuple[int, ...]:
-        """Draws of the least margins, the least first, runs that failed before them."""
+        """Draws of the least margins, the least first, runs that failed before them.
+
+        As many as are known.
+        """
         if self.answer is None:
             return ()
         return (*self.failed, *self.answer.tally.worst_draws)
+
+    def draw_of_rank(self, rank: int) -> int:
+        """Return the number of a draw that was looked at.
+
+        Args:
+            rank: 1 for the worst. Runs that failed are all alike: of more than are
+                known by their numbers, the last of these stands for the others.
+        """
+        assert self.answer is not None
+        tally = self.answer.tally
+        if rank <= tally.untold:
+            return self.failed[min(rank, len(self.failed)) - 1]
+        return tally.worst_draws[rank - tally.untold - 1]
 
     @property
     def verdict(self) -> Verdict:
@@ -107,15 +125,13 @@ def share_findings(
         failed: numbers of the draws that did.
         clearances: of all draws, if the plan has any.
     """
-    columns = dict(zip(plan.metrics, metrics.T, strict=True))
-    first = tuple(sorted(failed)[:_FAILED])
+    found = counted(plan, metrics, lambda size: (size.allowed or 0) + _MORE)
+    findings = findings_of(plan, found, sorted(failed)[:_FAILED])
     return [
-        _of_clearance(plan, one, clearances)
-        if one.metric in plan.clearances and clearances is not None
-        else _finding(
-            plan, one, of_launches(one, plan.case.requirements), columns, first
-        )
-        for one in plan.case.requirements
+        _of_clearance(plan, one.requirement, clearances)
+        if one.requirement.metric in plan.clearances and clearances is not None
+        else one
+        for one in findings
     ]
 
 
@@ -153,7 +169,76 @@ def _of_clearance(
 
 
 _FAILED = 100_000
-"""Runs that failed which are known by their numbers: more than may be beyond."""
+"""Runs that failed which are known by their numbers."""
+
+
+class Counted(NamedTuple):
+    """What is known of draws for one requirement."""
+
+    tally: Tally
+    worst: float
+    """Of all that tell, in SI; NaN if none does."""
+
+
+def counted(
+    plan: CampaignPlan,
+    metrics: Array,
+    kept: Callable[[CampaignSize], int],
+    first: int = 0,
+) -> list[Counted | None]:
+    """Return what draws say of each requirement of a plan's case, in their order.
+
+    None of one that the metrics do not judge.
+
+    Args:
+        plan: of the campaign.
+        metrics: (n, m) of draws that follow each other; NaN of runs that failed.
+        kept: how many worst are kept of a campaign of such a size.
+        first: number of the first draw.
+    """
+    columns = dict(zip(plan.metrics, metrics.T, strict=True))
+    found: list[Counted | None] = []
+    for one in plan.case.requirements:
+        required = of_launches(one, plan.case.requirements)
+        apart = any(limit.measured_apart for limit in required.limits)
+        if apart or not columns.keys() >= set(required.metrics):
+            found.append(None)
+            continue
+        most = kept(size_of(required, plan.runs))
+        tally = Tally.of(required, columns, first=first, kept=most)
+        told = columns[one.judged_by]
+        told = told[~np.isnan(told)]
+        worst = math.nan
+        if len(told):
+            worst = float(told.max() if one.from_above else told.min())
+        found.append(Counted(tally, worst))
+    return found
+
+
+def findings_of(
+    plan: CampaignPlan, found: Sequence[Counted | None], failed: Sequence[int]
+) -> list[ShareFinding]:
+    """Return how each requirement of a case fares, in their order.
+
+    Args:
+        plan: of the campaign.
+        found: what all draws say of each requirement.
+        failed: numbers of draws that failed, the first of them.
+    """
+    others = plan.case.requirements
+    findings = []
+    for one, known in zip(others, found, strict=True):
+        required = of_launches(one, others)
+        finding = ShareFinding(requirement=one, size=size_of(required, plan.runs))
+        if known is not None:
+            finding = replace(
+                finding,
+                answer=CampaignAnswer(required=required, tally=known.tally),
+                failed=tuple(failed),
+                worst=known.worst,
+            )
+        findings.append(finding)
+    return findings
 
 
 def of_launches(
@@ -177,27 +262,14 @@ def size_of(required: LaunchRequirement, runs: int) -> CampaignSize:
     return CampaignSize(share=required.share, confidence=required.confidence, runs=runs)
 
 
-def _finding(
-    plan: CampaignPlan,
-    requirement: Requirement,
-    required: LaunchRequirement,
-    columns: Mapping[str, Array],
-    failed: tuple[int, ...],
-) -> ShareFinding:
-    size = size_of(required, plan.runs)
-    apart = any(limit.measured_apart for limit in required.limits)
-    if apart or not columns.keys() >= set(required.metrics):
-        return ShareFinding(requirement=requirement, size=size)
-    tally = Tally.of(required, columns, kept=(size.allowed or 0) + _MORE)
-    told = columns[requirement.judged_by]
-    told = told[~np.isnan(told)]
-    worst = math.nan
-    if len(told):
-        worst = float(told.max() if requirement.from_above else told.min())
-    return ShareFinding(
-        requirement=requirement,
-        size=size,
-        answer=CampaignAnswer(required=required, tally=tally),
-        failed=failed,
-        worst=worst,
-    )
+def check_size(plan: CampaignPlan) -> None:
+    """Raise InputError if so few runs can show nothing, however they turn out."""
+    required = plan.case.requirements
+    for one in required:
+        size = size_of(of_launches(one, required), plan.runs)
+        if one.statistical and size.allowed is None:
+            least = runs_needed(size.share, size.confidence)
+            raise InputError(
+                f"runs: must be {least} or more to show a share of {size.share:g} at a "
+                f"confidence of {size.confidence:g}, got {plan.runs}"
+            )

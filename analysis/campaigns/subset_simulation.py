@@ -114,16 +114,7 @@ def subset_simulation(
         ValueError: a setting makes no sense.
     """
     check_finite("limit", limit)
-    check_share("level_share", level_share)
-    check_share("least", least)
-    if replicates < 2:
-        raise InputError(f"replicates must be >= 2, got {replicates}")
-    chains = round(per_level * level_share)
-    if chains < 2 or per_level % chains:
-        raise InputError(
-            "per_level times level_share must be two or more and divide per_level, got "
-            f"{per_level} and {level_share}"
-        )
+    chains = chains_of(per_level, level_share, replicates, least)
     simulations = [
         _Simulation(
             rng=np.random.Generator(np.random.Philox(each)),
@@ -147,6 +138,39 @@ def subset_simulation(
         untold=sum(one.untold for one in simulations),
         unreached=sum(not one.reached for one in simulations),
     )
+
+
+def chains_of(per_level: int, level_share: float, replicates: int, least: float) -> int:
+    """Return how many chains begin at each level, of settings of `subset_simulation`.
+
+    Raises:
+        ValueError: a setting makes no sense.
+    """
+    check_share("level_share", level_share)
+    check_share("least", least)
+    if replicates < 2:
+        raise InputError(f"replicates must be >= 2, got {replicates}")
+    chains = round(per_level * level_share)
+    if chains < 2 or per_level % chains:
+        raise InputError(
+            "per_level times level_share must be two or more and divide per_level, got "
+            f"{per_level} and {level_share}"
+        )
+    return chains
+
+
+def most_runs(per_level: int, replicates: int, least: float) -> int:
+    """Return how many runs `subset_simulation` takes at most, about.
+
+    Of levels that each are a tenth as probable as the one before.
+
+    Args:
+        per_level: draws of each simulation at each level.
+        replicates: simulations.
+        least: probability below which a simulation ends.
+    """
+    levels = 1 + math.ceil(-math.log10(least))
+    return replicates * per_level * levels
 
 
 def _all_of_them(points: Array) -> NDArray[np.bool_]:

@@ -183,6 +183,11 @@ def registered_metrics() -> tuple[Metric, ...]:
     return tuple(_registry.values())
 
 
+def own_metrics() -> tuple[Metric, ...]:
+    """Return the metrics that are not drakesep's own, in order."""
+    return tuple(one for one in _registry.values() if one.stem not in _built_in)
+
+
 def find_metric(name: str) -> tuple[Metric, str] | None:
     """Return the metric of a name or a stem, and the axis that is in the name.
 

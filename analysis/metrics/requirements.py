@@ -277,6 +277,8 @@ class Finding:
     settled: bool = True
     """Whether every run that may be worse was flown and confirmed: else nothing is
     known to be met."""
+    by_campaign: Verdict | None = None
+    """What a campaign says, if one was flown beside the runs."""
 
     @property
     def margin(self) -> float:
@@ -289,11 +291,19 @@ class Finding:
 
         That of the runs; but of a share of launches they do not tell: that the worst is
         beyond the limit is no violation, and that it is within is none for launches
-        farther out than the tolerances. A campaign does.
+        farther out than the tolerances. A campaign does; and a draw of it disproves
+        what every run must keep.
         """
-        if self.requirement.statistical:
-            return Verdict.NOT_LOOKED_AT
+        if self.decided_by_campaign:
+            return self.by_campaign or Verdict.NOT_LOOKED_AT
         return self.verdict_on_runs
+
+    @property
+    def decided_by_campaign(self) -> bool:
+        """Whether its verdict is a campaign's, not that of the runs."""
+        disproved = self.by_campaign is Verdict.NOT_MET
+        on_runs = self.verdict_on_runs is Verdict.NOT_MET
+        return self.requirement.statistical or (disproved and not on_runs)
 
     @property
     def verdict_on_runs(self) -> Verdict:

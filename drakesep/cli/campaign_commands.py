@@ -10,8 +10,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from drakesep.cli.campaign_distributions import rare_events, sensitivity
 from drakesep.cli.campaign_size import size
-from drakesep.cli.options import CaseArgument, JsonOption, OutputOption, QuietOption
+from drakesep.cli.options import (
+    CaseArgument,
+    ConfidenceOption,
+    JsonOption,
+    OutputOption,
+    QuietOption,
+    ShareOption,
+)
 from drakesep.cli.report import Report
 from drakesep.cli.results_folder import load, results_folder, say
 
@@ -35,6 +43,8 @@ class RunByDefault(TyperGroup):
 
 campaign = typer.Typer(cls=RunByDefault, no_args_is_help=True)
 campaign.command()(size)
+campaign.command()(sensitivity)
+campaign.command("rare-events")(rare_events)
 
 RunsOption = Annotated[
     int | None,
@@ -44,21 +54,19 @@ RunsOption = Annotated[
     ),
 ]
 SeedOption = Annotated[int, typer.Option(min=0, help="Of the draws.")]
-ShareOption = Annotated[
-    float | None,
-    typer.Option(
-        help="Of launches that must meet each requirement that names none, such as "
-        "0.99865; if not given, every run must, which no campaign shows."
-    ),
-]
-ConfidenceOption = Annotated[
-    float | None, typer.Option(help="At which that is to be shown, such as 0.9.")
-]
 MetricOption = Annotated[
     list[str] | None,
     typer.Option(
         "--metric",
         help="A metric that is kept beside those of the requirements; can be repeated.",
+    ),
+]
+KeepOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="rows|worst",
+        help="Of draws: the metrics of each; or counts, exact sums, histograms and the "
+        "worst that decide. If not given, rows of up to ten million.",
     ),
 ]
 FolderArgument = Annotated[
@@ -78,6 +86,7 @@ def run(
     share: ShareOption = None,
     confidence: ConfidenceOption = None,
     metrics: MetricOption = None,
+    keep: KeepOption = None,
     resume: Annotated[
         bool,
         typer.Option(
@@ -108,6 +117,14 @@ def run(
 
     Exits with 1 unless the share is shown of every requirement.
     """
+    settings = _given(
+        runs=runs,
+        seed=seed,
+        share=share,
+        confidence=confidence,
+        metrics=metrics,
+        keep=keep,
+    )
     with Report("campaign", quiet=quiet, as_json=as_json) as report:
         loaded = load(report, case)
         from drakesep.cli.progress import progress_bar
@@ -120,16 +137,12 @@ def run(
         ):
             study = procedure.campaign(
                 loaded,
-                procedure.RUNS if runs is None else runs,
-                seed=seed,
-                share=share,
-                confidence=confidence,
-                metrics=metrics or (),
                 executor=executor,
                 output=folder,
                 resume=resume,
                 workers=workers,
                 on_progress=on_progress,
+                **settings,
             )
         _say(report, folder, study)
 
@@ -142,11 +155,20 @@ def plan(
     share: ShareOption = None,
     confidence: ConfidenceOption = None,
     metrics: MetricOption = None,
+    keep: KeepOption = None,
     output: OutputOption = None,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Write the plan of a campaign, whose chunks others fly: plan.json."""
+    settings = _given(
+        runs=runs,
+        seed=seed,
+        share=share,
+        confidence=confidence,
+        metrics=metrics,
+        keep=keep,
+    )
     with Report("campaign plan", quiet=quiet, as_json=as_json) as report:
         loaded = load(report, case)
         from drakesep.studies.campaign import procedure
@@ -155,15 +177,7 @@ def plan(
             results_folder(output, loaded.name, "campaign") as folder,
             report.aside.status("planning"),
         ):
-            recorded = procedure.plan_campaign(
-                loaded,
-                procedure.RUNS if runs is None else runs,
-                output=folder,
-                seed=seed,
-                share=share,
-                confidence=confidence,
-                metrics=metrics or (),
-            )
+            recorded = procedure.plan_campaign(loaded, output=folder, **settings)
         chunks = recorded.plan.chunks
         report.add(folder=str(folder.path), runs=recorded.plan.runs, chunks=chunks)
         report.console.print(
@@ -289,6 +303,11 @@ def replay(
         say(report, folder, summary, partial(print_simulated, result=result))
         if not result.completed:
             report.fail(result.labelled.status)
+
+
+def _given(**settings: Any) -> dict[str, Any]:
+    """Return the settings that were given, as `campaign` takes them."""
+    return {name: value for name, value in settings.items() if value is not None}
 
 
 def _animate(folder: Path) -> None:

@@ -9,6 +9,44 @@ from drakesep.cli.requirement_lines import requirement_names_and_limits
 from drakesep.studies.campaign.result import Campaign
 
 
+NOT_SHOWN = "Not shown of every requirement: neither that it is met, nor that it is not"
+
+
+def print_answers(console: Console, frame: pd.DataFrame, study: Campaign) -> None:
+    """Print what draws and worst cases say of each requirement, side by side.
+
+    Args:
+        console: of the command.
+        frame: as `answers_table` has it.
+        study: the campaign.
+    """
+    bodies = [pair.B for pair in study.case.separation.pairs]
+    lines = pd.DataFrame(
+        {
+            **requirement_names_and_limits(frame, bodies),
+            "nominal": frame["nominal"],
+            "bound": frame["bound"],
+            "worst draw": frame["worst_of_draws"],
+            "worst case": frame["worst_case_found"],
+            "by draws": frame["by_campaign"],
+            "by worst case": frame["by_worst_case"],
+            "decides": frame["decided_by"],
+        }
+    )
+    title = (
+        f"Requirements: the bound by {study.plan.runs} draws, and the worst case found"
+    )
+    print_frame(console, title, lines, whole=True)
+    print_oddities(console, study)
+    kinds = {(one.size.share, one.size.confidence) for one in study.findings}
+    for share, confidence in sorted(kinds):
+        console.print(
+            f"Bound: at a confidence of {100.0 * confidence:.10g} %, "
+            f"{100.0 * share:.10g} % of launches are no worse. Worst case: the worst "
+            "that searches have found within the tolerances."
+        )
+
+
 def print_campaign(console: Console, study: Campaign) -> None:
     """Print what share is shown of each requirement, and the verdict."""
     bodies = [pair.B for pair in study.case.separation.pairs]
@@ -28,6 +66,11 @@ def print_campaign(console: Console, study: Campaign) -> None:
         )
         title = f"Shares of launches within limits, by {study.plan.runs} draws"
         print_frame(console, title, lines, whole=True)
+    print_oddities(console, study)
+
+
+def print_oddities(console: Console, study: Campaign) -> None:
+    """Print what was measured, how many draws failed, and how many values cannot be."""
     for one in study.findings:
         if one.measured is not None:
             console.print(
@@ -35,7 +78,7 @@ def print_campaign(console: Console, study: Campaign) -> None:
                 "others are proven not to come as near as decides it.",
                 markup=False,
             )
-    failed = len(study.failures)
+    failed = study.flown.failed
     if failed:
         first = next(iter(study.failures.items()))
         console.print(
@@ -43,7 +86,7 @@ def print_campaign(console: Console, study: Campaign) -> None:
             f"{first[0]}: {first[1]}",
             markup=False,
         )
-    again = study.flown.attempts.sum() / (study.flown.attempts.sum() + len(study.flown))
+    again = study.flown.again / (study.flown.again + len(study.flown))
     if again:
         console.print(
             f"{again:.1%} of all values drawn cannot be, and were drawn again."
@@ -68,9 +111,6 @@ def print_shown(console: Console, study: Campaign) -> None:
         case Verdict.NOT_MET.value:
             console.print("[bold red]Not every requirement is met.[/]")
         case Verdict.NOT_SHOWN.value:
-            console.print(
-                "[bold red]Not shown of every requirement[/]: neither that it is met, "
-                "nor that it is not."
-            )
+            console.print(f"[bold red]{NOT_SHOWN}[/].")
         case Verdict.NOT_LOOKED_AT.value:
             console.print("[bold red]Not every requirement was looked at.[/]")

@@ -34,6 +34,18 @@ WorkersOption = Annotated[
         min=1, help="Processes; one per core if not given; 1: this one alone."
     ),
 ]
+ShareOption = Annotated[
+    float | None,
+    typer.Option(
+        help="Of launches that must meet each requirement that names none, such as "
+        "0.99865, which a campaign shows; if not given, every run must, which none "
+        "does."
+    ),
+]
+ConfidenceOption = Annotated[
+    float | None,
+    typer.Option(help="At which that share is to be shown; 0.9 if not given."),
+]
 QuietOption = Annotated[
     bool,
     typer.Option(

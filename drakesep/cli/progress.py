@@ -11,6 +11,7 @@ from rich import progress as rich_progress
 from rich.console import Console
 
 from drakesep.studies.campaign.progress import CONFIRM, MEASURE, CampaignProgress
+from drakesep.studies.runs_progress import RunsProgress
 from drakesep.studies.sweep import SweepProgress
 from drakesep.studies.worst_case.effort import in_time
 from drakesep.studies.worst_case.pace import Remaining
@@ -32,7 +33,7 @@ class _Standing(NamedTuple):
     remaining: Remaining
 
 
-AnyProgress: TypeAlias = Progress | SweepProgress | CampaignProgress
+AnyProgress: TypeAlias = Progress | SweepProgress | CampaignProgress | RunsProgress
 Tell: TypeAlias = Callable[[AnyProgress], None]
 
 
@@ -187,6 +188,9 @@ def _standing(progress: AnyProgress) -> _Standing:
         step, begins, plan = progress.step, not progress.step, str(progress)
         where = {CONFIRM: " in Drake", MEASURE: " measured"}.get(step, "")
         described = f"{progress.done} of {progress.total} draws{where}"
+    elif isinstance(progress, RunsProgress):
+        step, begins, plan = progress.what, progress.done == 0, str(progress)
+        described = f"{progress.done} runs"
     else:
         step, plan = progress.search.search, str(progress.effort)
         begins, described = step == PLAN, _described(progress)

@@ -8,6 +8,7 @@ from rich.console import Console
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.requirements import Verdict
+from drakesep.cli.campaign_lines import NOT_SHOWN, print_answers
 from drakesep.cli.console import print_frame, print_notes
 from drakesep.cli.requirement_lines import growth_lines, requirement_lines
 from drakesep.studies.clearance import Clearances
@@ -109,8 +110,11 @@ def print_requirements(console: Console, study: Verification) -> None:
     """Print the worst cases, and the requirements with their margins."""
     print_worst_cases(console, study)
     frame, bodies = study.requirements, _bodies(study.case)
-    title = "Requirements over the tolerances"
-    print_frame(console, title, requirement_lines(frame, bodies), whole=True)
+    if study.campaign is None:
+        title = "Requirements over the tolerances"
+        print_frame(console, title, requirement_lines(frame, bodies), whole=True)
+    else:
+        print_answers(console, study.answers, study.campaign)
     if study.growths:
         title = "How far tolerances may grow until a requirement is violated"
         print_frame(console, title, growth_lines(frame, bodies), whole=True)
@@ -169,13 +173,11 @@ def print_verdict(console: Console, study: Verification) -> None:
         console.print(f"Failure cases were not looked at: {count}; see --failures.")
     match study.verdict:
         case Verdict.MET.value:
-            console.print(
-                "[bold green]Every requirement is met[/] in all "
-                f"{len(study.runs)} runs flown in Drake, the worst cases of each among "
-                f"them{_in_failures_too(study)}."
-            )
+            console.print(f"[bold green]Every requirement is met[/]{_how(study)}.")
         case Verdict.NOT_MET.value:
             console.print(f"[bold red]Not every requirement is met{_where(study)}.[/]")
+        case Verdict.NOT_SHOWN.value:
+            console.print(f"[bold red]{NOT_SHOWN}[/].")
         case Verdict.NOT_LOOKED_AT.value:
             console.print(
                 f"[bold red]Not every requirement was looked at[/]: {_why_not(study)}"
@@ -187,14 +189,39 @@ def print_verdict(console: Console, study: Verification) -> None:
             )
 
 
+def _how(study: Verification) -> str:
+    """Return what shows that every requirement is met."""
+    shown = sum(one.decided_by_campaign for one in study.findings)
+    runs = (
+        f" in all {len(study.runs)} runs flown in Drake, the worst cases of each among "
+        f"them{_in_failures_too(study)}"
+    )
+    if not shown:
+        return runs
+    assert study.campaign is not None
+    draws = f": the share of launches is shown of {shown} by {study.campaign.plan.runs}"
+    others = len(study.findings) - shown
+    return f"{draws} draws" + (
+        f"; of the other {others} they are{runs}" if others else ""
+    )
+
+
 def _why_not(study: Verification) -> str:
     """Return why there is a requirement that was not looked at."""
-    count = sum(one.requirement.statistical for one in study.findings)
-    if not count:
+    total = len(study.findings)
+    unknown = sum(
+        one.decided_by_campaign and one.verdict is Verdict.NOT_LOOKED_AT
+        for one in study.findings
+    )
+    if not unknown:
         return "no run is beyond a limit, and some do not tell."
+    if study.campaign is not None:
+        return (
+            f"of {unknown} of {total}, which are of a share of launches, no draw tells."
+        )
     return (
-        f"{count} of {len(study.findings)} are of a share of launches. The worst that "
-        "was found of these is above; a campaign alone tells whether they are met."
+        f"{unknown} of {total} are of a share of launches. The worst that was found of "
+        "these is above; --campaign tells whether they are met."
     )
 
 

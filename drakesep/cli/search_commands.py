@@ -8,9 +8,11 @@ import typer
 
 from drakesep.cli.options import (
     CaseArgument,
+    ConfidenceOption,
     JsonOption,
     OutputOption,
     QuietOption,
+    ShareOption,
     WorkersOption,
 )
 from drakesep.cli.report import Report
@@ -162,6 +164,16 @@ def verify(
             "--failures", help="Verify the failure cases of the case, too, each alike."
         ),
     ] = False,
+    campaign: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            help="Draw so many launches beside the worst cases: they decide what is "
+            "required of a share of launches, and the worst cases the rest.",
+        ),
+    ] = None,
+    share: ShareOption = None,
+    confidence: ConfidenceOption = None,
     page: Annotated[
         bool,
         typer.Option("--report", help="Make a report of the folder, as `report` does."),
@@ -204,6 +216,9 @@ def verify(
                     minutes=minutes,
                     resume=resume,
                     failures=failures,
+                    campaign=campaign,
+                    share=share,
+                    confidence=confidence,
                     **_given(
                         starts=starts,
                         samples=samples,
@@ -223,9 +238,9 @@ def verify(
             say_written(report, file)
         print_verdict(report.console, study)
         if study.verdict is None:
-            report.fail(_WHAT_FAILED)
+            report.fail(study.campaign_failure or _WHAT_FAILED)
         if not study.completed:  # and yet a run is beyond a limit
-            report.not_met(_WHAT_FAILED)
+            report.not_met(study.campaign_failure or _WHAT_FAILED)
         if not study.passed:
             report.not_well()
 

@@ -16,7 +16,9 @@ from drakesep.case_file.case import Case
 from drakesep.reports.compare import Comparison
 from drakesep.studies.campaign.result import Campaign
 from drakesep.studies.clearance import Clearances
+from drakesep.studies.rare_events import RareEvents
 from drakesep.studies.remarks import notes_of
+from drakesep.studies.sensitivity import Sensitivity
 from drakesep.studies.simulate import Simulated
 from drakesep.studies.sweep import Sweep
 from drakesep.studies.verified import Verification
@@ -142,6 +144,8 @@ class VerifySummary(WorstCaseSummary):
 
     requirements: list[Row]
     """Rows of requirements.csv."""
+    answers: list[Row]
+    """Rows of answers.csv; empty if no campaign was flown."""
     failure_cases: list[Row]
     """Rows of failure_cases.csv; empty if they were not looked at."""
     report: str | None
@@ -158,6 +162,24 @@ class CampaignSummary(StudySummary):
     """Of them, that failed and count as beyond every limit."""
     requirements: list[Row]
     """Rows of campaign.csv."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensitivitySummary(StudySummary):
+    """Of `campaign sensitivity`."""
+
+    runs: int
+    """That it took."""
+    indices: list[Row]
+    """Rows of sobol_indices.csv."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RareEventsSummary(StudySummary):
+    """Of `campaign rare-events`."""
+
+    rare_events: list[Row]
+    """Rows of rare_events.csv."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -223,6 +245,8 @@ SUMMARIES: dict[str, type[Any]] = {
     "sweep": SweepSummary,
     "clearance": ClearanceSummary,
     "campaign": CampaignSummary,
+    "campaign sensitivity": SensitivitySummary,
+    "campaign rare-events": RareEventsSummary,
     "replay": SimulateSummary,
     "animate": AnimateSummary,
     "worst-case": WorstCaseSummary,
@@ -344,8 +368,31 @@ def of_campaign(study: Campaign, folder: Path) -> CampaignSummary:
         verdict=study.verdict,
         notes=[],
         runs=study.plan.runs,
-        failed=len(study.failures),
+        failed=study.flown.failed,
         requirements=_rows(study.requirements),
+    )
+
+
+def of_sensitivity(study: Sensitivity, folder: Path) -> SensitivitySummary:
+    """Return the summary of Sobol' indices."""
+    return SensitivitySummary(
+        case=study.case.name,
+        folder=str(folder),
+        verdict=None,
+        notes=[],
+        runs=study.indices.runs,
+        indices=_rows(study.table),
+    )
+
+
+def of_rare_events(study: RareEvents, folder: Path) -> RareEventsSummary:
+    """Return the summary of rare events."""
+    return RareEventsSummary(
+        case=study.case.name,
+        folder=str(folder),
+        verdict=None,
+        notes=[],
+        rare_events=_rows(study.table),
     )
 
 
@@ -379,6 +426,7 @@ def of_verification(
     return VerifySummary(
         **vars(of_worst_cases(study, folder)),
         requirements=_rows(study.requirements),
+        answers=_rows(study.answers) if study.campaign else [],
         failure_cases=_rows(study.failure_cases) if study.failed_cases else [],
         report=None if report is None else str(report),
     )

@@ -5,41 +5,30 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drakesep.analysis.campaigns.flights import FlownDraws
-from drakesep.analysis.campaigns.plan import CampaignPlan
-from drakesep.analysis.campaigns.shares import ShareFinding, nearest_of_draws
+from drakesep.plots.campaign_curves import Curve
 from drakesep.plots.limits import LIMIT, limit_words
 from drakesep.plots.style import COLOURS, DASHES, save_plot, wrapped
-from drakesep.systems.arrays import Array
 from drakesep.units import unit_of
 
 
 _ACROSS = 3
 _CELL = 4.6
 """Width of a panel, in."""
-_POINTS = 2000
-"""Of a curve, at most."""
 _RING: dict[str, Any] = {"marker": "o", "fillstyle": "none", "markersize": 9}
 
 
-def save_campaign(
-    findings: Sequence[ShareFinding],
-    plan: CampaignPlan,
-    flown: FlownDraws,
-    folder: Path,
-) -> None:
+def save_campaign(name: str, runs: int, curves: Sequence[Curve], folder: Path) -> None:
     """Write campaign.png into a folder."""
-    save_plot(campaign_figure(findings, plan, flown), folder / "campaign.png")
+    save_plot(campaign_figure(name, runs, curves), folder / "campaign.png")
 
 
 def campaign_figure(
-    findings: Sequence[ShareFinding],
-    plan: CampaignPlan,
-    flown: FlownDraws,
+    name: str,
+    runs: int,
+    curves: Sequence[Curve],
     *,
     most_across: int = _ACROSS,
     cell: float = _CELL,
@@ -48,72 +37,79 @@ def campaign_figure(
 
     A panel for each quantity and side of its limit, with a curve for each axis, that
     ends at the worst draw; where it crosses the limit, it tells the share beyond that.
+    Where the worst case was searched, it stands below, with how far that is beyond the
+    bound, as a share of it.
 
     Args:
-        findings: of each requirement.
-        plan: of the campaign.
-        flown: all draws.
+        name: of the case.
+        runs: draws.
+        curves: of each requirement, one or more.
         most_across: panels beside each other, at most.
         cell: width of a panel, in.
     """
-    panels: dict[tuple[str, str, bool], list[ShareFinding]] = {}
-    for one in findings:
-        if one.beyond is not None:
-            required = one.requirement
-            key = required.pair, required.quantity[0], required.from_above
-            panels.setdefault(key, []).append(one)
+    panels: dict[tuple[str, str, bool], list[Curve]] = {}
+    for one in curves:
+        required = one.requirement
+        key = required.pair, required.quantity[0], required.from_above
+        panels.setdefault(key, []).append(one)
     across = min(len(panels), most_across)
     down = math.ceil(len(panels) / across)
     figure = Figure(figsize=(cell * across, 3.8 * down + 0.6), layout="constrained")
     grid = figure.subplots(down, across, squeeze=False)
     for axes, (key, mine) in zip(grid.flat, panels.items(), strict=False):
         pair, quantity, _ = key
-        _draw(axes, mine, plan, flown)
+        _draw(axes, mine, runs)
         title = f"{quantity}{f', {pair}' if pair else ''}".replace("_", " ")
         axes.set_title(wrapped(title, cell - 1.0, 9), fontsize=9)
     for axes in grid.flat[len(panels) :]:
         axes.set_visible(False)
     title = (
-        f"{plan.case.name}: share of {plan.runs} draws beyond a value; dashed: limit, "
-        "ring: bound of the share that is required, dot: worst draw"
+        f"{name}: share of {runs} draws beyond a value; dashed: limit, ring: bound of "
+        "the share that is required, dot: worst draw"
     )
+    if any(math.isfinite(one.worst_case) for one in curves):
+        title += ", cross: worst case found, and how much worse than the bound"
     figure.suptitle(wrapped(title, cell * across - 0.2, 11), fontsize=11)
     return figure
 
 
-def _draw(
-    axes: Axes, findings: Sequence[ShareFinding], plan: CampaignPlan, flown: FlownDraws
-) -> None:
-    """Draw the findings on one side of one quantity."""
-    unit = unit_of(findings[0].requirement.metric)
-    for k, one in enumerate(findings):
+def _draw(axes: Axes, curves: Sequence[Curve], runs: int) -> None:
+    """Draw the curves on one side of one quantity."""
+    first = curves[0].requirement
+    unit = unit_of(first.metric)
+    several = len({one.requirement.limit for one in curves}) > 1
+    for k, one in enumerate(curves):
         required, colour = one.requirement, COLOURS[k % len(COLOURS)]
-        value, share = _beyond(_values(one, plan, flown), required.from_above)
+        values = unit.from_si(1.0) * one.values
         label = required.quantity[1] or None
         style: dict[str, Any] = {"color": colour, "ls": DASHES[k % len(DASHES)]}
-        axes.plot(unit.from_si(1.0) * value, share, label=label, **style)
-        if len(value):
-            last = unit.from_si(float(value[-1])), float(share[-1])
-            axes.plot(*last, marker="o", color=colour, markersize=5)
-        if math.isfinite(one.bound):
-            rank = (one.size.rank or 1) / plan.runs
-            bound = unit.from_si(one.bound), rank
-            axes.plot(*bound, color=colour, **_RING)
-    several = len({one.requirement.limit for one in findings}) > 1
-    for k, one in enumerate(findings):
-        colour = COLOURS[k % len(COLOURS)] if several else LIMIT["color"]
+        axes.plot(values, one.shares, label=label, **style)
+        if len(values):
+            axes.plot(values[-1], one.shares[-1], "o", color=colour, markersize=5)
+        bound = unit.from_si(one.bound)
+        if math.isfinite(bound):
+            axes.plot(bound, one.bound_share, color=colour, **_RING)
+        if math.isfinite(one.worst_case):
+            height = _below(k + 0.6, runs)
+            value = unit.from_si(one.worst_case)
+            worse = (value - bound) * (1.0 if required.from_above else -1.0)
+            words = f"{100.0 * worse / abs(bound):+.2g} %" if bound else ""
+            _draw_worst_case(axes, bound, value, height, words, colour)
+    for k, one in enumerate(curves):
+        required, colour = one.requirement, COLOURS[k % len(COLOURS)]
         axes.axvline(
-            unit.from_si(one.requirement.limit),
-            **LIMIT | {"color": colour},
-            label=limit_words(one.requirement) if several or not k else None,
+            unit.from_si(required.limit),
+            **LIMIT | ({"color": colour} if several else {}),
+            label=limit_words(required) if several or not k else None,
         )
-    for required_share in {one.size.share for one in findings}:
+    for required_share in {one.bound_of for one in curves}:
         axes.axhline(
             1.0 - required_share, color="#555555", linestyle=":", linewidth=1.0
         )
+    found = any(math.isfinite(one.worst_case) for one in curves)
     axes.set_yscale("log")
-    axes.set_ylim(0.5 / plan.runs, 1.3)
-    if not findings[0].requirement.from_above:
+    axes.set_ylim(_below(len(curves) if found else 0, runs), 1.3)
+    if not first.from_above:
         axes.invert_xaxis()  # worse is to the right
     axes.set_xlabel(unit.symbol)
     axes.set_ylabel("share of draws beyond", fontsize=8)
@@ -125,31 +121,29 @@ def _draw(
         )
 
 
-def _values(finding: ShareFinding, plan: CampaignPlan, flown: FlownDraws) -> Array:
-    """Return (N,) what all draws tell of a requirement.
+def _draw_worst_case(
+    axes: Axes, bound: float, value: float, height: float, words: str, colour: str
+) -> None:
+    """Draw a worst case below the curves, with a line from its bound.
 
-    Of a clearance as far as it is known: infinite of draws that come after those.
+    Args:
+        axes: of the panel.
+        bound: in the unit of the panel; NaN if there is none.
+        value: of the worst case, likewise.
+        height: at which it stands.
+        words: that stand above.
+        colour: of its curve.
     """
-    required = finding.requirement
-    if required.metric not in plan.clearances or flown.clearances is None:
-        return flown.metrics[:, plan.metrics.index(required.judged_by)]
-    nearest = nearest_of_draws(plan, required, flown.clearances)
-    known = nearest.measured & (nearest.at_least <= nearest.known_to)
-    values: Array = np.where(np.isnan(nearest.values) | known, nearest.values, np.inf)
-    return values
+    axes.plot(value, height, marker="X", markersize=7, color=colour)
+    if not math.isfinite(bound):
+        return
+    axes.plot([bound, value], [height, height], color=colour, linewidth=1.0)
+    axes.plot(bound, height, marker="|", markersize=8, color=colour)
+    middle = 0.5 * (bound + value), height
+    above = axes.annotate(words, middle, xytext=(0, 4), textcoords="offset points")
+    above.set(fontsize=7, ha="center", va="bottom", color=colour)
 
 
-def _beyond(values: Array, from_above: bool) -> tuple[Array, Array]:
-    """Return values in order, to the worst, and the share of draws as bad or worse.
-
-    Runs that failed are beyond every value.
-    """
-    told = np.sort(values[~np.isnan(values)])
-    told = told if from_above else told[::-1]
-    share = (len(values) - np.arange(len(told))) / len(values)
-    told, share = told[np.isfinite(told)], share[np.isfinite(told)]
-    if len(told) > _POINTS:  # dense where few are left
-        steps = np.geomspace(1, len(told), _POINTS).round().astype(int)
-        kept = len(told) - np.unique(steps)[::-1]
-        told, share = told[kept], share[kept]
-    return told, share
+def _below(place: float, runs: int) -> float:
+    """Return the height of a place below all curves, on their logarithmic scale."""
+    return float(0.5 / runs * 10.0 ** (-0.6 * place))

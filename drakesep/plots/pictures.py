@@ -8,6 +8,7 @@ import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.plots.approach import Approach
+from drakesep.plots.campaign_curves import Curve
 from drakesep.systems.model.run import Run
 from drakesep.tables.columns import write_csv
 from drakesep.tables.labelled_run import LabelledRun
@@ -40,6 +41,25 @@ class OfFailures:
         from drakesep.plots.failure_cases import save_failure_cases
 
         save_failure_cases(self.requirements, folder)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfCampaign:
+    """What is required over the draws of a campaign."""
+
+    name: str
+    """Of the case."""
+    runs: int
+    """Draws."""
+    curves: Sequence[Curve]
+    """Of each requirement that was looked at."""
+
+    def save(self, folder: Path) -> None:
+        """Draw it into a folder, if there is anything."""
+        if self.curves:
+            from drakesep.plots.campaign import save_campaign
+
+            save_campaign(self.name, self.runs, self.curves, folder)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -126,19 +126,27 @@ def tornado_pictures(study: Study, objectives: Sequence[str]) -> Iterator[Pictur
 
 def campaign_picture(study: Study) -> Picture | None:
     """Return how what is required is distributed over draws; None without draws."""
+    from drakesep.analysis.campaigns.flights import FlownDraws
     from drakesep.analysis.campaigns.shares import share_findings
     from drakesep.plots.campaign import campaign_figure
+    from drakesep.plots.campaign_draws import curves_of
 
     if not study.has(DRAWS):
         return None
     recorded = RecordedPlan.read(study.results.folder, to_fly=False)
     flown = read_draws(study.results.folder, recorded)
     plan = recorded.plan
-    findings = share_findings(plan, flown.metrics, [*flown.reasons])
+    if not isinstance(flown, FlownDraws):  # DRAWS are rows
+        return None
+    failed = [*flown.reasons]
+    findings = share_findings(plan, flown.metrics, failed, flown.clearances)
+    curves = curves_of(findings, plan, flown, {})
     if all(one.beyond is None for one in findings):
         return None
     return picture_of(
-        campaign_figure(findings, plan, flown, most_across=_ACROSS, cell=_CELL),
+        campaign_figure(
+            plan.case.name, plan.runs, curves, most_across=_ACROSS, cell=_CELL
+        ),
         "Curves of the share of draws beyond each value of what is required, with the "
         "limits, the statistical bounds and the worst draws, as in the table.",
         "Share of draws beyond a value.",

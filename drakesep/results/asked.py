@@ -77,7 +77,7 @@ class Asked:
             text=in_file.text if in_file else None,
             named_files=provenance.hashed(files),
             meshes={file: file.read_bytes() for file in meshes if file.is_file()},
-            arguments={k: v for k, v in (arguments or {}).items() if _given(v)},
+            arguments={k: v for k, v in (arguments or {}).items() if is_given(v)},
             seed=None if seed is None else int(seed),
         )
 
@@ -141,7 +141,8 @@ def _meshes(case: AnalysisCase) -> tuple[Path, ...]:
     return tuple(p.shape.file for p in parts if isinstance(p.shape, Mesh))
 
 
-def _given(value: Any) -> bool:
+def is_given(value: Any) -> bool:
+    """Return whether an argument was given: one that is None or empty was not."""
     return value is not None and not (isinstance(value, Sized) and not len(value))
 
 

@@ -16,10 +16,18 @@ import numpy as np
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.campaigns.flights import FlownDraws
-from drakesep.analysis.campaigns.plan import CampaignPlan
+from drakesep.analysis.campaigns.gathering import Gathered, KeptDraws
+from drakesep.analysis.campaigns.plan import ROWS, CampaignPlan
 from drakesep.analysis.campaigns.screens import DrawnClearances
+from drakesep.analysis.engines.registered import Registered
 from drakesep.files import write_text, written
 from drakesep.results import provenance
+from drakesep.results.campaign_arrays import (
+    array_as_lines,
+    lines_as_array,
+    tallies_as_arrays,
+    tallies_of_arrays,
+)
 from drakesep.results.case_json import NO_RECORD, from_json, to_json
 from drakesep.results.parts import parts_folder
 from drakesep.results.recorded_case import as_recorded, with_meshes_in
@@ -27,8 +35,9 @@ from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 
 
-PLAN, DRAWS = "plan.json", "campaign_runs.npz"
-_FORMAT = 1
+PLAN = "plan.json"
+DRAWS, TALLIES = "campaign_runs.npz", "campaign_tallies.npz"
+_FORMAT = 2
 """Of the plan and the chunks: another number means other keys."""
 
 
@@ -56,7 +65,10 @@ class RecordedPlan:
             "clearances": list(plan.clearances),
             "chunk": plan.chunk,
             "chunks": plan.chunks,
+            "keep": plan.keep,
+            "spans": [list(span) for span in plan.spans],
             "tolerance": plan.tolerance,
+            "registered": _definitions(plan),
             "versions": provenance.versions(),
             "commit": provenance.commit(),
             "case": to_json(as_recorded(plan.case)),
@@ -93,6 +105,8 @@ class RecordedPlan:
                 clearances=tuple(data["clearances"]),
                 chunk=data["chunk"],
                 tolerance=data["tolerance"],
+                keep=data["keep"],
+                spans=tuple((least, greatest) for least, greatest in data["spans"]),
             )
             was = {**data["versions"], "commit": data["commit"]}
         except NO_RECORD as error:
@@ -114,7 +128,8 @@ class RecordedPlan:
             to_fly: whether its draws will be flown, and not only looked at.
 
         Raises:
-            ValueError: there is none, or it was made with other versions.
+            ValueError: there is none, it was made with other versions, or what was
+                registered then is not now, or is something else.
         """
         file = folder / PLAN
         try:
@@ -123,7 +138,38 @@ class RecordedPlan:
             raise InputError(
                 f"{file}: must be the plan of a campaign, got: {error}"
             ) from None
-        return cls.parsed(text, folder, str(file), to_fly=to_fly)
+        _check_names(str(file), text)
+        recorded = cls.parsed(text, folder, str(file), to_fly=to_fly)
+        for name, was in json.loads(text)["registered"].items():
+            if _definitions(recorded.plan).get(name) != was:
+                raise InputError(
+                    f"{file}: must be flown where {name!r} is registered as it was "
+                    "when it was planned, got another of this name"
+                )
+        return recorded
+
+
+def _definitions(plan: CampaignPlan) -> dict[str, str]:
+    """Return how what a plan uses is defined that is not drakesep's own."""
+    required = [one.metric for one in plan.case.requirements]
+    return Registered.here().definitions(
+        [*plan.metrics, *required], plan.case.separation
+    )
+
+
+def _check_names(source: str, text: str) -> None:
+    """Raise InputError unless all names of a plan that are not ours are registered."""
+    try:
+        names = [*json.loads(text).get("registered", ())]
+    except NO_RECORD as error:
+        raise InputError(f"{source}: must be a campaign's, got: {error}") from error
+    here = Registered.here()
+    known = {*here.pushers, *(metric.stem for metric in here.metrics)}
+    if missing := [name for name in names if name not in known]:
+        raise InputError(
+            f"{source}: must be flown where {', '.join(missing)} are registered, as "
+            "where it was planned"
+        )
 
 
 def _check_versions(source: str, was: Mapping[str, Any]) -> None:
@@ -143,7 +189,7 @@ def chunk_file(folder: Path, number: int) -> Path:
 
 
 def write_chunk(
-    folder: Path, recorded: RecordedPlan, number: int, flown: FlownDraws
+    folder: Path, recorded: RecordedPlan, number: int, flown: KeptDraws
 ) -> None:
     """Write a chunk, whole or not at all, down to the disk."""
     file = chunk_file(folder, number)
@@ -151,7 +197,7 @@ def write_chunk(
     _write(file, recorded, _arrays(flown))
 
 
-def read_chunk(folder: Path, recorded: RecordedPlan, number: int) -> FlownDraws | None:
+def read_chunk(folder: Path, recorded: RecordedPlan, number: int) -> KeptDraws | None:
     """Return a chunk; None if it is not there, or damaged.
 
     Args:
@@ -167,62 +213,40 @@ def read_chunk(folder: Path, recorded: RecordedPlan, number: int) -> FlownDraws 
     if arrays is None:
         return None
     indices = recorded.plan.indices(number)
-    flown = _flown(arrays)
+    flown = _kept(arrays, recorded.plan)
     return flown if (flown.first, len(flown)) == (indices[0], len(indices)) else None
 
 
-def missing_chunks(folder: Path, recorded: RecordedPlan) -> list[int]:
-    """Return the numbers of chunks that are not there, or damaged.
+def gathered(folder: Path, recorded: RecordedPlan) -> Gathered:
+    """Return the chunks of a campaign that are there, put together.
+
+    One that is damaged is missing.
 
     Raises:
-        ValueError: one is of another plan.
+        ValueError: a chunk is of another plan.
     """
-    numbers = range(recorded.plan.chunks)
-    return [n for n in numbers if read_chunk(folder, recorded, n) is None]
+    chunks = Gathered(recorded.plan)
+    for number in range(recorded.plan.chunks):
+        if (flown := read_chunk(folder, recorded, number)) is not None:
+            chunks.add(number, flown)
+    return chunks
 
 
-def merged(folder: Path, recorded: RecordedPlan) -> FlownDraws:
-    """Return all draws of a campaign, in their order, from its chunks.
+def merged(folder: Path, recorded: RecordedPlan) -> KeptDraws:
+    """Return what is kept of all draws of a campaign, from its chunks.
 
     Raises:
         ValueError: a chunk is of another plan.
         RuntimeError: chunks are not there, or damaged; it says which.
     """
-    plan = recorded.plan
-    metrics = np.empty((plan.runs, len(plan.metrics)))
-    failure = np.empty(plan.runs, np.int16)
-    attempts = np.empty(plan.runs, np.int32)
-    at_least = np.empty((plan.runs, len(plan.clearances)))
-    reasons: dict[int, str] = {}
-    missing = []
-    for number in range(plan.chunks):
-        flown = read_chunk(folder, recorded, number)
-        if flown is None:
-            missing.append(number)
-            continue
-        mine = slice(flown.first, flown.first + len(flown))
-        metrics[mine], failure[mine] = flown.metrics, flown.failure
-        attempts[mine] = flown.attempts
-        if flown.clearances is not None:
-            at_least[mine] = flown.clearances.at_least
-        reasons |= flown.reasons
-    if missing:
+    chunks = gathered(folder, recorded)
+    if chunks.missing:
         raise RuntimeError(
-            f"{folder}: of {plan.chunks} chunks {len(missing)} are not there, or "
-            f"damaged: {_listed(missing)}; fly them with `drakesep campaign run-chunk`"
+            f"{folder}: of {recorded.plan.chunks} chunks {len(chunks.missing)} are not "
+            f"there, or damaged: {_listed(chunks.missing)}; fly them with `drakesep "
+            "campaign run-chunk`"
         )
-    clearances = None
-    if plan.clearances:
-        measured = np.zeros(at_least.shape, bool)
-        clearances = DrawnClearances(at_least=at_least, measured=measured)
-    return FlownDraws(
-        first=0,
-        metrics=metrics,
-        failure=failure,
-        attempts=attempts,
-        reasons=reasons,
-        clearances=clearances,
-    )
+    return chunks.whole()
 
 
 def _listed(numbers: Sequence[int], most: int = 20) -> str:
@@ -230,22 +254,26 @@ def _listed(numbers: Sequence[int], most: int = 20) -> str:
     return f"{text}, ..." if len(numbers) > most else text
 
 
-def write_draws(folder: Path, recorded: RecordedPlan, flown: FlownDraws) -> None:
-    """Write all draws of a campaign."""
-    _write(folder / DRAWS, recorded, _arrays(flown))
+def write_draws(folder: Path, recorded: RecordedPlan, flown: KeptDraws) -> None:
+    """Write what is kept of all draws of a campaign."""
+    _write(_file_of_all(folder, recorded.plan), recorded, _arrays(flown))
 
 
-def read_draws(folder: Path, recorded: RecordedPlan) -> FlownDraws:
-    """Return all draws of a campaign.
+def read_draws(folder: Path, recorded: RecordedPlan) -> KeptDraws:
+    """Return what is kept of all draws of a campaign.
 
     Raises:
         ValueError: they are not there, damaged, or of another plan.
     """
-    file = folder / DRAWS
+    file = _file_of_all(folder, recorded.plan)
     arrays = _read(file, recorded)
     if arrays is None:
         raise InputError(f"{file}: must be the draws of a campaign, got none, or less")
-    return _flown(arrays)
+    return _kept(arrays, recorded.plan)
+
+
+def _file_of_all(folder: Path, plan: CampaignPlan) -> Path:
+    return folder / (DRAWS if plan.keep == ROWS else TALLIES)
 
 
 def measured_file(folder: Path, clearance: int, number: int) -> Path:
@@ -282,26 +310,34 @@ def read_measured(
     return values
 
 
-def _arrays(flown: FlownDraws) -> dict[str, Any]:
-    reasons = "\n".join(why.replace("\n", " ") for why in flown.reasons.values())
+def _arrays(flown: KeptDraws) -> dict[str, Any]:
+    reasons = [why.replace("\n", " ") for why in flown.reasons.values()]
     clearances: dict[str, Any] = {}
-    if flown.clearances is not None:
+    if isinstance(flown, FlownDraws) and flown.clearances is not None:
         clearances["clearance_at_least"] = flown.clearances.at_least
         clearances["clearance_measured"] = flown.clearances.measured
     return {
         **clearances,
         "first": np.array(flown.first, np.int64),
-        "metrics": flown.metrics,
-        "failure_case": flown.failure,
-        "attempts": flown.attempts,
+        **(
+            {
+                "metrics": flown.metrics,
+                "failure_case": flown.failure,
+                "attempts": flown.attempts,
+            }
+            if isinstance(flown, FlownDraws)
+            else tallies_as_arrays(flown)
+        ),
         "failed": np.array([*flown.reasons], np.int64),
-        "reasons": np.frombuffer(reasons.encode(), np.uint8),
+        "reasons": lines_as_array(reasons),
     }
 
 
-def _flown(arrays: Mapping[str, Any]) -> FlownDraws:
-    reasons = arrays["reasons"].tobytes().decode().split("\n")
-    failed = arrays["failed"].tolist()
+def _kept(arrays: Mapping[str, Any], plan: CampaignPlan) -> KeptDraws:
+    failed, reasons = arrays["failed"].tolist(), array_as_lines(arrays["reasons"])
+    first, whys = int(arrays["first"]), dict(zip(failed, reasons, strict=True))
+    if plan.keep != ROWS:
+        return tallies_of_arrays(first, whys, arrays, plan)
     clearances = None
     if "clearance_at_least" in arrays:
         clearances = DrawnClearances(
@@ -309,11 +345,11 @@ def _flown(arrays: Mapping[str, Any]) -> FlownDraws:
             measured=arrays["clearance_measured"],
         )
     return FlownDraws(
-        first=int(arrays["first"]),
+        first=first,
         metrics=arrays["metrics"],
         failure=arrays["failure_case"],
         attempts=arrays["attempts"],
-        reasons=dict(zip(failed, reasons, strict=True)) if failed else {},
+        reasons=whys,
         clearances=clearances,
     )
 

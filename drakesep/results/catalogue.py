@@ -14,8 +14,9 @@ from drakesep.analysis.search.judge import CONFIDENCE
 SIMULATE, CLEARANCE = "simulate", "clearance"
 WORST_CASE, VERIFY = "worst-case", "verify"
 SWEEP, CAMPAIGN = "sweep", "campaign"
+SENSITIVITY, RARE_EVENTS = "sensitivity", "rare-events"
 _OF_KEPT_RUNS = (SIMULATE, CLEARANCE, WORST_CASE, VERIFY)
-STUDIES = (*_OF_KEPT_RUNS, SWEEP, CAMPAIGN)
+STUDIES = (*_OF_KEPT_RUNS, SWEEP, CAMPAIGN, SENSITIVITY, RARE_EVENTS)
 """Those that write a folder."""
 STUDY, CASE = "study.json", "case.json"
 RUNS = "runs"
@@ -406,10 +407,12 @@ _ESTIMATES = (
         )
     ),
 )
+_OF_CAMPAIGN = (CAMPAIGN, VERIFY)
+"""In `verify`, if one was flown beside the worst cases."""
 _CAMPAIGN = (
     FileKind(
         name="campaign.csv",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="What share of launches meets each requirement, by the draws.",
         row="requirement and axis",
         key=_LIMIT_KEY,
@@ -437,6 +440,11 @@ _CAMPAIGN = (
             Column("margin", _SAME, "Of the bound; negative beyond the limit."),
             Column("worst", _SAME, "Of all draws that have not failed."),
             Column("worst_draw", "", "Number of the worst draw; of one that failed."),
+            Column(
+                "worst_case_found",
+                _SAME,
+                "That searches have found within the tolerances; in `verify` alone.",
+            ),
             Column("deciding_draw", "", "Number of the draw that is the bound."),
             Column("failed", "", "Runs that failed, which count as beyond."),
             Column(
@@ -463,7 +471,7 @@ _CAMPAIGN = (
     ),
     FileKind(
         name="campaign_worst.csv",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="Draws that decide the verdicts, and some at random, flown in Drake.",
         row="draw and quantity",
         key=("quantity", "decides", "rank"),
@@ -482,7 +490,7 @@ _CAMPAIGN = (
     ),
     FileKind(
         name="campaign_statistics.csv",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="How each metric is distributed over the draws that tell it.",
         row="metric",
         key=("metric",),
@@ -496,7 +504,7 @@ _CAMPAIGN = (
     ),
     FileKind(
         name="campaign_sensitivities.csv",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="Spearman's rank correlation of each metric with each parameter, over the "
         "first 100 000 draws.",
         row="metric and parameter",
@@ -511,7 +519,7 @@ _CAMPAIGN = (
     ),
     FileKind(
         name="campaign_runs.csv.gz",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="All draws, of a campaign of at most 20 000.",
         row="draw",
         key=("draw",),
@@ -533,7 +541,7 @@ _CAMPAIGN = (
     ),
     FileKind(
         name="campaign_runs.npz",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="All draws: `metrics` by `metric_names`, in SI; `failure_case` by its "
         "place among those that may happen, -1 for none; `attempts`, how often values "
         "were drawn before that cannot be; `failed` draws and `reasons`; of the "
@@ -542,16 +550,81 @@ _CAMPAIGN = (
         "draws vary comes again from their numbers.",
     ),
     FileKind(
+        name="campaign_tallies.npz",
+        studies=_OF_CAMPAIGN,
+        what="What is kept of all draws instead, if not rows: of each metric the exact "
+        "`sums` and `sums_of_squares`, in units of 2^-1126, `least`, `greatest`, and "
+        "`counts` between the `edges` of a histogram, in SI; of each requirement that "
+        "is `judged` how many are `beyond`, and the `worst_margins` and `worst_draws`, "
+        "`kept` of each; `runs_failed`.",
+    ),
+    FileKind(
+        name="campaign_histograms.csv",
+        studies=_OF_CAMPAIGN,
+        what="How many draws lie in each bin of each metric, where no rows are kept.",
+        row="metric and bin",
+        columns=(
+            Column("metric", "", "With its unit."),
+            _UNIT,
+            Column("from", _SAME, "Its lower edge; infinite of what is below all."),
+            Column("below", _SAME, "Its upper edge, which is not in it; likewise."),
+            Column("draws", "", "In it."),
+        ),
+    ),
+    FileKind(
         name="plan.json",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="The frozen plan: case, draws, seed, metrics, tolerance and versions, by "
         "which its chunks are known.",
     ),
     FileKind(
         name="campaign.png",
-        studies=(CAMPAIGN,),
+        studies=_OF_CAMPAIGN,
         what="How each quantity that is required is distributed over the draws, with "
-        "its limit, the bound of the share, and the worst draw.",
+        "its limit, the bound of the share, the worst draw and, in `verify`, the worst "
+        "case found.",
+    ),
+)
+
+_DISTRIBUTIONS = (
+    FileKind(
+        name="sobol_indices.csv",
+        studies=(SENSITIVITY,),
+        what="What shares of the variance of each metric come from which parameters; "
+        "of launches in which nothing fails.",
+        row="metric and parameter",
+        columns=(
+            Column("metric", "", "With its unit."),
+            Column("parameter", "", "With its unit."),
+            Column("first", "", "The share that comes from it alone."),
+            Column("first_error", "", "Half the width of its interval, at 95 %."),
+            Column("total", "", "With all in which it has a part with others."),
+            Column("total_error", "", "Half the width of its interval, at 95 %."),
+        ),
+    ),
+    FileKind(
+        name="rare_events.csv",
+        studies=(RARE_EVENTS,),
+        what="How probable it is to be beyond each limit; of launches in which nothing "
+        "fails.",
+        row="requirement and axis",
+        columns=(
+            *_LIMIT,
+            Column("probability", "", "That a launch is beyond the limit."),
+            Column("from", "", "Where its interval begins, at 95 %."),
+            Column("to", "", "Where that ends."),
+            Column("variation", "", "Its coefficient of variation."),
+            Column("simulations", "", "That are independent of each other."),
+            Column(
+                "unreached",
+                "",
+                "Of them, those that have not reached the limit: they count with the "
+                "least probability that was looked for.",
+            ),
+            Column("runs", "", "That it took."),
+            Column("untold", "", "Of them, those that failed: they count as beyond."),
+            *_IDENTITY,
+        ),
     ),
 )
 
@@ -612,7 +685,8 @@ _VERDICT = (
         "",
         "`met`, `not met` or `not looked at`, which is also what may be broken "
         "by a run that failed, or by a worst case that is not confirmed; and what is "
-        "required of a share of launches, which a campaign tells.",
+        "required of a share of launches, unless a campaign tells; then also `not "
+        "shown`.",
     ),
     *_IDENTITY,
 )
@@ -786,6 +860,69 @@ _WORST_CASES = (
         row="requirement and axis",
         key=_LIMIT_KEY,
         columns=_VERDICT,
+    ),
+    FileKind(
+        name="answers.csv",
+        studies=(VERIFY,),
+        what="The statistical answer and the worst case found, side by side, if a "
+        "campaign was flown.",
+        row="requirement and axis",
+        columns=(
+            *_LIMIT,
+            Column("nominal", _SAME, "In the nominal run."),
+            Column("bound_of", "", "The share of launches of which the bound is told."),
+            Column("at_confidence", "", "At which it is."),
+            Column(
+                "bound",
+                _SAME,
+                "Statistical: so large a share of launches is no worse, as "
+                "campaign.csv has it.",
+            ),
+            Column(
+                "failures",
+                "",
+                "Draws beyond the limit; empty if that was not looked at.",
+            ),
+            Column("allowed", "", "How many may be."),
+            Column("worst_of_draws", _SAME, "Of all draws that have not failed."),
+            Column(
+                "worst_case_beyond_bound",
+                _SAME,
+                "How much worse the worst case found is than the bound.",
+            ),
+            Column(
+                "by_campaign",
+                "",
+                "What the draws say, as `verdict` of campaign.csv; of a limit that "
+                "every run must keep `not looked at`, unless one is beyond.",
+            ),
+            Column(
+                "worst_case_found",
+                _SAME,
+                "The worst that searches have found within the tolerances, flown in "
+                "Drake: at least this bad can happen.",
+            ),
+            Column("which_run", "", "Label of that run."),
+            Column(
+                "missed_draw",
+                "",
+                "Number of a draw within the tolerances that is worse, if there is "
+                "one: then the search has failed.",
+            ),
+            Column(
+                "by_worst_case",
+                "",
+                "Whether all runs flown in Drake are within the limit.",
+            ),
+            Column(
+                "decided_by",
+                "",
+                "`campaign`: of what is required of a share, and where a draw "
+                "disproves what every run must keep; else `worst case`.",
+            ),
+            Column("verdict", "", "Of what decides."),
+            *_IDENTITY,
+        ),
     ),
     FileKind(
         name="failure_cases.csv",
@@ -970,6 +1107,7 @@ FILES = (
     *_OF_ONE_RUN,
     *_VARIANTS,
     *_CAMPAIGN,
+    *_DISTRIBUTIONS,
     *_WORST_CASES,
     *_PLOTS,
     *_OF_RUNS,

@@ -61,7 +61,7 @@ def _of_shares(case: AnalysisCase) -> list[str]:
         return []
     return [
         f"{count} of {len(case.requirements)} requirements are of a share of launches: "
-        "`verify` tells how bad they get, and a campaign alone whether they are met."
+        "`verify` tells how bad they get, and whether they are met with --campaign."
     ]
 
 

@@ -74,6 +74,8 @@ def _verified(
         growths=(),
         single_growths=(),
         failed_cases=(),
+        campaign=None,
+        missed={},
     )
     if held:  # of such a run a function may know nothing
         return FailedCase(failure=failure, study=failed, design=design, held=held)

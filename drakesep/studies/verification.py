@@ -22,6 +22,8 @@ from drakesep.results.asked import Asked
 from drakesep.results.catalogue import VERIFY
 from drakesep.results.folder import Output, results_folder
 from drakesep.studies.background_process import BackgroundProcess
+from drakesep.studies.campaign.settings import CampaignSettings
+from drakesep.studies.campaign_beside import CampaignBeside
 from drakesep.studies.failure_cases import failure_cases_verified
 from drakesep.studies.tolerance_growth import find_growths
 from drakesep.studies.verified import Verification
@@ -49,6 +51,9 @@ def verify(
     minutes: float | None = None,
     resume: bool = False,
     failures: bool = False,
+    campaign: int | None = None,
+    share: float | None = None,
+    confidence: float | None = None,
     **effort: Unpack[Effort],
 ) -> Verification:
     """Find the worst cases of a case and hold them against its requirements.
@@ -74,6 +79,11 @@ def verify(
         resume: as `worst_case` takes it.
         failures: whether to verify the case's failure cases, too: each over the
             tolerances of all that has not failed.
+        campaign: how many launches are drawn beside the worst cases; they decide what
+            is required of a share of launches, and the worst cases the rest. None:
+            there is none.
+        share: as `campaign` takes it; with a campaign, and only with it.
+        confidence: as `campaign` takes it.
         effort: `starts`, `samples`, `vertices`, `flips`, `generations`, `corners` and
             `seed` of `SearchSettings`; the speed of runs, as it is measured, decides
             what is left out: see `Verification.effort`.
@@ -84,6 +94,8 @@ def verify(
             cannot be written, or has another study to resume.
         RuntimeError: the nominal run fails.
     """
+    settings = SearchSettings(**effort)
+    wanted = _campaign(campaign, settings.seed, share, confidence)
     asked = Asked.of(
         VERIFY,
         case,
@@ -94,11 +106,18 @@ def verify(
             "growth": growth,
             "minutes": minutes,
             "failures": failures or None,
+            "campaign": campaign,
+            "share": share,
+            "confidence": confidence,
             **effort,
         },
-        seed=SearchSettings(**effort).seed,
+        seed=settings.seed,
     )
+    if wanted is not None:
+        asked = replace(asked, case=wanted.of_shares(asked.case))
     plan = planned(asked, objectives, searches, requirements, failures=failures)
+    beside = None if wanted is None else CampaignBeside.of(wanted, asked)
+    plan = plan if beside is None else beside.planned(plan)
     with contextlib.ExitStack() as stack:
         folder = stack.enter_context(results_folder(output, VERIFY))
         plan = replace(
@@ -127,10 +146,29 @@ def verify(
                 )
                 study = replace(study, growths=growths, single_growths=single_growths)
             under_way.write_down(study)
+            if beside is not None:
+                study = beside.flown(study, under_way)
+                under_way.write_down(study, Verification.write_campaign)
+                assert study.campaign is not None
+                under_way.draw(study.campaign.picture.save)
             study = failure_cases_verified(study, under_way)
             if study.failed_cases:
                 under_way.draw(OfFailures(study.failure_requirements).save)
         return ended(study, folder)
+
+
+def _campaign(
+    runs: int | None, seed: int, share: float | None, confidence: float | None
+) -> CampaignSettings | None:
+    """Return the settings of the campaign beside worst cases; None: there is none."""
+    if runs is not None:
+        return CampaignSettings(
+            runs=runs, seed=seed, share=share, confidence=confidence
+        )
+    for name, value in (("share", share), ("confidence", confidence)):
+        if value is not None:
+            raise InputError(f"{name}: must stand with a campaign, got none")
+    return None
 
 
 def planned(

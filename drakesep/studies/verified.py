@@ -1,6 +1,7 @@
 """What came of a verification: findings, verdict, growth of tolerances, failures."""
 
 import functools
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -18,8 +19,10 @@ from drakesep.analysis.metrics.requirements import (
 from drakesep.plots.pictures import OfFailures, Pictures
 from drakesep.plots.shown_runs import bodies_shown_by
 from drakesep.results.folder import ResultsFolder
+from drakesep.studies.campaign.result import Campaign
 from drakesep.studies.tolerance_growth import Growths, ways_out
 from drakesep.studies.worst_case.result import WorstCases
+from drakesep.tables.answers_table import answers_table
 from drakesep.tables.columns import write_csv
 from drakesep.tables.failure_tables import HELD, outcome_row, under_each_other
 from drakesep.tables.labelled_run import nominal_of
@@ -37,6 +40,11 @@ class Verification(WorstCases):
     """Of one tolerance, the others as they are: the smallest of the directions."""
     failed_cases: tuple["FailedCase", ...] = ()
     """The failure cases, each verified as the design is."""
+    campaign: Campaign | None = None
+    """That was flown beside the worst cases."""
+    missed: Mapping[Requirement, int] = field(default_factory=dict)
+    """Draws of it that are worse than the worst case found, though within what was
+    searched."""
 
     @property
     def findings(self) -> list[Finding]:
@@ -51,7 +59,16 @@ class Verification(WorstCases):
         at_most = {one.label: one.at_most for one in self.runs}
         findings = assess(required, runs, nominal_of(self.runs).label, at_most)
         unsettled = self._unsettled
-        return [replace(f, settled=f.requirement not in unsettled) for f in findings]
+        shares = self.campaign.findings if self.campaign else ()
+        by_campaign = {one.requirement: one.verdict for one in shares}
+        return [
+            replace(
+                one,
+                settled=one.requirement not in unsettled,
+                by_campaign=by_campaign.get(one.requirement),
+            )
+            for one in findings
+        ]
 
     @property
     def _unsettled(self) -> set[Requirement]:
@@ -66,6 +83,7 @@ class Verification(WorstCases):
             return required
         unconfirmed = {one.objective for one in self.runs if one.outcome.failed}
         broken = {requirement for requirement, name in ways if name in unconfirmed}
+        broken |= self.missed.keys()
         if not self.case.tolerances:  # there is nothing to search
             return broken
         searched = {objective.name for objective in self.objectives}
@@ -82,6 +100,14 @@ class Verification(WorstCases):
             self.case.box,
             self._bodies,
             self.functions,
+        )
+
+    @property
+    def answers(self) -> pd.DataFrame:
+        """A row for each requirement: what a campaign and the worst case found say."""
+        shares = self.campaign.findings if self.campaign else ()
+        return answers_table(
+            self.findings, shares, self.missed, self._bodies, self.functions
         )
 
     @property
@@ -107,7 +133,17 @@ class Verification(WorstCases):
                 write_csv(self.table_4, folder / "table_4.csv")
         if self.single_growths:
             write_csv(self.tolerances, folder / "tolerances.csv")
+        self.write_campaign(results)
         self.write_failures(results)
+
+    def write_campaign(self, results: ResultsFolder) -> None:
+        """Write the tables of the campaign, and the verdicts with what it says."""
+        if self.campaign is not None:
+            folder = results.path
+            self.campaign.recorded.write(folder)
+            self.campaign.write_tables(results)
+            write_csv(self.requirements, folder / "requirements.csv")
+            write_csv(self.answers, folder / "answers.csv")
 
     def write_failures(self, results: ResultsFolder) -> None:
         """Write the tables of the failure cases that are verified."""
@@ -146,7 +182,23 @@ class Verification(WorstCases):
             for one in self.failed_cases
             if one.study.failure and not one.held
         ]
-        return "; ".join(filter(None, [super().failure, *of_cases]))
+        return "; ".join(filter(None, [self._failure_of_design, *of_cases]))
+
+    @property
+    def _failure_of_design(self) -> str:
+        """What failed of the design, of its campaign too."""
+        return "; ".join(filter(None, [super().failure, self.campaign_failure]))
+
+    @property
+    def campaign_failure(self) -> str:
+        """What of the campaign failed, or which worst cases it shows to be missed."""
+        missed = [
+            f"draw {draw} of the campaign is worse than the worst case found of "
+            f"{requirement.judged_by}: the searches have missed it"
+            for requirement, draw in self.missed.items()
+        ]
+        of_draws = self.campaign.failure if self.campaign else ""
+        return "; ".join(filter(None, [of_draws, *missed]))
 
     @property
     def passed(self) -> bool:
@@ -158,13 +210,13 @@ class Verification(WorstCases):
 
     @property
     def design_verdict(self) -> str | None:
-        """Of the design alone: ``met``, ``not met`` or ``not looked at``.
+        """Of the design alone: ``met``, ``not met``, ``not shown``, ``not looked at``.
 
         What a run is beyond stays so, whatever else failed; without it, a study that is
         not completed has no verdict: None.
         """
         found = verdict_on_all(one.verdict for one in self.findings)
-        if found is Verdict.NOT_MET or not super().failure:
+        if found is Verdict.NOT_MET or not self._failure_of_design:
             return found.value
         return None
 
@@ -176,6 +228,8 @@ class Verification(WorstCases):
             return Verdict.NOT_MET.value
         if None in verdicts:
             return None
+        if Verdict.NOT_SHOWN.value in verdicts:
+            return Verdict.NOT_SHOWN.value
         if Verdict.NOT_LOOKED_AT.value in verdicts:
             return Verdict.NOT_LOOKED_AT.value
         return Verdict.MET.value
@@ -183,6 +237,8 @@ class Verification(WorstCases):
     def draw(self, folder: Path) -> None:
         """Draw what shows it into a folder."""
         super().draw(folder)
+        if self.campaign is not None:
+            self.campaign.draw(folder)
         if self.failed_cases:
             OfFailures(self.failure_requirements).save(folder)
 

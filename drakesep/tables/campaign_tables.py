@@ -1,19 +1,22 @@
 """Tables of campaigns: what share of launches meets each requirement, and the draws."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
+from drakesep.analysis.campaigns.gathering import KeptDraws
 from drakesep.analysis.campaigns.plan import CampaignPlan
 from drakesep.analysis.campaigns.screens import DrawnClearances
 from drakesep.analysis.campaigns.sensitivity import rank_correlations
 from drakesep.analysis.campaigns.shares import ShareFinding
 from drakesep.analysis.campaigns.statistics import Estimate, Summary, quantile_within
+from drakesep.analysis.campaigns.tallies import TalliedDraws
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.arrays import Array
 from drakesep.systems.model.parameters import parameters
@@ -24,16 +27,21 @@ from drakesep.units import Unit, unit_of, with_unit
 
 
 def campaign_table(
-    findings: Sequence[ShareFinding], flown: FlownDraws, bodies: Sequence[str]
+    findings: Sequence[ShareFinding],
+    failed: int,
+    bodies: Sequence[str],
+    found: Mapping[Requirement, float],
 ) -> pd.DataFrame:
     """Return a row for each requirement and axis: the share that is shown.
 
     Args:
         findings: of each requirement.
-        flown: all draws.
+        failed: runs that did.
         bodies: names of those that leave; that of the first pair is the first.
+        found: the worst case of each requirement, in SI, if worst cases were searched:
+            else there is no column of it.
     """
-    frame = pd.DataFrame([_finding(one, flown, bodies) for one in findings])
+    frame = pd.DataFrame([_finding(one, failed, bodies, found) for one in findings])
     return frame.astype({name: "Int64" for name in _WHOLE if name in frame})
 
 
@@ -42,11 +50,16 @@ _WHOLE = ("failures", "allowed", "worst_draw", "deciding_draw", "measured", "ran
 
 
 def _finding(
-    finding: ShareFinding, flown: FlownDraws, bodies: Sequence[str]
+    finding: ShareFinding,
+    failed: int,
+    bodies: Sequence[str],
+    found: Mapping[Requirement, float],
 ) -> dict[str, object]:
     requirement, size = finding.requirement, finding.size
     unit = unit_of(requirement.metric)
-    answer, ranked = finding.answer, finding.ranked
+    answer = finding.answer
+    tells = answer is not None and bool(finding.ranked)
+    worst_case = found.get(requirement, math.nan)
     return {
         **limit_columns(requirement, unit),
         "runs": size.runs,
@@ -59,9 +72,10 @@ def _finding(
         "bound": unit.from_si(finding.bound),
         "margin": unit.from_si(finding.margin),
         "worst": unit.from_si(finding.worst),
-        "worst_draw": ranked[0] if ranked else None,
+        "worst_draw": finding.draw_of_rank(1) if tells else None,
+        **({"worst_case_found": unit.from_si(worst_case)} if found else {}),
         "deciding_draw": None if answer is None else answer.deciding_draw,
-        "failed": len(flown.reasons),
+        "failed": failed,
         "measured": finding.measured,
         "consumers_risk": size.consumers_risk,
         "verdict": finding.verdict.value,
@@ -185,37 +199,80 @@ def _of_clearances(
     return columns
 
 
-def statistics_table(plan: CampaignPlan, flown: FlownDraws) -> pd.DataFrame:
+def statistics_table(plan: CampaignPlan, flown: KeptDraws) -> pd.DataFrame:
     """Return a row for each metric: mean, deviation, and quantiles with intervals.
 
-    Runs that failed are left out, and counted.
+    Runs that failed are left out, and counted. Quantiles are draws; where no rows are
+    kept, they are as exact as histograms.
 
     Args:
         plan: of the campaign.
-        flown: all draws.
+        flown: what is kept of all draws.
     """
-    rows = []
-    for i, name in enumerate(plan.metrics):
-        unit, values = unit_of(name), flown.metrics[:, i]
-        told = values[np.isfinite(values)]
-        summary = Summary.of(told, (0.0, 1.0))
-        mean = summary.mean_within(INTERVALS)
-        row: dict[str, object] = {
-            "metric": with_unit(name),
-            "unit": unit.symbol,
-            "draws": len(told),
-            "untold": len(values) - len(told),
-            **_interval("mean", mean, unit),
-            "deviation": unit.from_si(summary.deviation),
-            "least": unit.from_si(summary.least if len(told) else math.nan),
-            "greatest": unit.from_si(summary.greatest if len(told) else math.nan),
-        }
-        for label, share in QUANTILES.items():
-            nothing = Estimate(math.nan, math.nan, math.nan)
-            found = quantile_within(told, share, INTERVALS) if len(told) else nothing
-            row |= _interval(label, found, unit)
-        rows.append(row)
-    return pd.DataFrame(rows)
+    if isinstance(flown, FlownDraws):
+        columns = [values[np.isfinite(values)] for values in flown.metrics.T]
+        summaries = [Summary.of(values, (0.0, 1.0)) for values in flown.metrics.T]
+        return pd.DataFrame(
+            _statistics(name, one, partial(quantile_within, told))
+            for name, one, told in zip(plan.metrics, summaries, columns, strict=True)
+        )
+    return pd.DataFrame(
+        _statistics(name, one, one.quantile_within)
+        for name, one in zip(plan.metrics, flown.summaries, strict=True)
+    )
+
+
+def _statistics(
+    name: str, summary: Summary, quantile: Callable[[float, float], Estimate]
+) -> dict[str, object]:
+    """Return a row of a metric.
+
+    Args:
+        name: of the metric.
+        summary: of the draws.
+        quantile: tells that of a share, at a confidence.
+    """
+    unit, told = unit_of(name), summary.told
+    nothing = Estimate(math.nan, math.nan, math.nan)
+    row: dict[str, object] = {
+        "metric": with_unit(name),
+        "unit": unit.symbol,
+        "draws": told,
+        "untold": summary.untold,
+        **_interval("mean", summary.mean_within(INTERVALS), unit),
+        "deviation": unit.from_si(summary.deviation),
+        "least": unit.from_si(summary.least if told else math.nan),
+        "greatest": unit.from_si(summary.greatest if told else math.nan),
+    }
+    for label, share in QUANTILES.items():
+        found = quantile(share, INTERVALS) if told else nothing
+        row |= _interval(label, found, unit)
+    return row
+
+
+def histograms_table(plan: CampaignPlan, flown: TalliedDraws) -> pd.DataFrame:
+    """Return a row for each metric and bin: how many draws lie in it.
+
+    Args:
+        plan: of the campaign.
+        flown: what is kept of all draws.
+    """
+    frames = []
+    for name, summary in zip(plan.metrics, flown.summaries, strict=True):
+        unit, edges = unit_of(name), np.array(summary.histogram.edges)
+        ends = unit.from_si(1.0) * np.array([-math.inf, *edges, math.inf])
+        frames.append(
+            pd.DataFrame(
+                {
+                    "metric": with_unit(name),
+                    "unit": unit.symbol,
+                    "from": ends[:-1],
+                    "below": ends[1:],
+                    "draws": summary.histogram.counts,
+                }
+            )
+        )
+    return pd.concat(frames, ignore_index=True)
 
 
 QUANTILES = {"low_3_sigma": 0.00135, "median": 0.5, "high_3_sigma": 0.99865}
@@ -229,15 +286,16 @@ def _interval(name: str, estimate: Estimate, unit: Unit) -> dict[str, object]:
     return {name: value, f"{name}_from": low, f"{name}_to": high}
 
 
-def sensitivities_table(flights: CampaignFlights, flown: FlownDraws) -> pd.DataFrame:
+def sensitivities_table(flights: CampaignFlights, flown: KeptDraws) -> pd.DataFrame:
     """Return a row for each metric and parameter: their rank correlation.
 
     Args:
-        flights: that know what was drawn.
-        flown: draws.
+        flights: that know what was drawn, and fly it again where no rows are kept.
+        flown: what is kept of all draws.
     """
-    first = range(flown.first, flown.first + min(len(flown), _CORRELATED))
-    values, metrics = flights.drawn(first).values, flown.metrics[: len(first)]
+    first = np.arange(min(len(flown), _CORRELATED), dtype=np.int64)
+    rows = flown if isinstance(flown, FlownDraws) else flights.fly(first)
+    values, metrics = flights.drawn(first).values, rows.metrics[: len(first)]
     found = rank_correlations(values, metrics, INTERVALS)
     return pd.DataFrame(
         {

@@ -40,7 +40,7 @@ def requirements_table(
     rows = []
     for finding in findings:
         requirement = finding.requirement
-        unit = _unit(requirement, functions)
+        unit = unit_of_limit(requirement, functions)
         growth = of_all.get(requirement)
         rows.append(
             {
@@ -127,7 +127,7 @@ def tolerances_table(
         each = {"minus": from_si(sides.minus), "plus": from_si(sides.plus)}
         rows.append(
             {
-                **limit_columns(requirement, _unit(requirement, functions)),
+                **limit_columns(requirement, unit_of_limit(requirement, functions)),
                 "parameter": with_unit(box.names[i]),
                 **each,
                 # A side that is none stays so, however large the factor.
@@ -144,7 +144,9 @@ def tolerances_table(
     return pd.DataFrame(rows)
 
 
-def _unit(requirement: Requirement, functions: Sequence[FunctionRequirement]) -> Unit:
+def unit_of_limit(
+    requirement: Requirement, functions: Sequence[FunctionRequirement]
+) -> Unit:
     """Return the unit of a requirement's limit: of its function, or of its metric."""
     own = {function.name: Unit("", function.unit) for function in functions}
     return own.get(requirement.metric) or unit_of(requirement.metric)

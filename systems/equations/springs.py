@@ -297,6 +297,21 @@ PUSHERS: dict[str, PusherKind] = {
 """All kinds, by the name of their law. A new kind is a record, a law and an entry."""
 
 
+_BUILT_IN = dict(PUSHERS)
+
+
+def own_pushers() -> dict[str, PusherKind]:
+    """Return the kinds that are not drakesep's own, or in place of these."""
+    known = PUSHERS.items()
+    return {name: kind for name, kind in known if _BUILT_IN.get(name) is not kind}
+
+
+def forget_own_pushers() -> None:
+    """Leave the kinds that are drakesep's own alone, as they were."""
+    PUSHERS.clear()
+    PUSHERS.update(_BUILT_IN)
+
+
 def law_name(pusher: Pusher) -> str:
     """Return the name under which the kind of a pusher is registered.
 

@@ -2,10 +2,12 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from drakesep.analysis.campaigns.flights import FlownDraws
 from drakesep.analysis.campaigns.plan import CampaignPlan
 from drakesep.analysis.campaigns.screens import has_separated, measured_in
 from drakesep.analysis.campaigns.shares import ShareFinding
@@ -55,14 +57,21 @@ def chosen(study: Campaign) -> list[Chosen]:
         one
         for finding in study.findings
         for one in _deciding(finding)
-        if not math.isnan(study.value_of(one.draw, finding.requirement.judged_by))
-        or one.draw in study.flown.reasons
+        if _tells(study, one.draw, finding.requirement.judged_by)
     ]
     # None of those that were drawn: another stream, of the same seed.
     rng = np.random.default_rng([study.plan.seed, SAMPLE])
     count = min(SAMPLE, study.plan.runs)
     sample = sorted(rng.choice(study.plan.runs, size=count, replace=False).tolist())
     return [*draws, *map(Chosen, sample)]
+
+
+def _tells(study: Campaign, draw: int, metric: str) -> bool:
+    """Return whether a draw tells a metric, or failed: not a clearance unmeasured."""
+    flown = study.flown
+    if not isinstance(flown, FlownDraws) or draw in flown.reasons:
+        return True
+    return not math.isnan(flown.value_of(draw, metric, study.plan))
 
 
 def _deciding(finding: ShareFinding) -> Iterator[Chosen]:
@@ -72,9 +81,36 @@ def _deciding(finding: ShareFinding) -> Iterator[Chosen]:
     # Of what every run must keep, the worst decides.
     decides = last if finding.requirement.statistical else 0
     ranks = np.unique(np.linspace(0, last, min(MOST, last + 1)).round().astype(int))
-    for rank in ranks[ranks < len(finding.ranked)].tolist():
-        draw = int(finding.ranked[rank])
+    answer = finding.answer
+    known = 0 if answer is None else answer.tally.untold + len(answer.tally.worst_draws)
+    for rank in ranks[ranks < known].tolist():
+        draw = finding.draw_of_rank(rank + 1)
         yield Chosen(draw, finding.requirement, rank + 1, rank == decides)
+
+
+def confirmed(
+    study: Campaign,
+    draws: Sequence[Chosen],
+    pool: DrakePool,
+    on_progress: Callable[[int, int], None] = lambda *_: None,
+) -> Campaign:
+    """Return a campaign with what Drake says of some draws.
+
+    What it does not confirm shows nothing.
+
+    Args:
+        study: with all draws.
+        draws: that are chosen.
+        pool: that flies its separation in Drake.
+        on_progress: told how many are done, and of how many.
+    """
+    flown = confirmed_draws(study, draws, pool, on_progress)
+    doubtful = {one.metric for one in flown if one.outcome.failed}
+    findings = tuple(
+        replace(one, confirmed=one.requirement.judged_by not in doubtful)
+        for one in study.findings
+    )
+    return replace(study, findings=findings, confirmed=tuple(flown))
 
 
 def confirmed_draws(
@@ -129,6 +165,8 @@ class _Told:
         self, study: Campaign, values: Mapping[int, Mapping[str, float]], nominal: Run
     ):
         self._study, self._values = study, values
+        self._rows = {draw: row for row, draw in enumerate(values)}
+        self._flown = study.some([*values])
         self._nominal = nominal
         self._metrics: dict[int, Mapping[str, float]] = {}
         self._clearances: dict[tuple[int, str], float] = {}
@@ -142,11 +180,12 @@ class _Told:
             run: of it in Drake.
         """
         study = self._study
-        value = study.value_of(one.draw, metric)
+        row = self._rows[one.draw]
+        value = self._flown.value_of(row, metric, study.plan)
         drake_failed = "" if has_separated(run) else run.message or run.not_separated
         told = math.nan if drake_failed else self._in(run, metric, value)
-        which = int(study.flown.failure[one.draw])
-        batch_failed = study.flown.reasons.get(one.draw, "")
+        which = int(self._flown.failure[row])
+        batch_failed = self._flown.reasons.get(one.draw, "")
         if batch_failed or drake_failed:
             never = any(map(math.isinf, self._values[one.draw].values()))
             outcome = _of_failed(batch_failed, drake_failed or never)

@@ -11,8 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
+from drakesep.analysis.campaigns.flights import CampaignFlights
+from drakesep.analysis.campaigns.gathering import KeptDraws, kept
 from drakesep.analysis.engines.processes import end_processes, start_processes
+from drakesep.analysis.engines.registered import Registered
 from drakesep.results.campaign_files import RecordedPlan
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
@@ -26,7 +28,7 @@ def flown_here(
     flights: CampaignFlights,
     numbers: Sequence[int],
     on_progress: Callable[[int], None] = lambda _: None,
-) -> Iterator[tuple[int, FlownDraws]]:
+) -> Iterator[tuple[int, KeptDraws]]:
     """Yield chunks flown in this process, on all its cores, by their numbers.
 
     Args:
@@ -40,7 +42,7 @@ def flown_here(
         on_progress(done + part)
 
     for number in numbers:
-        flown = flights.chunk(number, tell)
+        flown = kept(flights.plan, flights.chunk(number, tell))
         done += len(flown)
         yield number, flown
 
@@ -51,11 +53,12 @@ def flown_by(
     folder: Path,
     numbers: Sequence[int],
     on_progress: Callable[[int], None] = lambda _: None,
-) -> Iterator[tuple[int, FlownDraws]]:
+) -> Iterator[tuple[int, KeptDraws]]:
     """Yield chunks flown by an executor, in whichever order they come.
 
-    Its workers are told the plan as a text, and bring back what they have flown: they
-    need no disk of ours. What has been flown is yielded, whatever becomes of the rest.
+    Its workers are told the plan as a text, and what is registered beside drakesep's
+    own; they bring back what they have flown, and need no disk of ours. What has been
+    flown is yielded, whatever becomes of the rest.
 
     Args:
         executor: any of `concurrent.futures`.
@@ -65,11 +68,12 @@ def flown_by(
         on_progress: told how many draws are done.
     """
     ahead, done = iter(numbers), 0
-    under_way: dict[Future[FlownDraws], int] = {}
+    plan = recorded.text, str(folder), Registered.here().as_bytes()
+    under_way: dict[Future[KeptDraws], int] = {}
 
     def submit(count: int) -> None:
         for number in itertools.islice(ahead, count):
-            task = executor.submit(fly_chunk, recorded.text, str(folder), number)
+            task = executor.submit(fly_chunk, *plan, number)
             under_way[task] = number
 
     submit(_IN_HAND * _workers(executor))
@@ -105,7 +109,7 @@ def measured_by(
     """
     every = min(_IN_HAND * _workers(executor), len(draws))
     known = [*draws.items()]
-    where = recorded.text, str(folder)
+    where = recorded.text, str(folder), Registered.here().as_bytes()
     # The worst take longest: each worker has some of them.
     tasks = [
         executor.submit(measure_draws, *where, name, dict(known[k::every]))
@@ -127,40 +131,45 @@ def _workers(executor: Executor) -> int:
     return told or os.cpu_count() or 1
 
 
-def fly_chunk(text: str, folder: str, number: int) -> FlownDraws:
+def fly_chunk(text: str, folder: str, registered: bytes, number: int) -> KeptDraws:
     """Return a chunk of a plan, flown in this process on one core.
 
     Args:
         text: of the plan.
         folder: of the campaign, whose meshes a case may name.
+        registered: metrics and pushers that are not drakesep's own.
         number: of the chunk.
 
     Raises:
-        ValueError: this is another version than that of the plan.
+        ValueError: this is another version than that of the plan, or what is
+            registered cannot be imported here.
     """
-    return _flights(text, folder).chunk(number)
+    flights = _flights(text, folder, registered)
+    return kept(flights.plan, flights.chunk(number))
 
 
 def measure_draws(
-    text: str, folder: str, name: str, draws: Mapping[int, float]
+    text: str, folder: str, registered: bytes, name: str, draws: Mapping[int, float]
 ) -> Array:
     """Return how near parts come in draws of a plan, m.
 
     Args:
         text: of the plan.
         folder: of the campaign, whose meshes a case may name.
+        registered: as `fly_chunk` takes it.
         name: of a clearance of the plan.
         draws: what is known of each at least, m, by its number.
 
     Raises:
         ValueError: this is another version than that of the plan.
     """
-    return _flights(text, folder).measured(name, draws)
+    return _flights(text, folder, registered).measured(name, draws)
 
 
 @functools.lru_cache(maxsize=1)
-def _flights(text: str, folder: str) -> CampaignFlights:
+def _flights(text: str, folder: str, registered: bytes) -> CampaignFlights:
     """Return what flies a plan: a worker's programs are made once."""
+    Registered.known_from(registered)
     recorded = RecordedPlan.parsed(text, Path(folder))
     return CampaignFlights(recorded.plan, workers=1)
 

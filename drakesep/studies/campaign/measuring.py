@@ -1,6 +1,7 @@
 """The draws of a campaign whose clearance must be measured, measured."""
 
 import contextlib
+import math
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
@@ -10,9 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
+from drakesep.analysis.campaigns.gathering import KeptDraws
 from drakesep.analysis.campaigns.measuring import MOST, next_draws, wanted_draws
 from drakesep.analysis.campaigns.screens import DrawnClearances
-from drakesep.analysis.campaigns.shares import nearest_of_draws
+from drakesep.analysis.campaigns.shares import nearest_of_draws, of_launches, size_of
 from drakesep.analysis.engines.drake_pool import WORKERS_START
 from drakesep.results.campaign_files import (
     RecordedPlan,
@@ -20,27 +22,29 @@ from drakesep.results.campaign_files import (
     read_measured,
     write_measured,
 )
+from drakesep.studies.campaign.confirmation import MOST as MOST_IN_DRAKE
+from drakesep.studies.campaign.confirmation import most_confirmed
 from drakesep.studies.campaign.executors import measured_by, own_processes
 from drakesep.systems.arrays import Array
 
 
 def with_measured(
     flights: CampaignFlights,
-    flown: FlownDraws,
+    flown: KeptDraws,
     recorded: RecordedPlan,
     folder: Path,
     *,
     executor: Executor | None = None,
     workers: int | None = None,
     on_progress: Callable[[int, int], None] = lambda *_: None,
-) -> FlownDraws:
+) -> KeptDraws:
     """Return draws with their clearances measured where these decide.
 
     What has been measured stays in the folder: whoever goes on has it.
 
     Args:
         flights: of the campaign.
-        flown: all draws.
+        flown: what is kept of all draws.
         recorded: the plan.
         folder: of the campaign.
         executor: whose workers measure; None: this process, or some of this machine.
@@ -48,7 +52,7 @@ def with_measured(
         on_progress: told how many draws are measured, and of how many about.
     """
     plan = recorded.plan
-    if flown.clearances is None:
+    if not isinstance(flown, FlownDraws) or flown.clearances is None:
         return flown
     at_least = flown.clearances.at_least.copy()
     measured = flown.clearances.measured.copy()
@@ -96,3 +100,28 @@ def _measured(
     if executor is None:
         return flights.measured(name, draws)
     return np.array(measured_by(executor, recorded, folder, name, draws))
+
+
+def seconds_after(flights: CampaignFlights, each: float) -> tuple[float, float]:
+    """Return what is measured, and what is flown in Drake, will take, s.
+
+    Args:
+        flights: of the campaign.
+        each: what a run in Drake takes, s.
+    """
+    plan, measuring = flights.plan, 0.0
+    confirming = each * most_confirmed(plan)
+    for name in plan.clearances:
+        flights.measured(name, {0: -math.inf})  # parts are looked into
+        began = time.perf_counter()
+        flights.measured(name, {0: -math.inf})
+        once = time.perf_counter() - began
+        limits = [one for one in plan.case.requirements if one.metric == name]
+        sizes = [size_of(of_launches(one, limits), plan.runs) for one in limits]
+        measuring += once * _LOOKED_AT * max(size.rank or 1 for size in sizes)
+        confirming += once * MOST_IN_DRAKE * len(limits)
+    return measuring, confirming
+
+
+_LOOKED_AT = 2.0
+"""Draws that are measured for each of those that may be beyond, about."""

@@ -1,19 +1,25 @@
 """What came of a campaign: shares, verdict, draws, and what Drake says of some."""
 
 import functools
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
-from drakesep.analysis.campaigns.order_statistics import runs_needed
+from drakesep.analysis.campaigns.gathering import KeptDraws
 from drakesep.analysis.campaigns.plan import CampaignPlan
-from drakesep.analysis.campaigns.shares import ShareFinding, of_launches, size_of
-from drakesep.analysis.metrics.requirements import Verdict, verdict_on_all
+from drakesep.analysis.campaigns.shares import ShareFinding
+from drakesep.analysis.metrics.requirements import (
+    Requirement,
+    Verdict,
+    verdict_on_all,
+)
+from drakesep.plots.campaign_draws import curves_of
+from drakesep.plots.pictures import OfCampaign
 from drakesep.results.asked import Asked
 from drakesep.results.campaign_files import RecordedPlan, write_draws
 from drakesep.results.catalogue import CAMPAIGN
@@ -24,6 +30,7 @@ from drakesep.tables.campaign_tables import (
     campaign_table,
     confirmed_table,
     draws_table,
+    histograms_table,
     sensitivities_table,
     statistics_table,
 )
@@ -44,12 +51,15 @@ class Campaign:
     """The plan."""
     flights: CampaignFlights = field(repr=False)
     """That can fly any draw again."""
-    flown: FlownDraws = field(repr=False)
-    """All draws."""
+    flown: KeptDraws = field(repr=False)
+    """What is kept of all draws."""
     findings: tuple[ShareFinding, ...]
     """Of each requirement."""
     confirmed: tuple[ConfirmedDraw, ...] = field(default=(), repr=False)
     """Draws that were flown in Drake."""
+    found: Mapping[Requirement, float] = field(default_factory=dict, repr=False)
+    """The worst case that searches have found of each requirement, in SI; none, if the
+    campaign was flown alone."""
 
     @property
     def case(self) -> AnalysisCase:
@@ -65,7 +75,7 @@ class Campaign:
     def requirements(self) -> pd.DataFrame:
         """A row for each requirement and axis: the share that is shown."""
         bodies = [pair.B for pair in self.case.separation.pairs]
-        return campaign_table(self.findings, self.flown, bodies)
+        return campaign_table(self.findings, self.flown.failed, bodies, self.found)
 
     @functools.cached_property
     def worst(self) -> pd.DataFrame:
@@ -84,24 +94,38 @@ class Campaign:
 
     @functools.cached_property
     def draws(self) -> pd.DataFrame:
-        """A row for each draw: what it varies, its metrics, and how it ended."""
+        """A row for each draw: what it varies, its metrics, and how it ended.
+
+        Raises:
+            ValueError: no rows are kept.
+        """
+        if not isinstance(self.flown, FlownDraws):
+            raise InputError("draws: must be of a campaign that keeps rows")
         return draws_table(self.flights, self.flown)
 
-    def value_of(self, draw: int, metric: str) -> float:
-        """Return what a draw tells of a metric or clearance of the plan, in SI.
+    @functools.cached_property
+    def histograms(self) -> pd.DataFrame:
+        """A row for each metric and bin of its histogram, where no rows are kept."""
+        if isinstance(self.flown, FlownDraws):
+            return pd.DataFrame()
+        return histograms_table(self.plan, self.flown)
 
-        NaN if its run failed, or it was not measured.
+    def some(self, numbers: Sequence[int]) -> FlownDraws:
+        """Return what came of some draws, flown again where no rows are kept.
+
+        Args:
+            numbers: of the draws, one or more.
         """
-        if metric not in self.plan.clearances:
-            return float(self.flown.metrics[draw, self.plan.metrics.index(metric)])
-        i, of_draws = self.plan.clearances.index(metric), self.flown.clearances
-        if of_draws is None or not of_draws.measured[draw, i]:
-            return math.nan
-        return float(of_draws.at_least[draw, i])
+        if isinstance(self.flown, FlownDraws):
+            return self.flown.some(numbers)
+        return self.flights.fly(np.array(numbers, np.int64))
 
     @property
     def failures(self) -> Mapping[int, str]:
-        """Why runs failed, by the numbers of their draws."""
+        """Why runs failed, by the numbers of their draws.
+
+        Where no rows are kept, of the first that did.
+        """
         return self.flown.reasons
 
     @property
@@ -154,44 +178,30 @@ class Campaign:
 
     def write(self, results: ResultsFolder) -> None:
         """Write it into the folder of its study, which ends."""
+        self.write_tables(results)
+        self.draw(results.path)
+        results.end(failed=self.failure, verdict=self.verdict)
+
+    def write_tables(self, results: ResultsFolder) -> None:
+        """Write all draws and the tables into a folder that is locked."""
         folder = results.path
         write_draws(folder, self.recorded, self.flown)
         write_csv(self.requirements, folder / "campaign.csv")
         write_csv(self.worst, folder / "campaign_worst.csv")
         write_csv(self.statistics, folder / "campaign_statistics.csv")
         write_csv(self.sensitivities, folder / "campaign_sensitivities.csv")
-        if self.plan.runs <= _ROWS:
+        if not isinstance(self.flown, FlownDraws):
+            write_csv(self.histograms, folder / "campaign_histograms.csv")
+        elif self.plan.runs <= _ROWS:
             write_csv(self.draws, folder / "campaign_runs.csv.gz")
         results.keep()
-        if any(one.beyond is not None for one in self.findings):
-            # Half a second to import, where something is drawn.
-            from drakesep.plots.campaign import save_campaign
 
-            save_campaign(self.findings, self.plan, self.flown, folder)
-        results.end(failed=self.failure, verdict=self.verdict)
+    def draw(self, folder: Path) -> None:
+        """Draw what is required over the draws into a folder."""
+        self.picture.save(folder)
 
-
-def with_confirmed(study: Campaign, confirmed: Sequence[ConfirmedDraw]) -> Campaign:
-    """Return a campaign with what Drake says of some draws.
-
-    What it does not confirm shows nothing.
-    """
-    doubtful = {one.metric for one in confirmed if one.outcome.failed}
-    findings = tuple(
-        replace(one, confirmed=one.requirement.judged_by not in doubtful)
-        for one in study.findings
-    )
-    return replace(study, findings=findings, confirmed=tuple(confirmed))
-
-
-def check_size(plan: CampaignPlan) -> None:
-    """Raise InputError if so few runs can show nothing, however they turn out."""
-    required = plan.case.requirements
-    for one in required:
-        size = size_of(of_launches(one, required), plan.runs)
-        if one.statistical and size.allowed is None:
-            least = runs_needed(size.share, size.confidence)
-            raise InputError(
-                f"runs: must be {least} or more to show a share of {size.share:g} at a "
-                f"confidence of {size.confidence:g}, got {plan.runs}"
-            )
+    @property
+    def picture(self) -> OfCampaign:
+        """What shows what is required over the draws."""
+        curves = curves_of(self.findings, self.plan, self.flown, self.found)
+        return OfCampaign(name=self.case.name, runs=self.plan.runs, curves=curves)

@@ -28,8 +28,11 @@ from drakesep.studies.worst_case.speed import Speed
 from drakesep.systems.checks import InputError, check_positive
 
 
-GROWTH, CONFIRMATION, FAILURES = "growth", "confirmation", "failure cases"
+GROWTH, CONFIRMATION = "growth", "confirmation"
+CAMPAIGN, FAILURES = "campaign", "failure cases"
 """What follows the searches."""
+_ASKED_FOR = (CAMPAIGN, FAILURES)
+"""What is asked for, however long it takes."""
 _MOST_FLIPS, _MOST_SAMPLES = 4, 2048
 """Of a failure case: there are many of these, and the design's worst are known."""
 _SHARE, _LEAST_SAMPLES = 16, 32
@@ -80,6 +83,8 @@ class StudyEffort:
     """Whether it is looked how far tolerances may grow."""
     failures: int = 0
     """Failure cases that are searched beside the design."""
+    draws: int = 0
+    """Of the campaign that is flown beside the searches."""
     seconds: Mapping[str, float]
     """That each search takes, and what follows them, in their order."""
     left_out: tuple[str, ...] = ()
@@ -115,6 +120,8 @@ class StudyEffort:
         steps = [what[name] for name in self.searches if name in what]
         if self.growth:
             steps.append("growth of tolerances")
+        if self.draws:
+            steps.append(f"{_spaced(self.draws)} draws of a campaign")
         if self.failures:
             steps.append(_counted(self.failures, "failure case"))
         text = (
@@ -156,6 +163,8 @@ def planned_effort(
     speed: Speed,
     minutes: float | None = None,
     failures: int = 0,
+    draws: int = 0,
+    draws_in_drake: int = 0,
 ) -> StudyEffort:
     """Return what a study will do.
 
@@ -169,13 +178,21 @@ def planned_effort(
         minutes: that it may take; None: `MINUTES`, or as long as searches take that are
             asked for.
         failures: failure cases that are searched beside the design.
+        draws: of the campaign that is flown beside the searches.
+        draws_in_drake: of them, those that Drake flies.
 
     Raises:
         ValueError: it takes longer, with the least effort.
     """
     granted = MINUTES if minutes is None else minutes
     costs = _Costs(
-        case, objectives, speed, failures=failures, drake_alone=wanted.drake_alone
+        case,
+        objectives,
+        speed,
+        failures=failures,
+        draws=draws,
+        draws_in_drake=draws_in_drake,
+        drake_alone=wanted.drake_alone,
     )
     growth_is_wanted = (not wanted.drake_alone) if growth is None else growth
 
@@ -206,6 +223,7 @@ def planned_effort(
         settings=settings,
         growth=grows,
         failures=failures,
+        draws=draws,
         seconds=costs.of(names, settings, grows, speed.cores),
         left_out=without,
         minutes=granted,
@@ -216,8 +234,13 @@ def planned_effort(
     if minutes is not None:
         _check_granted(planned, planned.total)
     elif wanted.names is None:
-        _check_granted(planned, planned.total - planned.seconds.get(FAILURES, 0.0))
+        _check_granted(planned, _unless_asked_for(planned.seconds))
     return planned
+
+
+def _unless_asked_for(seconds: Mapping[str, float]) -> float:
+    """Return the seconds of a study, without what is done however long it takes."""
+    return sum(s for step, s in seconds.items() if step not in _ASKED_FOR)
 
 
 _Steps: TypeAlias = tuple[tuple[str, ...], SearchSettings, bool]
@@ -318,6 +341,8 @@ class _Costs:
         speed: Speed,
         *,
         failures: int,
+        draws: int,
+        draws_in_drake: int,
         drake_alone: bool,
     ):
         self._n = len(case.box)
@@ -326,6 +351,7 @@ class _Costs:
         )
         self._speed = speed
         self._failures = failures
+        self._draws, self._draws_in_drake = draws, draws_in_drake
         self._drake_alone = drake_alone
         self._cheap = [o for o in objectives if not o.expensive]
         self._expensive = [o for o in objectives if o.expensive]
@@ -346,9 +372,8 @@ class _Costs:
     def minutes(
         self, names: Sequence[str], settings: SearchSettings, growth: bool, cores: int
     ) -> float:
-        """Return the minutes that the design takes: failure cases are asked for."""
-        seconds = self.of(names, settings, growth, cores)
-        return (sum(seconds.values()) - seconds.get(FAILURES, 0.0)) / 60.0
+        """Return the minutes that it takes, without what is asked for."""
+        return _unless_asked_for(self.of(names, settings, growth, cores)) / 60.0
 
     def of(
         self, names: Sequence[str], settings: SearchSettings, growth: bool, cores: int
@@ -367,6 +392,9 @@ class _Costs:
         seconds[CONFIRMATION] = self._ends * each
         if growth:
             seconds[GROWTH] = self._growth(settings, cores)
+        if self._draws:  # whatever searches fly with, the batch engine flies them
+            flown = self._draws * self._speed.run / self._speed.cores
+            seconds[CAMPAIGN] = flown + self._draws_in_drake * self._speed.drake
         if self._failures:
             few, less = of_failure(names, settings, (*self._cheap, *self._expensive))
             searched = sum(self._search(name, less, cores) for name in few)

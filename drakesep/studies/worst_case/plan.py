@@ -44,6 +44,10 @@ class StudyPlan:
     """Processes that fly Drake; one per core if None; with 1, the caller's does all."""
     failures: Mapping[FailureCase, AnalysisCase] = field(default_factory=dict)
     """That are searched beside the design, with the case in which each has failed."""
+    draws: int = 0
+    """Of the campaign that is flown beside the worst cases."""
+    draws_in_drake: int = 0
+    """Of them, those that Drake flies, at most."""
     clearances: Mapping[str, LowestClearance] = field(default_factory=dict)
     """That tell how near nominal and published runs come, by their metrics."""
     resume: bool = False

@@ -92,6 +92,8 @@ class Session:
             speed,
             plan.minutes,
             failures=len(plan.failures),
+            draws=plan.draws,
+            draws_in_drake=plan.draws_in_drake,
         )
 
     def evaluator_of(

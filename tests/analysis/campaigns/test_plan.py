@@ -27,7 +27,10 @@ def test_each_draw_is_in_one_chunk(runs, chunk):
     ("changed", "message"),
     [
         ({"runs": 0}, "runs: must be 1 or more, got 0"),
-        ({"runs": 10**9}, "runs: must be 10000000 or fewer, got 1000000000"),
+        (
+            {"runs": 10**9},
+            "runs: must be 10000000 or fewer where rows are kept, got 1000000000",
+        ),
         ({"seed": -1}, "seed: must be 0 or more, got -1"),
         ({"chunk": 0}, "chunk: must be 1 or more, got 0"),
         ({"tolerance": 0.0}, "tolerance must be > 0"),

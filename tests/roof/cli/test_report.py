@@ -60,7 +60,12 @@ def said(capsys, monkeypatch, tmp_path):
     def call(command, outcome, *more):
         if outcome == INTERRUPTED:
             interrupt(monkeypatch)
-        words = [command, *arguments(command, outcome, tmp_path), "--json", *more]
+        words = [
+            *command.split(),
+            *arguments(command, outcome, tmp_path),
+            "--json",
+            *more,
+        ]
         code, out, err = run(capsys, monkeypatch, *words)
         told = json.loads(out, parse_constant=pytest.fail)  # no NaN, no Infinity
         return code, told, err
@@ -176,6 +181,8 @@ def test_every_command_has_a_shape():
         ("worst-case", {"worst_cases": "evidence"}),
         ("clearance", {"clearances": "clearance_summary"}),
         ("campaign", {"requirements": "campaign"}),
+        ("campaign sensitivity", {"indices": "sobol_indices"}),
+        ("campaign rare-events", {"rare_events": "rare_events"}),
     ],
 )
 def test_rows_are_those_of_the_tables(command, tables, said, tmp_path):
@@ -213,7 +220,7 @@ def test_words_that_make_no_sense_are_an_error_too(capsys, monkeypatch):
 @pytest.mark.parametrize("command", CODES)
 def test_quiet(command, capsys, monkeypatch, tmp_path):
     """What was asked is said, and nothing else: results of studies are in folders."""
-    words = [command, *arguments(command, GOOD, tmp_path), "--quiet"]
+    words = [*command.split(), *arguments(command, GOOD, tmp_path), "--quiet"]
     code, out, err = run(capsys, monkeypatch, *words)
     assert code == 0
     assert err == ""
@@ -226,7 +233,7 @@ def test_quiet(command, capsys, monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("command", [c for c in CODES if BAD_FILE in CODES[c]])
 def test_quiet_commands_tell_errors(command, capsys, monkeypatch, tmp_path):
-    words = [command, *arguments(command, BAD_FILE, tmp_path), "--quiet"]
+    words = [*command.split(), *arguments(command, BAD_FILE, tmp_path), "--quiet"]
     code, out, err = run(capsys, monkeypatch, *words)
     assert code == 2
     assert out == ""

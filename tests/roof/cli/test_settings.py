@@ -57,6 +57,7 @@ OPTIONS = {
         "--seed": (2, {"seed": 2}),
         "--share": (0.98, {"share": 0.98}),
         "--confidence": (0.8, {"confidence": 0.8}),
+        "--keep": ("worst", {"keep": "worst"}),
         "--metric": (["final_rate_x"], {"metrics": ["final_rate_x"]}),
     },
     "replay": {},  # test_campaign.py
@@ -86,6 +87,7 @@ OPTIONS = {
         "--growth": (None, {"growth": True}),
         "--no-growth": (None, {"growth": False}),
         "--failures": (None, {"failures": True}),
+        "--campaign": (300, {"campaign": 300}),
     },
 }
 """Of each command: an option, its value, and the same argument in Python."""
@@ -106,7 +108,7 @@ ELSEWHERE = {
     "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes", "--resume"},
     "verify": {
         *("--output", "-o", "--workers", "--flips", "--corners", "--minutes"),
-        *("--resume", "--report"),
+        *("--resume", "--share", "--confidence", "--report"),
     },
 }
 """Tested below; `--report` in roof/reports/test_html.py."""
@@ -327,6 +329,16 @@ def test_what_two_parameters_do_not_show(
     plan = drakesep.read_results(tmp_path).record.plan
     assert {name: plan[name] for name in planned} == planned
     assert plan["searches"] == ["corners"]
+
+
+def test_share_and_confidence_of_a_campaign_beside(case, tmp_path, drakesep_):
+    """They go to the requirements, as those of `campaign` do."""
+    words = ["--share", 0.98, "--confidence", 0.8, "--campaign", 300]
+    words += ["--search", "vertices", "--workers", 1]
+    drakesep_("verify", case, "-o", tmp_path, *words)
+    table = pd.read_csv(tmp_path / "answers.csv")
+    assert table[["share", "confidence"]].to_numpy().tolist() == [[0.98, 0.8]]
+    assert set(table["decided_by"]) == {"campaign"}
 
 
 @pytest.mark.parametrize("command", ["worst-case", "verify"])

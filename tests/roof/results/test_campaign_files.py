@@ -21,8 +21,8 @@ from drakesep.results.campaign_files import (
     DRAWS,
     RecordedPlan,
     chunk_file,
+    gathered,
     merged,
-    missing_chunks,
     read_chunk,
     read_draws,
     write_chunk,
@@ -110,7 +110,7 @@ def test_all_of_them_are_read_as_they_were(recorded, expected, tmp_path):
 
 def test_what_is_missing_is_named(recorded, tmp_path):
     write_all(tmp_path, recorded, set(range(recorded.plan.chunks)) - {3, 17})
-    assert missing_chunks(tmp_path, recorded) == [3, 17]
+    assert gathered(tmp_path, recorded).missing == [3, 17]
     with pytest.raises(RuntimeError, match=r"of 200 chunks 2 are not there.*: 3, 17;"):
         merged(tmp_path, recorded)
 
@@ -192,14 +192,14 @@ import os, random, signal, sys, time
 from pathlib import Path
 sys.path.insert(0, sys.argv[2])
 from test_campaign_files import planned, write_all
-from drakesep.results.campaign_files import missing_chunks
+from drakesep.results.campaign_files import gathered
 folder, recorded, rng = Path(sys.argv[1]), planned(), random.Random(0)
 until = sorted(rng.randrange(150) for _ in range(int(sys.argv[3])))  # of 200
 kills = 0
 while True:
     writer = os.fork()
     if not writer:
-        write_all(folder, recorded, missing_chunks(folder, recorded))
+        write_all(folder, recorded, gathered(folder, recorded).missing)
         os._exit(0)
     if kills < len(until):
         while len([*folder.glob(".parts/chunk*")]) < until[kills]:

@@ -5,6 +5,7 @@ import shutil
 
 import pandas as pd
 import pytest
+from batches import compiled_once
 from one_pair import one_pair
 
 import drakesep
@@ -14,14 +15,19 @@ from drakesep.results.listing import described
 from drakesep.units import split_unit
 
 
-def studies(case, folder):
-    """Each study of a case, in a folder of its own."""
+def studies(case, two, folder):
+    """Each study of a case, in a folder of its own; `two` of its parameters vary."""
     quick = {"searches": ["drake"], "workers": 1}
     drakesep.simulate(case, output=folder / "simulate")
     drakesep.clearance(case, output=folder / "clearance")
-    drakesep.verify(case, output=folder / "verify", growth=True, corners=1, **quick)
+    how = {"growth": True, "corners": 1, "campaign": 100}
+    drakesep.verify(case, output=folder / "verify", **how, **quick)
     drakesep.sweep(case, {"payload.mass_kg": [1880]}, output=folder / "sweep")
     drakesep.campaign(case, 100, output=folder / "campaign", workers=1)
+    few = {"base": 2, "replicates": 2}
+    drakesep.sensitivity(two, output=folder / "sensitivity", **few)
+    few = {"per_level": 20, "replicates": 2, "least": 0.1}
+    drakesep.rare_events(case, output=folder / "rare-events", **few)
     chosen = ["PM", "lowest_clearance"]
     drakesep.worst_case(case, chosen, output=folder / "worst-case", **quick)
 
@@ -43,13 +49,14 @@ def undescribed(folder):
                 yield name, column["name"]
 
 
-def test_every_column_of_every_command_is_described(tmp_path):
-    case = one_pair(
-        dispersions={"payload.mass_kg": 20},
-        requirements=drakesep.load_case("vega").requirements[:1],
-        published=[],
-    )
-    studies(case, tmp_path)
+def test_every_column_of_every_command_is_described(tmp_path, monkeypatch):
+    compiled_once(monkeypatch, "drakesep.analysis.campaigns.flights")
+    required = {"requirements": drakesep.load_case("vega").requirements[:1]}
+    varying = {"payload.mass_kg": 20}
+    case = one_pair(dispersions=varying, published=[], **required)
+    varying["payload.cg_y_mm"] = 13
+    two = one_pair(dispersions=varying, published=[], **required)
+    studies(case, two, tmp_path)
     assert {folder.name for folder in tmp_path.iterdir()} == set(STUDIES)
     for folder in [*tmp_path.iterdir()]:
         assert list(undescribed(folder)) == []

@@ -1,6 +1,7 @@
 """Campaigns of the small case: the same whoever flies, in whichever order, resumed."""
 
 import dataclasses
+import json
 import random
 from concurrent.futures import ThreadPoolExecutor
 
@@ -15,8 +16,9 @@ import drakesep
 from drakesep.analysis.campaigns.flights import CampaignFlights
 from drakesep.analysis.engines.drake_pool import DrakePool
 from drakesep.analysis.metrics.of_run import metrics_of_run
-from drakesep.results.campaign_files import DRAWS, chunk_file
-from drakesep.studies.campaign import confirmation, executors, procedure
+from drakesep.results.campaign_files import DRAWS, TALLIES, chunk_file
+from drakesep.studies.campaign import confirmation, executors, flight
+from drakesep.studies.campaign.settings import CampaignSettings
 
 
 RUNS, CHUNK = 300, 64
@@ -145,6 +147,75 @@ def test_a_dask_cluster_flies_the_same(case, reference, tmp_path):
     assert tables(tmp_path) == tables(reference[1])
 
 
+TALLIED = ("campaign.csv", "campaign_worst.csv", "campaign_sensitivities.csv")
+
+
+@pytest.fixture(scope="module")
+def tallied(case, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("tallied")
+    return drakesep.campaign(case, RUNS, keep="worst", output=folder, **HOW), folder
+
+
+def test_without_rows_the_tables_are_the_same(reference, tallied):
+    """But of quantiles, which are as exact as histograms, and of rows themselves."""
+    (rows, folder), (study, other) = reference, tallied
+    for name in TALLIED:
+        assert (other / name).read_bytes() == (folder / name).read_bytes()
+    assert not (other / DRAWS).exists()
+    assert not (other / "campaign_runs.csv.gz").exists()
+    both = [pd.read_csv(one / "campaign_statistics.csv") for one in (folder, other)]
+    for name in ("draws", "untold", "mean", "mean_to", "deviation", "least"):
+        assert both[0][name].tolist() == both[1][name].tolist()
+    for name in ("low_3_sigma", "median", "high_3_sigma"):
+        assert (both[1][f"{name}_from"] <= both[0][f"{name}_from"]).all()
+        assert (both[1][f"{name}_to"] >= both[0][f"{name}_to"]).all()
+        span = both[0]["greatest"] - both[0]["least"]
+        # A bin is a fiftieth of what the first draws, here all, lie apart.
+        assert (abs(both[1][name] - both[0][name]) <= span / 50.0).all()
+    histograms = pd.read_csv(other / "campaign_histograms.csv")
+    assert (histograms.groupby("metric")["draws"].sum() == RUNS).all()
+    with pytest.raises(ValueError, match=r"^draws: must be of a campaign that keeps"):
+        study.draws  # noqa: B018
+    assert study.verdict == rows.verdict
+    said = json.loads((other / "study.json").read_text(encoding="utf-8"))
+    assert all(file["what"] for file in said["files"])
+    columns = [one for file in said["files"] for one in file.get("columns", ())]
+    assert all(one["what"] for one in columns)
+
+
+def test_without_rows_curves_go_where_those_of_rows_go(reference, tallied):
+    """Each point of them is the share of draws that are as bad or worse."""
+    (rows, _), (study, _) = reference, tallied
+    curves = study.picture.curves
+    assert len(curves) == 4
+    for curve in curves:
+        place = rows.plan.metrics.index(curve.requirement.judged_by)
+        values = rows.flown.metrics[:, place]
+        sign = 1.0 if curve.requirement.from_above else -1.0
+        for value, share in zip(curve.values, curve.shares, strict=True):
+            beyond = sign * (values - value)
+            low, high = (beyond > 0.0).mean(), (beyond >= 0.0).mean()
+            assert low <= share <= high
+        assert (np.diff(curve.shares) <= 0.0).all()
+
+
+def test_without_rows_it_is_the_same_in_any_order_and_resumed(case, tallied, tmp_path):
+    bytes_of = [(tallied[1] / name).read_bytes() for name in (TALLIES, "plan.json")]
+    parts, resumed = tmp_path / "parts", tmp_path / "resumed"
+    how = {**HOW, "keep": "worst"}
+    recorded = drakesep.plan_campaign(case, RUNS, output=parts, **how)
+    numbers = [*range(recorded.plan.chunks)]
+    random.Random(2).shuffle(numbers)
+    for number in numbers:
+        drakesep.run_chunk(parts, number)
+    drakesep.merge_campaign(parts)
+    interrupted(case, resumed, after=2, keep="worst")
+    drakesep.campaign(case, RUNS, output=resumed, resume=True, **how)
+    for folder in (parts, resumed):
+        names = (TALLIES, "plan.json")
+        assert [(folder / name).read_bytes() for name in names] == bytes_of
+
+
 def interrupted(case, folder, after, **how):
     """Fly until so many chunks are there, and be interrupted."""
     wrote = []
@@ -155,9 +226,9 @@ def interrupted(case, folder, after, **how):
         wrote.append(arguments)
         write_chunk(*arguments)
 
-    write_chunk = procedure.write_chunk
+    write_chunk = flight.write_chunk
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(procedure, "write_chunk", write)
+        patch.setattr(flight, "write_chunk", write)
         with pytest.raises(KeyboardInterrupt):
             drakesep.campaign(case, RUNS, output=folder, **{**HOW, **how})
 
@@ -206,8 +277,12 @@ def test_another_campaign_does_not_go_on(changed, told, case, tmp_path):
 def test_what_is_refused(case, tmp_path):
     with pytest.raises(ValueError, match=r"^runs: must be 230 or more to show a share"):
         drakesep.campaign(case, 229, **HOW)
-    with pytest.raises(ValueError, match="must have share and confidence"):
-        drakesep.campaign(case, RUNS, share=0.99)
+    with pytest.raises(ValueError, match=r"^confidence: must stand with a share"):
+        drakesep.campaign(case, RUNS, confidence=0.9)
+    with pytest.raises(
+        ValueError, match=r"^share must be a number or None, got 'most'"
+    ):
+        drakesep.campaign(case, RUNS, share="most")
     with pytest.raises(ValueError, match=r"^output: .* to resume, got None"):
         drakesep.campaign(case, RUNS, resume=True)
     nothing = write_case(
@@ -215,6 +290,17 @@ def test_what_is_refused(case, tmp_path):
     )
     with pytest.raises(ValueError, match=r"^requirements: a campaign needs one"):
         drakesep.campaign(nothing, RUNS)
+
+
+def test_a_share_alone_is_shown_at_90_per_cent(case):
+    plans = [
+        CampaignSettings(runs=RUNS, share=0.99, confidence=confidence)
+        for confidence in (None, 0.9)
+    ]
+    loaded = drakesep.load_case(case).in_si()
+    alone, given = (one.of_shares(loaded).requirements for one in plans)
+    assert alone == given
+    assert {one.confidence for one in alone} == {0.9}
 
 
 def test_every_run_must_is_not_shown_by_any_number(case):
@@ -264,7 +350,8 @@ def test_what_drake_does_not_confirm_is_not_met(case, monkeypatch):
     assert set(failed["quantity"]) == {"longitudinal_speed_after_separation_m_s"}
 
 
-def test_a_run_that_fails_is_beyond_and_told(tmp_path):
+@pytest.mark.parametrize("keep", ["rows", "worst"])
+def test_a_run_that_fails_is_beyond_and_told(keep, tmp_path):
     """A stroke that the end of the run cuts short, in some draws."""
     data = small_case(published=None, objectives=None, failure_cases=None)
     data["requirements"] = data["requirements"][:1]
@@ -274,14 +361,15 @@ def test_a_run_that_fails_is_beyond_and_told(tmp_path):
     spring["law"] = "displacement"
     data["dispersions"] = {"s2.stroke_mm": 100.0}
     data["run"] = {"duration_s": 0.25}
-    study = drakesep.campaign(write_case(tmp_path, data), RUNS, **HOW)
+    study = drakesep.campaign(write_case(tmp_path, data), RUNS, keep=keep, **HOW)
     failed = len(study.failures)
     assert 0 < failed < RUNS
     assert all("stroke" in why for why in study.failures.values())
     [finding] = study.findings
     assert finding.beyond == failed
     assert finding.ranked[:failed] == (*study.failures,)
-    assert study.draws["status"].str.startswith("failed: ").sum() == failed
+    if keep == "rows":
+        assert study.draws["status"].str.startswith("failed: ").sum() == failed
     assert study.completed  # Drake says so, too
     assert study.verdict == "not shown"
 
