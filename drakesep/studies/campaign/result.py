@@ -1,7 +1,6 @@
 """What came of a campaign: shares, verdict, draws, and what Drake says of some."""
 
 import functools
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -90,14 +89,21 @@ class Campaign:
     def value_of(self, draw: int, metric: str) -> float:
         """Return what a draw tells of a metric or clearance of the plan, in SI.
 
-        NaN if its run failed, or it was not measured.
+        Of a clearance that was not measured, what it is at least. NaN if its run
+        failed.
         """
         if metric not in self.plan.clearances:
             return float(self.flown.metrics[draw, self.plan.metrics.index(metric)])
-        i, of_draws = self.plan.clearances.index(metric), self.flown.clearances
-        if of_draws is None or not of_draws.measured[draw, i]:
-            return math.nan
-        return float(of_draws.at_least[draw, i])
+        assert self.flown.clearances is not None
+        i = self.plan.clearances.index(metric)
+        return float(self.flown.clearances.at_least[draw, i])
+
+    def tells(self, draw: int, metric: str) -> bool:
+        """Return whether that is the value itself, not only what it is at least."""
+        of_draws = self.flown.clearances
+        if metric not in self.plan.clearances or of_draws is None:
+            return True
+        return bool(of_draws.measured[draw, self.plan.clearances.index(metric)])
 
     @property
     def failures(self) -> Mapping[int, str]:
