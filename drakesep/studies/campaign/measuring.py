@@ -12,7 +12,7 @@ import numpy as np
 
 from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
 from drakesep.analysis.campaigns.gathering import KeptDraws
-from drakesep.analysis.campaigns.measuring import MOST, next_draws, wanted_draws
+from drakesep.analysis.campaigns.measuring import MOST, next_draws
 from drakesep.analysis.campaigns.screens import DrawnClearances
 from drakesep.analysis.campaigns.shares import nearest_of_draws, of_launches, size_of
 from drakesep.analysis.engines.drake_pool import WORKERS_START
@@ -67,7 +67,8 @@ def with_measured(
                 draws = next_draws(nearest)
                 if not len(draws):
                     break
-                left = min(len(wanted_draws(nearest)), MOST - int(measured[:, i].sum()))
+                left = max(one.left for one in nearest)
+                left = max(min(left, MOST - int(measured[:, i].sum())), len(draws))
                 on_progress(done, done + left)
                 file = measured_file(folder, i, number)
                 values = read_measured(file, recorded, draws.tolist())
