@@ -87,7 +87,8 @@ class FlownDraws:
     def value_of(self, row: int, metric: str, plan: CampaignPlan) -> float:
         """Return what a draw tells of a metric or clearance of the plan, in SI.
 
-        Of a clearance that was not measured, what it is at least. NaN if the run failed.
+        Of a clearance that was not measured, what it is at least; NaN of a run that
+        failed.
 
         Args:
             row: of the draw.
