@@ -134,7 +134,8 @@ def campaign_picture(study: Study) -> Picture | None:
     recorded = RecordedPlan.read(study.results.folder, to_fly=False)
     flown = read_draws(study.results.folder, recorded)
     plan = recorded.plan
-    findings = share_findings(plan, flown.metrics, [*flown.reasons])
+    failed = [*flown.reasons]
+    findings = share_findings(plan, flown.metrics, failed, flown.clearances)
     if all(one.beyond is None for one in findings):
         return None
     return picture_of(
