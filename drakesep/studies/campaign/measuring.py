@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+import os
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
@@ -54,6 +55,7 @@ def with_measured(
     plan = recorded.plan
     if not isinstance(flown, FlownDraws) or flown.clearances is None:
         return flown
+    count = workers or os.cpu_count() or 1
     at_least = flown.clearances.at_least.copy()
     measured = flown.clearances.measured.copy()
     done = 0
@@ -78,9 +80,9 @@ def with_measured(
                     values = _measured(flights, recorded, folder, executor, name, asked)
                     write_measured(file, recorded, draws.tolist(), values)
                     slow = time.perf_counter() - began > WORKERS_START
-                    if executor is None and slow and left > len(draws):
+                    if executor is None and count > 1 and slow and left > len(draws):
                         # Worth the start of others.
-                        executor = stack.enter_context(own_processes(workers))
+                        executor = stack.enter_context(own_processes(count))
                 at_least[draws, i], measured[draws, i] = values, True
                 done, number = done + len(draws), number + 1
     if done:
