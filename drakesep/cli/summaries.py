@@ -227,6 +227,9 @@ class ReportSummary:
     verdict: str
     """On everything that it tells of: `met`, `not met`, `not shown`, `not looked at`,
     `no verdict`."""
+    checked: list[Row]
+    """`folder`, `same` and `differences` of each, done again with `--check`; empty if
+    that was not asked for."""
 
 
 @dataclass(frozen=True, kw_only=True)
