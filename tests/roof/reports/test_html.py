@@ -14,6 +14,9 @@ import drakesep
 from drakesep.cli import app
 
 
+SOURCE = 'guide, 4.2 <script>alert("no")</script> & more'
+
+
 @pytest.fixture(autouse=True)
 def figures_stay_blank():
     """They are drawn here, and the same to the last byte."""
@@ -23,7 +26,7 @@ def case_of_a_second():
     data = small_case(
         dispersions={"upper.mass_kg": 50.0}, objectives=None, published=None
     )
-    speed = {**data["requirements"][0], "id": "R-1", "source": "guide, 4.2"}
+    speed = {**data["requirements"][0], "id": "R-1", "source": SOURCE}
     clearance = {"quantity": "clearance_mm", "at_least": 500.0}
     return data | {"requirements": [speed, clearance]}
 
@@ -68,6 +71,10 @@ def test_there_is_no_number_beside_them(text):
         beside = not told.place and not {"style", "title", "h1"} & {*told.tags}
         if beside and re.search(r"\d", told.text):
             assert without_blanks(told.text) in own, told
+
+
+def test_what_a_case_says_is_text(text):
+    assert SOURCE in [told.text for told in told_in(text)]
 
 
 def test_nothing_is_fetched_and_nothing_runs(text):
