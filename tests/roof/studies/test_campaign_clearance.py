@@ -21,6 +21,7 @@ from drakesep.analysis.campaigns.shares import share_findings
 from drakesep.case_file.case import Case
 from drakesep.cli.campaign_lines import print_campaign
 from drakesep.plots.campaign import campaign_figure
+from drakesep.plots.campaign_draws import curves_of
 from drakesep.results.campaign_files import DRAWS, measured_file
 from drakesep.studies.campaign import confirmation, measuring, procedure
 from drakesep.studies.campaign.executors import own_processes
@@ -191,7 +192,8 @@ def test_what_is_broken_anyway_need_not_be_counted_to_the_last(true, monkeypatch
 def test_its_curve_shows_what_is_measured(reference, true):
     """The share of draws that come as near, from where all of them are measured."""
     study, _ = reference
-    figure = campaign_figure(study.findings, study.plan, study.flown)
+    curves = curves_of(study.findings, study.plan, study.flown, {})
+    figure = campaign_figure(study.case.name, RUNS, curves)
     x, share = figure.axes[0].lines[0].get_data()
     assert share[-1] == 1 / RUNS
     assert x[-1] == pytest.approx(1e3 * true.min(), abs=1e3 * EXACT)
