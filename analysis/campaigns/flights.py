@@ -87,7 +87,8 @@ class FlownDraws:
     def value_of(self, row: int, metric: str, plan: CampaignPlan) -> float:
         """Return what a draw tells of a metric or clearance of the plan, in SI.
 
-        NaN if its run failed, or it was not measured.
+        Of a clearance that was not measured, what it is at least; NaN of a run that
+        failed.
 
         Args:
             row: of the draw.
@@ -96,10 +97,19 @@ class FlownDraws:
         """
         if metric not in plan.clearances:
             return float(self.metrics[row, plan.metrics.index(metric)])
-        i, of_draws = plan.clearances.index(metric), self.clearances
-        if of_draws is None or not of_draws.measured[row, i]:
-            return math.nan
-        return float(of_draws.at_least[row, i])
+        assert self.clearances is not None
+        return float(self.clearances.at_least[row, plan.clearances.index(metric)])
+
+    def tells(self, row: int, metric: str, plan: CampaignPlan) -> bool:
+        """Return whether that is the value itself, not only what it is at least.
+
+        Also of a run that failed, of which there is nothing to measure.
+        """
+        if metric not in plan.clearances or self.clearances is None:
+            return True
+        i = plan.clearances.index(metric)
+        failed = math.isnan(self.clearances.at_least[row, i])
+        return failed or bool(self.clearances.measured[row, i])
 
 
 @typed

@@ -48,6 +48,12 @@ class NearestOfDraws:
         return self._open_for_bound | self._open_for_count
 
     @property
+    def left(self) -> int:
+        """How many draws must be measured yet, about: at least, until that is known."""
+        wanted = self._open_for_count if self.short else self.open
+        return max(int(wanted.sum()), self.short)
+
+    @property
     def known_to(self) -> float:
         """To which distance all draws are measured, m, as surely as any clearance."""
         return float(self.at_least[self._unmeasured].min(initial=math.inf)) + SURE
@@ -71,8 +77,12 @@ class NearestOfDraws:
 
     @property
     def _rank(self) -> int:
-        """Which of the draws that tell is the bound: the others come before all."""
-        return max((self.size.rank or 1) - self._untold, 1)
+        """Which of the draws that tell is looked for: the bound, else the worst.
+
+        Those that do not tell come before all others.
+        """
+        bound = self.size.rank or 1
+        return max(bound - self._untold, 1) if bound <= MOST else 1
 
     @property
     def _told(self) -> Array:
@@ -86,7 +96,7 @@ class NearestOfDraws:
 
     @property
     def _last(self) -> float:
-        """What the draw measures that is the bound, m; inf: too few are measured."""
+        """What the draw of that rank measures, m; inf: too few are measured."""
         if self.short:
             return math.inf
         return float(np.partition(self._told, self._rank - 1)[self._rank - 1])
@@ -116,7 +126,8 @@ class NearestOfDraws:
         """
         values = np.where(self.measured, self.at_least, np.nan)
         rest, doubtful = self._unmeasured, self._unmeasured & self._beyond
-        if self._open_for_bound.any():  # there were too many: what is certain counts
+        too_many = (self.size.rank or 1) > MOST or self._open_for_bound.any()
+        if too_many:  # what is certain counts
             values[rest] = self.at_least[rest]
             values[doubtful] = np.nan
         else:
@@ -145,13 +156,8 @@ def next_draws(of_requirements: Sequence[NearestOfDraws]) -> NDArray[np.intp]:
     """
     first = of_requirements[0]
     done = int(first.measured.sum())
-    wanted = wanted_draws(of_requirements)
+    wanted = np.flatnonzero(np.logical_or.reduce([one.open for one in of_requirements]))
     order = np.argsort(first.at_least[wanted], kind="stable")
     short = max(one.short for one in of_requirements)
     size = min(max(short, FEW), ROUND) if short else ROUND
     return wanted[order][: min(size, max(MOST - done, 0))]
-
-
-def wanted_draws(of_requirements: Sequence[NearestOfDraws]) -> NDArray[np.intp]:
-    """Return the draws that must be measured, as far as is known."""
-    return np.flatnonzero(np.logical_or.reduce([one.open for one in of_requirements]))

@@ -10,7 +10,7 @@ from drakesep.cli.campaign_commands import campaign, replay
 from drakesep.cli.case_commands import cases, new, show
 from drakesep.cli.compare_command import compare
 from drakesep.cli.export_command import export
-from drakesep.cli.report import BAD_INPUT, print_json, say_error
+from drakesep.cli.report import BAD_INPUT, MACHINE, print_json, say_error, words_of
 from drakesep.cli.report_command import report
 from drakesep.cli.run_commands import animate, clearance, simulate
 from drakesep.cli.search_commands import verify, worst_case
@@ -68,15 +68,22 @@ def main() -> None:
     # that it compiles slowly, say. What is fatal it still says. JAX reads this when it
     # is imported.
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
-    if "--json" not in sys.argv:
-        app()
     try:
-        sys.exit(app(standalone_mode=False) or 0)
+        code = app(standalone_mode=False) or 0
+        sys.stdout.flush()
+    except OSError as error:  # help, or versions, cannot be written
+        code = MACHINE
+        say_error(words_of(error))
     except Exception as error:
-        message = getattr(error, "format_message", None)
-        if message is None:
+        told = getattr(error, "format_message", None)
+        if told is None:
             raise
         # The words of the command line make no sense: no command has begun.
-        say_error(message())
-        print_json(None, BAD_INPUT, message(), [], {})
-        sys.exit(BAD_INPUT)
+        code, message = BAD_INPUT, told()
+        context = getattr(error, "ctx", None)
+        if message and context is not None:
+            message = f"{message} (see `{context.command_path} --help`)"
+        say_error(message)
+        if "--json" in sys.argv:
+            print_json(None, code, message, [], {})
+    sys.exit(code)

@@ -1,17 +1,12 @@
 """Where the command begins: signals first, then what takes time to import."""
 
-import sys
-
-from drakesep.cli import signals
+from drakesep.cli import signals, streams
 
 
 def main() -> None:
     """Run the command line."""
+    streams.prepare()
     signals.listen()
-    for stream in (sys.stdout, sys.stderr):
-        # A console that cannot show a character shows another.
-        if stream is not None and hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
     from drakesep.cli.app import main as command_line
 
     command_line()

@@ -4,7 +4,6 @@ Standard output has what was asked; errors, warnings and progress go to standard
 Imports that take time wait until something is said.
 """
 
-import contextlib
 import errno
 import json
 import math
@@ -123,7 +122,11 @@ class Report:
             code, message = found
         say_error(message)
         if self._as_json:
-            print_json(self._command, code, message, self._warnings, self._summary)
+            try:
+                print_json(self._command, code, message, self._warnings, self._summary)
+            except OSError as unwritten:
+                code, message = MACHINE, words_of(unwritten)
+                say_error(message)
         command_has_said()
         if code:
             sys.exit(code)
@@ -161,10 +164,8 @@ def _ending(error: BaseException) -> tuple[int, str] | None:
             return signal, WORDS[signal]
         case InputError():
             return _blamed(error.__cause__), str(error)
-        case BrokenPipeError():  # who reads has left: typer knows what to do
-            return None
         case OSError():
-            return _blamed(error), f"{error.filename}: {error.strerror}"
+            return _blamed(error), words_of(error)
         case MemoryError():
             return MACHINE, "the memory is full"
         case RecursionError():
@@ -178,6 +179,15 @@ def _ending(error: BaseException) -> tuple[int, str] | None:
         case SystemExit(code=int() as code) if code in WORDS:
             return code, WORDS[code]
     return None
+
+
+def words_of(error: OSError) -> str:
+    """Return what is said of an error of the system, with its file if it has one.
+
+    Args:
+        error: that no other input mends, or that names the file that is wrong.
+    """
+    return ": ".join(map(str, filter(None, (error.filename, error.strerror))))
 
 
 def _blamed(error: BaseException | None) -> int:
@@ -200,9 +210,8 @@ def _is_full(error: RuntimeError) -> bool:
 
 def say_error(message: str) -> None:
     """Print a message on standard error, line by line."""
-    with contextlib.suppress(OSError):  # the terminal may be gone
-        for line in message.splitlines():
-            print(f"drakesep: {line}", file=sys.stderr, flush=True)
+    for line in message.splitlines():
+        print(f"drakesep: {line}", file=sys.stderr, flush=True)
 
 
 def print_json(
@@ -230,10 +239,7 @@ def print_json(
         **summary,
     }
     text = json.dumps(_plain(data), indent=1, ensure_ascii=False, allow_nan=False)
-    try:
-        print(text, flush=True)
-    except BrokenPipeError:
-        _reader_left()
+    print(text, flush=True)
 
 
 def _plain(value: Any) -> Any:
@@ -253,18 +259,7 @@ def _plain(value: Any) -> Any:
 def _console(*, quiet: bool, stderr: bool = False) -> "Console":
     from rich.console import Console
 
-    class OurConsole(Console):
-        def on_broken_pipe(self) -> None:
-            _reader_left()
-
-    console = OurConsole(quiet=quiet, stderr=stderr)
+    console = Console(quiet=quiet, stderr=stderr)
     if not console.is_terminal and "COLUMNS" not in os.environ:
-        console = OurConsole(quiet=quiet, stderr=stderr, width=200)  # a file: no edge
+        console = Console(quiet=quiet, stderr=stderr, width=200)  # a file: no edge
     return console
-
-
-def _reader_left() -> None:
-    """Let the rest go nowhere: that `| head` has seen enough is no error."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    os.close(nowhere)

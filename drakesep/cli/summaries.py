@@ -220,11 +220,16 @@ class ReportSummary:
     """Its name."""
     file: str
     """The page."""
+    pdf: str | None
+    """The page as PDF; null: it was not asked for."""
     folders: list[str]
     """That it tells of."""
     verdict: str
     """On everything that it tells of: `met`, `not met`, `not shown`, `not looked at`,
     `no verdict`."""
+    checked: list[Row]
+    """`folder`, `same` and `differences` of each, done again with `--check`; empty if
+    that was not asked for."""
 
 
 @dataclass(frozen=True, kw_only=True)

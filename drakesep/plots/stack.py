@@ -42,7 +42,7 @@ _CROSS: dict[str, Any] = {"marker": "+", "ms": 6, "color": "black", "ls": "none"
 def stack_figure(separation: Separation) -> Figure:
     """Return the mated stack in A's frame, seen along y and along z."""
     places = _places(separation)
-    figure = Figure(figsize=(7.0, 3.6), layout="constrained")
+    figure = Figure(figsize=(7.0, 3.0), layout="constrained")
     panels = figure.subplots(1, len(_VIEWS))
     for axes, (across, i, up, j) in zip(panels, _VIEWS, strict=True):
         for k, body in enumerate(separation.bodies):

@@ -23,6 +23,7 @@ _SHARES: Columns = {
     "bound": "bound",
     "worst": "worst draw",
     "failed": "failed",
+    "measured": "measured",
     "verdict": "verdict",
 }
 _CONFIRMED: Columns = {

@@ -23,6 +23,7 @@ from drakesep.reports import (
     worst_cases_part,
 )
 from drakesep.reports.compliance import Matrix, matrix_of
+from drakesep.reports.pdf import write_pdf
 from drakesep.reports.separation_part import SeparationPart
 from drakesep.reports.studies import Studies, read_studies
 from drakesep.reports.summary import summary_of
@@ -44,7 +45,10 @@ class Part(NamedTuple):
 
 @typed
 def report(
-    folders: Sequence[str | Path] | str | Path, *, output: str | Path | None = None
+    folders: Sequence[str | Path] | str | Path,
+    *,
+    output: str | Path | None = None,
+    pdf: bool = False,
 ) -> Path:
     """Write a report of results folders as one HTML page; nothing is flown.
 
@@ -52,33 +56,42 @@ def report(
         folders: of results, all of the same case; or one. Together they become one
             report: of the design with its failure cases, a campaign, clearances.
         output: the page; if None, ``FOLDER_report.html`` beside the first folder.
+        pdf: whether to write it as PDF beside the page, too.
 
     Returns:
         The page.
 
     Raises:
-        ValueError: a folder holds no results, or two are not of the same case.
+        ValueError: a folder holds no results, two are not of the same case, or a PDF
+            is wanted and WeasyPrint is not there.
     """
     several = [folders] if isinstance(folders, str | Path) else folders
-    return write_report(read_studies(several), output).file
+    return write_report(read_studies(several), output, pdf=pdf).file
 
 
 class Written(NamedTuple):
     """A report that has been written."""
 
     file: Path
+    pdf: Path | None
+    """None: it was not asked for."""
     verdict: str
     """On everything that it tells of."""
 
 
-def write_report(studies: Studies, output: str | Path | None = None) -> Written:
-    """Write the page of some studies; where, `report` says."""
+def write_report(
+    studies: Studies, output: str | Path | None = None, *, pdf: bool = False
+) -> Written:
+    """Write the page of some studies; how and where, `report` says."""
     beside = page_beside(studies.first.results.folder)
     file = (beside if output is None else Path(output)).absolute()
     page, verdict = page_of(studies, file)
     writable_folder(file.parent)
     write_text(file, page)
-    return Written(file, verdict)
+    as_pdf = file.with_suffix(".pdf") if pdf else None
+    if as_pdf is not None:
+        write_pdf(page, as_pdf)
+    return Written(file, as_pdf, verdict)
 
 
 def page_beside(folder: Path) -> Path:

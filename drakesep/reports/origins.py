@@ -71,6 +71,7 @@ class CaseText:
         stem, axis = split_axis(quantity)
         whole = with_unit(name).rpartition(".")[2]
         of_all = f"{stem}_{unit}" if unit else stem
+        # A vector is a list, or a mapping by its axes.
         leaves = ((whole,), (of_all, axis), (of_all,))
         in_solid = tuple(("solid", *leaf) for leaf in leaves)
         return self._found(_home(owner, separation), (*leaves, *in_solid))
@@ -100,7 +101,7 @@ class CaseText:
             return None
         for leaf in leaves:
             lines = self._lines_to([*home, *leaf])
-            if len(lines) > len(home) and len(lines) >= len(home) + len(leaf) - 1:
+            if len(lines) == len(home) + len(leaf):
                 return Origin(lines[-1] + 1, self._note(lines), True)
         return Origin(at_home[-1] + 1, self._note(at_home), not leaves)
 

@@ -40,7 +40,7 @@ def picture_of(figure: "Figure", alternative: str, caption: str) -> Picture:
     import matplotlib
 
     drawn = io.BytesIO()
-    same: Any = {"svg.hashsalt": "drakesep", "svg.fonttype": "path"}
+    same: Any = {"svg.hashsalt": "drakesep", "svg.fonttype": "none"}
     with matplotlib.rc_context(same):
         figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": None})
     text = base64.b64encode(drawn.getvalue()).decode("ascii")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from drakesep.analysis.failure_cases import DESIGN
-from drakesep.reports.cells import Cell, Row
+from drakesep.reports.cells import EMPTY, Cell, Row
 from drakesep.reports.compliance import (
     MET,
     NO_VERDICT,
@@ -43,6 +43,10 @@ class Summary:
     """Requirements beyond their limits, or nearest to them, the worst first."""
     worst_failure: Row | None
     """The failure case that is worst by a requirement, of failure_cases.csv."""
+    searches: Sequence[Row]
+    """Of searches.csv."""
+    draws: Cell
+    """How many launches a campaign has drawn."""
     unfinished: Sequence[Study]
     """Studies that did not come to their end."""
 
@@ -66,6 +70,8 @@ def summary_of(studies: Studies, matrix: Matrix) -> Summary:
         findings=findings,
         nearest=sorted(told, key=_margin_share)[:_NEAREST],
         worst_failure=_worst_of(failures),
+        searches=studies.rows("searches.csv"),
+        draws=next((row["runs"] for row in studies.rows("campaign.csv")), EMPTY),
         unfinished=unfinished,
     )
 

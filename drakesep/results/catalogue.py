@@ -481,7 +481,12 @@ _CAMPAIGN = (
             Column("rank", "", "1: the worst of all draws; empty at random."),
             Column("draw", "", "Its number, from 0, as `replay --run` takes it."),
             _UNIT,
-            Column("value", _SAME, "By the batch engine."),
+            Column(
+                "value",
+                _SAME,
+                "By the batch engine; of a clearance that was not measured, what it is "
+                "at least.",
+            ),
             Column("in_drake", _SAME, "In Drake."),
             *_DRAW[:1],
             Column("status", "", "`confirmed`, or what is different in Drake."),

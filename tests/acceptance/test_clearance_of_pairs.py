@@ -546,3 +546,32 @@ def test_which_body_leaves(bodies, leaving):
     pairs = [Pair(A=A, B=B) for A, B in chain]
     assert leaving_among(pairs, bodies).B == leaving
     assert leaving_among(pairs, bodies[::-1]).B == leaving
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("until", [0.3, END])
+def test_a_campaign_tells_what_the_closed_form_does_of_its_draws(until):
+    """To its neighbour, which leaves as well; to its launch vehicle nothing changes."""
+    required = {**CLEAR, "share": 0.6, "confidence": 0.9}
+    near = {"to": "nb", "at_least": distance(1.1, until)}
+    window = {"until_separation_mm": 1e3 * until}
+    study = drakesep.campaign(
+        drifting([{**required, **near, **window}, {**required, "at_least": 99.0}]), 100
+    )
+    to_nb, to_lv = study.findings
+    rows = study.draws
+    true = np.array([distance(factor, until) for factor in rows["side.factor"]])
+    name = f"clearance_to_nb_until_{until:g}_m_mm"
+    measured = rows[name].notna()
+    assert rows.loc[measured, name].to_numpy() == pytest.approx(
+        true[measured], abs=EXACT
+    )
+    assert (rows[f"at_least_{name}"] <= true + EXACT).all()
+    sure = np.abs(true - near["at_least"]) > EXACT
+    beyond = (true[sure] < near["at_least"]).sum()
+    assert 10 < beyond <= to_nb.beyond <= beyond + (~sure).sum()
+    bound = np.sort(true)[to_nb.size.rank - 1]
+    assert 1e3 * to_nb.bound == pytest.approx(bound, abs=EXACT + 0.1)
+    assert to_lv.beyond == 0
+    assert 1e3 * to_lv.bound == pytest.approx(100.0, abs=EXACT + 0.1)
+    assert study.passed and study.completed

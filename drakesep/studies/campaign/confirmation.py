@@ -67,11 +67,9 @@ def chosen(study: Campaign) -> list[Chosen]:
 
 
 def tells(study: Campaign, draw: int, metric: str) -> bool:
-    """Return whether a draw tells a metric, or failed: not a clearance unmeasured."""
+    """Return whether a draw tells a metric: not a clearance that was not measured."""
     flown = study.flown
-    if not isinstance(flown, FlownDraws) or draw in flown.reasons:
-        return True
-    return not math.isnan(flown.value_of(draw, metric, study.plan))
+    return not isinstance(flown, FlownDraws) or flown.tells(draw, metric, study.plan)
 
 
 def _deciding(finding: ShareFinding) -> Iterator[Chosen]:
@@ -155,7 +153,8 @@ def _compared(one: Chosen, study: Campaign) -> Sequence[str]:
     if one.requirement is not None:
         return (one.requirement.judged_by,)
     judges = (each.requirement.judged_by for each in study.findings)
-    return [name for name in dict.fromkeys(judges) if name in study.plan.metrics]
+    told = {*study.plan.metrics, *study.plan.clearances}
+    return [name for name in dict.fromkeys(judges) if name in told]
 
 
 class _Told:
@@ -194,7 +193,10 @@ class _Told:
             clearance = study.flights.clearances.get(metric)
             objective = highest(metric) if clearance is None else clearance
             within = may_differ(objective, study.case, value, float(nominal))
-            outcome = _of_values(one, value, told, within)
+            if self._flown.tells(row, metric, study.plan):
+                outcome = _of_values(one, value, told, within)
+            else:
+                outcome = _of_bound(value, told, within)
         return ConfirmedDraw(
             draw=one.draw,
             metric=metric,
@@ -236,6 +238,15 @@ def _of_failed(on_batch: str, in_drake: str | bool) -> Outcome:
     if on_batch:
         return failed(f"on the batch engine alone: {on_batch}")
     return failed(f"in Drake alone: {in_drake}")
+
+
+def _of_bound(at_least: float, in_drake: float, within: float) -> Outcome:
+    """Return whether Drake gives no less than what is said to be so at least."""
+    if not in_drake < at_least - within:
+        return CONFIRMED
+    return failed(
+        f"Drake gives {in_drake:.9g} where the batch engine proves {at_least:.9g} (SI)"
+    )
 
 
 def _of_values(one: Chosen, value: float, in_drake: float, within: float) -> Outcome:

@@ -175,13 +175,9 @@ def _flights(text: str, folder: str, registered: bytes) -> CampaignFlights:
 
 
 @contextlib.contextmanager
-def own_processes(count: int | None) -> Iterator[Executor]:
-    """Give so many processes of this machine, spawned, that end with the block.
-
-    Args:
-        count: of them; one per core if None.
-    """
-    pool = start_processes(count or os.cpu_count() or 1, _nothing)
+def own_processes(count: int) -> Iterator[Executor]:
+    """Give so many processes of this machine, spawned, that end with the block."""
+    pool = start_processes(count, _nothing)
     try:
         yield pool
     finally:

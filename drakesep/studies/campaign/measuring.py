@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+import os
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
@@ -12,7 +13,7 @@ import numpy as np
 
 from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
 from drakesep.analysis.campaigns.gathering import KeptDraws
-from drakesep.analysis.campaigns.measuring import MOST, next_draws, wanted_draws
+from drakesep.analysis.campaigns.measuring import MOST, next_draws
 from drakesep.analysis.campaigns.screens import DrawnClearances
 from drakesep.analysis.campaigns.shares import nearest_of_draws, of_launches, size_of
 from drakesep.analysis.engines.drake_pool import WORKERS_START
@@ -54,6 +55,7 @@ def with_measured(
     plan = recorded.plan
     if not isinstance(flown, FlownDraws) or flown.clearances is None:
         return flown
+    count = workers or os.cpu_count() or 1
     at_least = flown.clearances.at_least.copy()
     measured = flown.clearances.measured.copy()
     done = 0
@@ -67,7 +69,8 @@ def with_measured(
                 draws = next_draws(nearest)
                 if not len(draws):
                     break
-                left = min(len(wanted_draws(nearest)), MOST - int(measured[:, i].sum()))
+                left = max(one.left for one in nearest)
+                left = max(min(left, MOST - int(measured[:, i].sum())), len(draws))
                 on_progress(done, done + left)
                 file = measured_file(folder, i, number)
                 values = read_measured(file, recorded, draws.tolist())
@@ -77,9 +80,9 @@ def with_measured(
                     values = _measured(flights, recorded, folder, executor, name, asked)
                     write_measured(file, recorded, draws.tolist(), values)
                     slow = time.perf_counter() - began > WORKERS_START
-                    if executor is None and slow and left > len(draws):
+                    if executor is None and count > 1 and slow and left > len(draws):
                         # Worth the start of others.
-                        executor = stack.enter_context(own_processes(workers))
+                        executor = stack.enter_context(own_processes(count))
                 at_least[draws, i], measured[draws, i] = values, True
                 done, number = done + len(draws), number + 1
     if done:

@@ -95,11 +95,75 @@ def test_a_signal_in_the_midst_of_a_study(tmp_path):
     assert (record["study"], record["ended"]) == ("verify", "interrupted")
 
 
-def test_a_reader_who_has_seen_enough():
-    with begun("show", "vega") as process:
+SIZE = ("campaign", "size", "--share", "0.9")
+SAYS = [SIZE, (*SIZE, "--json"), ("--help",), ("--version",)]
+"""Ways to write on standard output: by tables, at once, or without a command."""
+said = pytest.mark.parametrize("words", SAYS, ids=" ".join)
+BUFFERED = {k: v for k, v in os.environ.items() if k != "PYTHONUNBUFFERED"}
+"""As Python is, unless it is told otherwise."""
+
+
+@said
+def test_a_reader_who_has_seen_enough(words):
+    with begun(*words, env=BUFFERED) as process:
         process.stdout.close()
         assert process.stderr.read() == ""
     assert process.returncode == 0
+
+
+@said
+def test_standard_output_on_a_full_disk(words):
+    with (
+        open("/dev/full", "w") as full,
+        begun(*words, stdout=full, env=BUFFERED) as process,
+    ):
+        why = "drakesep: standard output: No space left on device\n"
+        assert process.stderr.read() == why
+    assert process.returncode == 3
+
+
+CLOSED = """
+import os, sys
+for number in map(int, sys.argv[1].split()):
+    os.close(number)
+script = "import sys; from drakesep.cli import signals, streams\\n"
+script += "streams.prepare(); signals.listen(); file = open(sys.argv[1], 'w')\\n"
+script += "print('out', flush=True); print('err', file=sys.stderr); sys.stdin.read()"
+os.execv(sys.executable, [sys.executable, "-c", script, sys.argv[2]])
+"""
+
+
+@pytest.mark.parametrize("closed", ["0", "1", "2", "0 1 2"])
+def test_closed_streams(closed, tmp_path):
+    """No file of a study's takes the place of one, and is written into."""
+    entry = (sys.executable, "-c", CLOSED, closed, tmp_path / "file")
+    process = begun(entry=entry, stdin=subprocess.DEVNULL)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 0, err
+    assert out == ("" if "1" in closed else "out\n")
+    assert err == ("" if "2" in closed else "err\n")
+    assert (tmp_path / "file").read_text() == ""
+
+
+def test_a_terminal_that_is_gone():
+    """What is said aside is lost, and nothing else is."""
+    script = "import sys; from drakesep.cli import streams; streams.prepare()\n"
+    script += "print('err', file=sys.stderr, flush=True); print('out')"
+    with open("/dev/full", "w") as gone:  # as wrong to write on
+        process = begun(entry=(sys.executable, "-c", script), stderr=gone, env=BUFFERED)
+        out, _ = process.communicate(timeout=60)
+    assert (process.returncode, out) == (0, "out\n")
+
+
+def test_words_that_make_no_sense():
+    """One line, as of other mistakes."""
+    process = begun("simulate", "vega", "--sampels", "3")
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 2
+    assert out == ""
+    [line] = err.splitlines()
+    assert line.startswith("drakesep: No such option: --sampels")
+    assert line.endswith("simulate --help`)")
 
 
 def test_a_console_that_cannot_show_a_character():

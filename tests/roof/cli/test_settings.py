@@ -103,7 +103,7 @@ ELSEWHERE = {
     "sweep": {"--output", "-o", "--workers"},
     "campaign": {"--output", "-o", "--workers", "--resume", "--dask"},
     "replay": {"--run", "--animation", "--no-animation", "--output", "-o"},
-    "report": {"--output", "-o"},
+    "report": {"--output", "-o", "--pdf", "--check", "--tolerance"},
     "clearance": {"--output", "-o"},
     "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes", "--resume"},
     "verify": {

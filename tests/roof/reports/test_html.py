@@ -2,6 +2,7 @@
 
 import re
 import shutil
+import sys
 
 import pytest
 from browser import browser
@@ -13,11 +14,19 @@ import drakesep
 from drakesep.cli import app
 
 
+SOURCE = 'guide, 4.2 <script>alert("no")</script> & more'
+
+
+@pytest.fixture(autouse=True)
+def figures_stay_blank():
+    """They are drawn here, and the same to the last byte."""
+
+
 def case_of_a_second():
     data = small_case(
         dispersions={"upper.mass_kg": 50.0}, objectives=None, published=None
     )
-    speed = {**data["requirements"][0], "id": "R-1", "source": "guide, 4.2"}
+    speed = {**data["requirements"][0], "id": "R-1", "source": SOURCE}
     clearance = {"quantity": "clearance_mm", "at_least": 500.0}
     return data | {"requirements": [speed, clearance]}
 
@@ -62,6 +71,10 @@ def test_there_is_no_number_beside_them(text):
         beside = not told.place and not {"style", "title", "h1"} & {*told.tags}
         if beside and re.search(r"\d", told.text):
             assert without_blanks(told.text) in own, told
+
+
+def test_what_a_case_says_is_text(text):
+    assert SOURCE in [told.text for told in told_in(text)]
 
 
 def test_nothing_is_fetched_and_nothing_runs(text):
@@ -128,6 +141,29 @@ def test_page_stands_beside_its_folder_unless_it_is_said(folders, tmp_path):
     folder = tmp_path / "study"
     shutil.copytree(folders[1], folder)
     assert drakesep.report(folder) == tmp_path / "study_report.html"
+
+
+@pytest.mark.slow
+def test_pdf_is_the_same_to_the_last_byte(folders, tmp_path):
+    try:
+        import weasyprint  # noqa: F401
+    except (ImportError, OSError) as error:
+        pytest.skip(f"no PDF: {error}")
+    first, again = (
+        drakesep.report(folders[1], output=tmp_path / f"{k}.html", pdf=True)
+        for k in ("first", "again")
+    )
+    pdf = first.with_suffix(".pdf").read_bytes()
+    assert pdf.startswith(b"%PDF")
+    assert again.with_suffix(".pdf").read_bytes() == pdf
+
+
+def test_pdf_without_weasyprint_is_refused(folders, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "weasyprint", None)
+    with pytest.raises(
+        ValueError, match=r"pdf: needs WeasyPrint, which drakesep\[pdf\]"
+    ):
+        drakesep.report(folders[1], output=tmp_path / "page.html", pdf=True)
 
 
 @pytest.mark.slow

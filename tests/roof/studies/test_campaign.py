@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 from batches import compiled_once
 from left_behind import whole
+from places import Folders, told_in
 from small_case import small_case, write_case
 
 import drakesep
@@ -53,6 +54,20 @@ def reference(case, tmp_path_factory):
 def tables(folder):
     names = (DRAWS, "campaign.csv", "campaign_worst.csv", "campaign_runs.csv.gz")
     return {name: (folder / name).read_bytes() for name in names}
+
+
+def test_its_report_tells_what_its_tables_have(reference, tmp_path):
+    """Each number by its place; none of the campaign's tables is left out."""
+    _, folder = reference
+    page = drakesep.report(folder, output=tmp_path / "page.html").read_text("utf-8")
+    told = [one for one in told_in(page) if one.place]
+    there = Folders({folder.name: folder})
+    for one in told:
+        there.check(one)
+    places = " ".join(one.place for one in told)
+    for name in ("campaign", "campaign_worst", "campaign_statistics"):
+        assert f"/{name}.csv:" in places
+    assert "Share of draws beyond a value." in page
 
 
 def test_metrics_are_those_of_runs_in_drake(reference):

@@ -286,6 +286,17 @@ def test_nothing_is_met_that_could_not_be_measured(monkeypatch, true):
     assert math.isnan(finding.bound)
 
 
+def test_a_screen_that_proves_too_much_is_found_out_in_drake(monkeypatch):
+    """By the draws at random that are flown there."""
+    monkeypatch.setattr(
+        "drakesep.analysis.campaigns.screens.ClearanceScreen.lower_bounds",
+        lambda self, places: np.full(len(places.q_AB), 0.05),
+    )
+    study = drakesep.campaign(slot(REQUIRED), RUNS, **HOW, **LEVEL)
+    assert "where the batch engine proves 0.05" in study.failure
+    assert study.verdict == "not looked at"
+
+
 def test_a_window_that_does_not_end_is_not_met(true):
     far = [{**REQUIRED[0], "until_separation_mm": 2000}]
     study = drakesep.campaign(slot(far), 30, seed=2, share=0.9, confidence=0.9)

@@ -1,0 +1,131 @@
+"""The compliance matrix: what several studies say of a requirement, put together."""
+
+import itertools
+import math
+
+import pytest
+
+from drakesep.reports.cells import Cell, Row, number_text
+from drakesep.reports.compliance import Entry, worst_verdict
+from drakesep.reports.studies import _read
+
+
+MET, NOT_MET, SHOWN, LOOKED = "met", "not met", "not shown", "not looked at"
+EVERY, SHARE = "", 0.99865
+SAYS = {"limit": 1.0, "sense": "<=", "unit": "deg/s"}
+
+
+def row(file, **values):
+    return Row({**SAYS, **values}, f"study/{file}:1")
+
+
+def entry(verify=None, campaign=None, of=EVERY, asked_of_draws=EVERY):
+    """An entry with such verdicts, where the case and a campaign ask for shares."""
+    searched = drawn = None
+    if verify is not None:
+        searched = row("requirements.csv", verdict=verify, share=of, worst=0.5)
+    if campaign is not None:
+        drawn = row("campaign.csv", verdict=campaign, share=asked_of_draws, bound=0.4)
+    return Entry(searched=searched, drawn=drawn)
+
+
+@pytest.mark.parametrize(
+    ("verify", "campaign", "of", "draws", "expected"),
+    [
+        # Every run must: what verify says, unless a draw is beyond.
+        (MET, None, EVERY, EVERY, MET),
+        (MET, LOOKED, EVERY, EVERY, MET),
+        (MET, NOT_MET, EVERY, EVERY, NOT_MET),
+        (NOT_MET, LOOKED, EVERY, EVERY, NOT_MET),
+        (LOOKED, LOOKED, EVERY, EVERY, LOOKED),
+        # A share that the case does not ask for is no answer for every run.
+        (LOOKED, MET, EVERY, SHARE, LOOKED),
+        (NOT_MET, MET, EVERY, SHARE, NOT_MET),
+        (MET, SHOWN, EVERY, SHARE, MET),
+        # A share that it asks for is for the campaign to tell.
+        (LOOKED, MET, SHARE, SHARE, MET),
+        (LOOKED, SHOWN, SHARE, SHARE, SHOWN),
+        (LOOKED, NOT_MET, SHARE, SHARE, NOT_MET),
+        (LOOKED, None, SHARE, SHARE, LOOKED),
+        (None, MET, EVERY, SHARE, MET),
+    ],
+)
+def test_verdict_of_several_studies(verify, campaign, of, draws, expected):
+    one = entry(verify, campaign, of, draws)
+    assert one.verdict.value == expected
+    assert one.verdict.place.endswith(":verdict")
+
+
+def test_a_single_run_gives_no_verdict():
+    flown = row("requirements_of_run.csv", verdict=MET, value=0.2)
+    assert Entry(flown=flown).verdict.value == LOOKED
+    assert Entry(flown=flown).nominal.value == 0.2
+
+
+@pytest.mark.parametrize(
+    "words", [*itertools.product([MET, NOT_MET, SHOWN, LOOKED, "no verdict"], repeat=3)]
+)
+def test_met_only_if_all_are(words):
+    together = worst_verdict(words)
+    assert (together == MET) == ({*words} == {MET})
+    assert together in words
+    assert (together == NOT_MET) == (NOT_MET in words)
+
+
+def test_nothing_is_no_verdict():
+    assert worst_verdict([]) == "no verdict"
+    assert worst_verdict(["contact"]) == "no verdict"
+
+
+@pytest.mark.parametrize(
+    ("one", "words"),
+    [
+        (entry(LOOKED, None, SHARE), "for a campaign to show"),
+        (entry(None, MET, EVERY, EVERY), "has not been searched"),
+        (entry(LOOKED, SHOWN, SHARE, SHARE), "too few draws"),
+        (entry(LOOKED), "no run tells it"),
+    ],
+)
+def test_open_points(one, words):
+    assert any(words in point for point in one.open_points)
+
+
+def test_a_value_beyond_its_limit_is_never_shown_as_the_limit():
+    limit = Cell(1.0, "", 10)
+    beyond = Cell(1.00000123, "").told_from(limit)
+    assert beyond.text == "1.000001"
+    assert Cell(1.0).told_from(limit).text == "1"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.123456, "0.1235"),
+        (262144.0, "262144"),
+        (-1.5, "\N{MINUS SIGN}1.5"),
+        (-6.7124e-08, "\N{MINUS SIGN}6.712·10⁻⁸"),
+        (math.inf, "∞"),
+        (0.0, "0"),
+        (1.25e9, "1.25·10⁹"),
+    ],
+)
+def test_numbers_as_they_are_shown(value, text):
+    assert number_text(value, 4) == text
+
+
+@pytest.mark.parametrize(
+    ("column", "text", "value"),
+    [
+        ("worst", "0.5", 0.5),
+        ("worst", "inf", math.inf),
+        ("points", "50000", 50000),
+        ("worst", "1e-08", 1e-08),
+        ("worst", "", ""),
+        ("which_run", "1_000", "1_000"),
+        ("id", "4.10", "4.10"),
+        ("source", "2024", "2024"),
+    ],
+)
+def test_cells_of_tables_as_they_are_read(column, text, value):
+    got = _read(column, text)
+    assert (got, type(got)) == (value, type(value))
