@@ -140,7 +140,7 @@ class RecordedPlan:
             ) from None
         _check_names(str(file), text)
         recorded = cls.parsed(text, folder, str(file), to_fly=to_fly)
-        for name, was in json.loads(text)["registered"].items():
+        for name, was in json.loads(text)["registered"].items() if to_fly else ():
             if _definitions(recorded.plan).get(name) != was:
                 raise InputError(
                     f"{file}: must be flown where {name!r} is registered as it was "

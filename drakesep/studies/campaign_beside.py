@@ -13,7 +13,12 @@ from drakesep.analysis.metrics.objectives import highest
 from drakesep.analysis.metrics.requirements import Finding, Requirement
 from drakesep.results.asked import Asked
 from drakesep.results.campaign_files import RecordedPlan
-from drakesep.studies.campaign.confirmation import chosen, confirmed, most_confirmed
+from drakesep.studies.campaign.confirmation import (
+    chosen,
+    confirmed,
+    most_confirmed,
+    tells,
+)
 from drakesep.studies.campaign.flight import ChunksUnderWay, home_of, shown
 from drakesep.studies.campaign.measuring import with_measured
 from drakesep.studies.campaign.result import Campaign
@@ -122,17 +127,20 @@ def _worse(
         return []
     together = [r for r in share.answer.required.limits if r in of_runs]
     mine = [of_runs[r] for r in together or [share.requirement]]
+    clearances = campaign.flights.clearances
     margins = [
-        one.margin - may_differ(highest(name), campaign.case, one.worst, one.nominal)
+        one.margin - may_differ(objective, campaign.case, one.worst, one.nominal)
         for one in mine
         for name in [one.requirement.judged_by]
+        for objective in [clearances.get(name) or highest(name)]
     ]
     least = min(margins)
     if math.isnan(least):
         return []
     tally = share.answer.tally
     pairs = zip(tally.worst_draws, tally.worst_margins, strict=True)
-    return [draw for draw, margin in pairs if margin < least]
+    name, worse = share.requirement.judged_by, [d for d, m in pairs if m < least]
+    return [draw for draw in worse if tells(campaign, draw, name)]
 
 
 def _first_within(draws: Sequence[int], campaign: Campaign) -> int | None:

@@ -57,7 +57,7 @@ def chosen(study: Campaign) -> list[Chosen]:
         one
         for finding in study.findings
         for one in _deciding(finding)
-        if _tells(study, one.draw, finding.requirement.judged_by)
+        if tells(study, one.draw, finding.requirement.judged_by)
     ]
     # None of those that were drawn: another stream, of the same seed.
     rng = np.random.default_rng([study.plan.seed, SAMPLE])
@@ -66,7 +66,7 @@ def chosen(study: Campaign) -> list[Chosen]:
     return [*draws, *map(Chosen, sample)]
 
 
-def _tells(study: Campaign, draw: int, metric: str) -> bool:
+def tells(study: Campaign, draw: int, metric: str) -> bool:
     """Return whether a draw tells a metric: not a clearance that was not measured."""
     flown = study.flown
     return not isinstance(flown, FlownDraws) or flown.tells(draw, metric, study.plan)

@@ -21,7 +21,6 @@ from drakesep.analysis.campaigns.shares import share_findings
 from drakesep.case_file.case import Case
 from drakesep.cli.campaign_lines import print_campaign
 from drakesep.plots.campaign import campaign_figure
-from drakesep.plots.campaign_draws import curves_of
 from drakesep.results.campaign_files import DRAWS, measured_file
 from drakesep.studies.campaign import confirmation, measuring, procedure
 from drakesep.studies.campaign.executors import own_processes
@@ -192,8 +191,7 @@ def test_what_is_broken_anyway_need_not_be_counted_to_the_last(true, monkeypatch
 def test_its_curve_shows_what_is_measured(reference, true):
     """The share of draws that come as near, from where all of them are measured."""
     study, _ = reference
-    curves = curves_of(study.findings, study.plan, study.flown, {})
-    figure = campaign_figure(study.case.name, RUNS, curves)
+    figure = campaign_figure(study.case.name, RUNS, study.picture.curves)
     x, share = figure.axes[0].lines[0].get_data()
     assert share[-1] == 1 / RUNS
     assert x[-1] == pytest.approx(1e3 * true.min(), abs=1e3 * EXACT)
@@ -339,3 +337,18 @@ def test_a_failure_that_makes_them_touch_is_beyond():
     assert found.measured[failed, 0].all() and not found.at_least[failed, 0].any()
     assert (found.at_least[~failed] > 0.0).all()
     assert finding.verdict.value == "met" and study.completed
+
+
+@pytest.mark.slow
+def test_beside_the_worst_case(reference):
+    """The same bound as alone, and a worst case that no draw is nearer than."""
+    how = {"searches": ["sqp"], "growth": False, "workers": 1}
+    study = drakesep.verify(
+        slot(REQUIRED), campaign=RUNS, seed=HOW["seed"], **LEVEL, **how
+    )
+    campaign, _ = reference
+    row = study.answers.iloc[0]
+    assert row["bound"] == campaign.requirements["bound"].iloc[0]
+    assert row["worst_case_found"] <= row["worst_of_draws"] <= row["bound"]
+    assert row["by_campaign"] == campaign.findings[0].verdict.value
+    assert not study.missed
