@@ -20,7 +20,7 @@ from drakesep.analysis.campaigns.plan import CampaignPlan
 from drakesep.analysis.campaigns.shares import share_findings
 from drakesep.case_file.case import Case
 from drakesep.cli.campaign_lines import print_campaign
-from drakesep.plots.campaign import campaign_figure
+from drakesep.plots.campaign_draws import curves_of
 from drakesep.results.campaign_files import DRAWS, measured_file
 from drakesep.studies.campaign import confirmation, measuring, procedure
 from drakesep.studies.campaign.executors import own_processes
@@ -191,12 +191,11 @@ def test_what_is_broken_anyway_need_not_be_counted_to_the_last(true, monkeypatch
 def test_its_curve_shows_what_is_measured(reference, true):
     """The share of draws that come as near, from where all of them are measured."""
     study, _ = reference
-    figure = campaign_figure(study.case.name, RUNS, study.picture.curves)
-    x, share = figure.axes[0].lines[0].get_data()
-    assert share[-1] == 1 / RUNS
-    assert x[-1] == pytest.approx(1e3 * true.min(), abs=1e3 * EXACT)
-    assert len(x) >= study.findings[0].size.rank
-    for near, told in zip(x / 1e3, share, strict=True):
+    [curve] = curves_of(study.findings, study.plan, study.flown, study.found)
+    assert curve.shares[-1] == 1 / RUNS
+    assert curve.values[-1] == pytest.approx(true.min(), abs=EXACT)
+    assert len(curve.values) >= study.findings[0].size.rank
+    for near, told in zip(curve.values, curve.shares, strict=True):
         low, high = (np.mean(true <= near + off) for off in (-EXACT, EXACT))
         assert low <= told <= high
     console = Console(record=True, width=200)
