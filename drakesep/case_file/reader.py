@@ -42,8 +42,10 @@ def load_case(source: str | Path) -> Case:
     path = builtin.get(str(source), Path(source))
     try:
         text = _text_of(path)
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not a text file"
+    except (OSError, ValueError) as error:  # the latter of names that no file has, too
+        reason = error.strerror if isinstance(error, OSError) else error
+        if isinstance(error, UnicodeDecodeError):
+            reason = "not a text file"
         raise CaseError(
             f"{source}: must be a readable case file or a built-in case "
             f"({', '.join(builtin)}), got: {reason}"

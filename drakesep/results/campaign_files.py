@@ -134,9 +134,10 @@ class RecordedPlan:
         file = folder / PLAN
         try:
             text = file.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
+        except (OSError, ValueError) as error:
+            reason = error.strerror if isinstance(error, OSError) else error
             raise InputError(
-                f"{file}: must be the plan of a campaign, got: {error}"
+                f"{file}: must be the plan of a campaign, got: {reason}"
             ) from None
         _check_names(str(file), text)
         recorded = cls.parsed(text, folder, str(file), to_fly=to_fly)

@@ -42,10 +42,10 @@ def writable_folder(directory: str | Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         probe.touch()
         probe.unlink(missing_ok=True)
-    except OSError as error:
+    except (OSError, ValueError) as error:  # of names that no file may have
+        reason = error.strerror if isinstance(error, OSError) else error
         raise InputError(
-            f"output: must be a folder that can be written, got {folder} "
-            f"({error.strerror})"
+            f"output: must be a folder that can be written, got {folder} ({reason})"
         ) from error
     return folder
 

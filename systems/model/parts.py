@@ -140,6 +140,8 @@ class Mesh:
     def __post_init__(self) -> None:
         """Check the values."""
         check_size("factor", "mesh: scale", self.scale)
+        if "\0" in str(self.file):
+            raise InputError(f"mesh: file must be a path, got {str(self.file)!r}")
 
 
 Shape: TypeAlias = Box | Sphere | Capsule | Cone | Mesh

@@ -4,8 +4,11 @@ import shlex
 from pathlib import Path
 
 from drakesep.results.campaign_files import RecordedPlan
+from drakesep.systems.argument_types import typed
+from drakesep.systems.checks import InputError
 
 
+@typed
 def array_script(directory: str | Path, tasks: int) -> str:
     """Return a script that flies the chunks of a planned campaign as a Slurm array.
 
@@ -14,8 +17,10 @@ def array_script(directory: str | Path, tasks: int) -> str:
         tasks: of the array at most; each flies every so-manieth chunk.
 
     Raises:
-        ValueError: there is no such plan.
+        ValueError: there is no such plan, or no task.
     """
+    if tasks < 1:
+        raise InputError(f"tasks: must be 1 or more, got {tasks}")
     folder = Path(directory).absolute()
     plan = RecordedPlan.read(folder).plan
     count = min(tasks, plan.chunks)

@@ -10,6 +10,8 @@ from small_case import small_case, write_case
 
 import drakesep
 from drakesep.results.campaign_files import chunk_file
+from drakesep.studies.campaign.slurm import array_script
+from drakesep.systems.checks import InputError
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -63,6 +65,13 @@ def test_in_parts_it_is_as_at_once(case, tmp_path, drakesep_):
     for name in ("campaign.csv", "campaign_runs.npz", "plan.json"):
         assert (parts / name).read_bytes() == (once / name).read_bytes()
     assert drakesep_("merge", parts)[0] == 2
+
+
+def test_arguments_of_a_script_for_slurm(tmp_path):
+    with pytest.raises(InputError, match="tasks: must be 1 or more, got 0"):
+        array_script(tmp_path, 0)
+    with pytest.raises(InputError, match="directory must be text or a Path"):
+        array_script(None, 3)
 
 
 def test_script_for_slurm(case, tmp_path, drakesep_):

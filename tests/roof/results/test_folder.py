@@ -25,6 +25,7 @@ from separations import generic_pair, vega
 import drakesep
 from drakesep.files import PREFIX, written
 from drakesep.results.asked import Asked
+from drakesep.results.campaign_files import RecordedPlan
 from drakesep.results.folder import ResultsFolder
 from drakesep.studies.worst_case.session import Session
 from drakesep.systems.checks import InputError
@@ -72,6 +73,17 @@ def test_a_failed_run_leaves_nothing_of_the_run_before(tmp_path):
     assert record(tmp_path)["runs"] == ["run"]
     assert record(tmp_path)["ended"] == "failed"
     assert record(tmp_path)["message"] == failed.run.message != ""
+
+
+def test_names_that_no_file_may_have():
+    with pytest.raises(InputError, match=r"output: must be a folder .*null"):
+        drakesep.simulate("vega", output="a\0b")
+    with pytest.raises(InputError, match=r"must be a readable case file .*null"):
+        drakesep.load_case("a\0b")
+    with pytest.raises(InputError, match=r"mesh: file must be a path"):
+        Mesh(file=Path("a\0b.stl"))
+    with pytest.raises(InputError, match=r"must be the plan of a campaign.*null"):
+        RecordedPlan.read(Path("a\0b"))
 
 
 def test_a_run_that_does_not_separate_is_recorded_as_failed(tmp_path):
@@ -141,6 +153,7 @@ def test_lock_dies_with_its_process(tmp_path):
         import sys, time, drakesep
         from drakesep.files import written
         from drakesep.results.asked import Asked
+from drakesep.results.campaign_files import RecordedPlan
         from drakesep.results.folder import ResultsFolder
 
         with ResultsFolder({str(tmp_path)!r}, "simulate") as folder:
