@@ -63,6 +63,7 @@ def _integrate(
     c_A, c_B = np.array(A.p_BoBcm_B), np.array(B.p_BoBcm_B)
     I_A, I_B = _matrix(A), _matrix(B)
     orbit = separation.orbit
+    assert orbit is None or orbit.horizontal_speed is None  # a circle
 
     def gravity(t, x, R, inertia):
         if orbit is None:

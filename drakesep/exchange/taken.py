@@ -35,15 +35,16 @@ class TakenState:
     """(3,), of A in F, in A, rad/s."""
 
 
-_POSITION = [f"position_{axis}_m" for axis in "xyz"]
-_VELOCITY = [f"velocity_{axis}_m_s" for axis in "xyz"]
-_ORIENTATION = [f"orientation_{q}" for q in "wxyz"]
-_RATE = [f"rate_{axis}_rad_s" for axis in "xyz"]
-_COLUMNS = (
-    *("label", "body", "epoch", "time_system", "frame"),
-    *(*_POSITION, *_VELOCITY, *_ORIENTATION, *_RATE),
-)
-"""Of a table of ours."""
+POSITION = [f"position_{axis}_m" for axis in "xyz"]
+"""Columns of a table of ours, in an inertial frame: of a point."""
+VELOCITY = [f"velocity_{axis}_m_s" for axis in "xyz"]
+"""Of that point."""
+ORIENTATION = [f"orientation_{q}" for q in "wxyz"]
+"""Of a body's axes."""
+RATE = [f"rate_{axis}_rad_s" for axis in "xyz"]
+"""In these."""
+_NAMES = ("label", "body", "epoch", "time_system", "frame")
+_COLUMNS = (*_NAMES, *POSITION, *VELOCITY, *ORIENTATION, *RATE)
 
 
 def taken_from(
@@ -136,13 +137,13 @@ def _of_table(file: Path, at: Decimal, run: str | None, body: str | None) -> Tak
         )
     row = table.iloc[index]
     check_inertial(str(file), "frame", str(row["frame"]))
-    quaternion = row[_ORIENTATION].to_numpy(float)
+    quaternion = row[ORIENTATION].to_numpy(float)
     return TakenState(
         frame=str(row["frame"]),
         time_system=str(row["time_system"]),
         epoch=epoch_text(at),
-        position=row[_POSITION].to_numpy(float),
-        velocity=row[_VELOCITY].to_numpy(float),
+        position=row[POSITION].to_numpy(float),
+        velocity=row[VELOCITY].to_numpy(float),
         orientation=quaternion / np.linalg.norm(quaternion),
-        rate=row[_RATE].to_numpy(float),
+        rate=row[RATE].to_numpy(float),
     )

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from drakesep.exchange.taken import RATE
 from drakesep.files import write_text, written
 from drakesep.reports.body_states import BodyStates
 from drakesep.reports.handed_run import HandedRun
-from drakesep.reports.handover_tables import RATE, STATE
+from drakesep.reports.handover_tables import STATE
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 

@@ -9,11 +9,11 @@ import numpy as np
 import pandas as pd
 
 from drakesep.exchange.epochs import epoch_text
+from drakesep.exchange.taken import ORIENTATION, POSITION, RATE, VELOCITY
 from drakesep.reports.body_states import BodyStates, in_inertial_frame, states_in_W
 from drakesep.reports.frames import InertialFrame
 from drakesep.results.campaign_files import DRAWS
 from drakesep.systems.checks import InputError
-from drakesep.systems.model.parameter_table import XYZ
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.run import Run
 from drakesep.systems.model.separation import Separation
@@ -23,12 +23,8 @@ from drakesep.tables.roles import role_in_tables
 from drakesep.units import unit_of, with_unit
 
 
-STATE = (
-    *(f"position_{axis}_m" for axis in XYZ),
-    *(f"velocity_{axis}_m_s" for axis in XYZ),
-    *(f"orientation_{q}" for q in "wxyz"),
-)
-RATE = tuple(f"rate_{axis}_rad_s" for axis in XYZ)
+STATE = (*POSITION, *VELOCITY, *ORIENTATION)
+"""Columns of a body's state, in W or about the Earth."""
 
 
 def handover_table(
