@@ -11,7 +11,7 @@ from drakesep.systems.model.orbit import Orbit
 from drakesep.systems.vectors import Ops, Scalar, Vector
 
 
-_ROUND_OFF = 1e-14
+_ROUND_OFF = 2e-15
 """An eccentricity below it is none: of a circle it comes out as a few 1e-16."""
 _STEPS = 4
 """Of Laguerre's method: three are enough up to an eccentricity of 0.99, four up to

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from two_bodies import two_bodies
 
@@ -51,13 +51,15 @@ def test_the_reference_falls_as_two_bodies_do(name):
     st.floats(-math.pi, math.pi),
     st.floats(-1e4, 1e6),
 )
+@example(e=0.9989, anomaly=0.0, t=1776.0)
 def test_keplers_equation_is_solved_on_any_ellipse(e, anomaly, t):
     """Wherever it begins, and whenever."""
     a = 2e7
-    r = a * (1.0 - e * math.cos(anomaly))
+    # Near a parabola, 1 - e keeps its digits if it is taken first.
+    r = a * ((1.0 - e) + 2.0 * e * math.sin(0.5 * anomaly) ** 2)
     e_sin = e * math.sin(anomaly)
     climb = e_sin * math.sqrt(EARTH_MU * a) / r
-    across = math.sqrt(EARTH_MU * a * (1.0 - e * e)) / r
+    across = math.sqrt(EARTH_MU * a * (1.0 - e) * (1.0 + e)) / r
     orbit = ellipse(EARTH_MU, r, across, climb)
     x = eccentric_turn(t, orbit, math)
     ends = [y - e * math.sin(y) for y in (anomaly, anomaly + x)]
