@@ -233,12 +233,10 @@ def pressed_back() -> Load:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "loads",
-    [
-        pytest.param((), id="free", marks=pytest.mark.slow),
-        pytest.param((pressed_back(),), id="back"),
-    ],
+    [pytest.param((), id="free"), pytest.param((pressed_back(),), id="back")],
 )
 def test_release_at_an_angle_against_drake(closely_sampled, loads):
     separation = dataclasses.replace(hinged(), loads=loads)
@@ -462,6 +460,7 @@ def test_workers_and_order_do_not_matter(vega):
     assert shuffled == pytest.approx(first[order], rel=1e-11, abs=1e-14)
 
 
+@pytest.mark.slow
 def test_neighbours_hardly_matter():
     """Where steps are short for some rows only, another method takes them."""
     names = ("upper.mass", "attachment_2.release_time", "spring_2.stroke")
