@@ -56,6 +56,20 @@ _RANKS: Columns = {
 }
 
 
+_RARE: Columns = {
+    "requirement axis pair": "requirement",
+    "unit": "unit",
+    "limit": "limit",
+    "probability": "probability to be beyond",
+    "from": "from, at 95 %",
+    "to": "to, at 95 %",
+    "simulations": "simulations",
+    "unreached": "unreached",
+    "runs": "runs",
+    "untold": "untold",
+}
+
+
 class CampaignPart(NamedTuple):
     """Of the campaign."""
 
@@ -63,22 +77,25 @@ class CampaignPart(NamedTuple):
     confirmed: Table
     statistics: Table
     ranks: Table
+    rare: Table
+    """Of a study of rare events."""
     picture: Picture | None
 
 
 def of(studies: Studies) -> CampaignPart | None:
-    """Return what a report says of a campaign; None if none was flown."""
+    """Return what a report says of launches at random; None if none were flown."""
+    rare = studies.rows("rare_events.csv")
     found = [study for study in studies.all if study.has("campaign.csv")]
-    if not found:
+    if not found and not rare:
         return None
-    [study] = found
-    worst = [r for r in study.rows("campaign_worst.csv") if r.get("rank") == 1]
+    worst = [r for r in studies.rows("campaign_worst.csv") if r.get("rank") == 1]
     return CampaignPart(
-        shares=table_of(study.rows("campaign.csv"), _SHARES),
+        shares=table_of(studies.rows("campaign.csv"), _SHARES),
         confirmed=table_of(worst, _CONFIRMED),
-        statistics=table_of(study.rows("campaign_statistics.csv"), _STATISTICS),
-        ranks=table_of(_largest(study.rows("campaign_sensitivities.csv")), _RANKS),
-        picture=campaign_picture(study),
+        statistics=table_of(studies.rows("campaign_statistics.csv"), _STATISTICS),
+        ranks=table_of(_largest(studies.rows("campaign_sensitivities.csv")), _RANKS),
+        rare=table_of(rare, _RARE),
+        picture=campaign_picture(found[0]) if found else None,
     )
 
 

@@ -34,6 +34,8 @@ class Entry:
     """Of campaign.csv."""
     flown: Row | None = None
     """Of requirements_of_run.csv."""
+    beside: Row | None = None
+    """Of answers.csv, which holds searches and draws against each other."""
     unconfirmed: str = ""
     """How the worst run ended, if it was not confirmed."""
 
@@ -146,6 +148,8 @@ def _open_points(entry: Entry) -> Iterator[str]:
     searched, drawn = entry.searched, entry.drawn
     if entry.unconfirmed:
         yield f"the worst run is not confirmed: {entry.unconfirmed}"
+    if entry.beside and entry.beside["missed_draw"]:
+        yield "a draw within the tolerances is worse than the worst that was found"
     if entry.share and drawn is None:
         yield "what is required of a share of launches is for a campaign to show"
     if not entry.share and searched is None:
@@ -210,12 +214,14 @@ def matrix_of(studies: Studies) -> Matrix:
         "searched": _keyed(studies.rows("requirements.csv")),
         "drawn": _keyed(studies.rows("campaign.csv")),
         "flown": _keyed(studies.rows("requirements_of_run.csv")),
+        "beside": _keyed(studies.rows("answers.csv")),
     }
     status = {
         row.get("label"): str(row.get("status", ""))
         for row in studies.rows("worst_cases.csv")
     }
-    keys = dict.fromkeys(key for rows in tables.values() for key in rows)
+    telling = [rows for name, rows in tables.items() if name != "beside"]
+    keys = dict.fromkeys(key for rows in telling for key in rows)
     entries = []
     for key in keys:
         found = {name: rows.get(key) for name, rows in tables.items()}

@@ -33,11 +33,23 @@ _GROWTH: Columns = {
 }
 
 
+_SHARES: Columns = {
+    "metric": "metric",
+    "parameter": "parameter",
+    "first": "share by itself",
+    "first_error": "give or take, at 95 %",
+    "total": "share with others",
+    "total_error": "give or take, at 95 %",
+}
+
+
 class SensitivitiesPart(NamedTuple):
     """Of the studies that searched."""
 
     slopes: Table
     growth: Table
+    shares: Table
+    """Of the variance of metrics."""
     pictures: Sequence[Picture]
 
 
@@ -45,7 +57,8 @@ def of(studies: Studies) -> SensitivitiesPart | None:
     """Return what a report says of sensitivities; None if there is nothing."""
     found = [study for study in studies.all if study.has("sensitivities.csv")]
     growth = [r for r in studies.rows("tolerances.csv") if _violates(r)]
-    if not found and not growth:
+    shares = _largest(studies.rows("sobol_indices.csv"))
+    if not found and not growth and not shares:
         return None
     slopes, pictures = [], []
     for study in found:
@@ -55,8 +68,23 @@ def of(studies: Studies) -> SensitivitiesPart | None:
         for name in names:
             slopes += [r for r in rows if r.get("objective") == name][:_SHOWN]
     return SensitivitiesPart(
-        table_of(slopes, _SLOPES), table_of(growth, _GROWTH), pictures
+        slopes=table_of(slopes, _SLOPES),
+        growth=table_of(growth, _GROWTH),
+        shares=table_of(shares, _SHARES),
+        pictures=pictures,
     )
+
+
+def _largest(rows: Sequence[Row]) -> list[Row]:
+    """Return the rows of the parameters from which most comes of each metric."""
+    by_metric: dict[object, list[Row]] = {}
+    for row in rows:
+        by_metric.setdefault(row.get("metric"), []).append(row)
+    return [
+        row
+        for mine in by_metric.values()
+        for row in sorted(mine, key=lambda r: -float(r.get("total", 0.0)))[:_SHOWN]
+    ]
 
 
 def _violates(row: Row) -> bool:

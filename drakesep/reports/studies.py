@@ -19,6 +19,8 @@ from drakesep.systems.checks import InputError
 _WORDS = frozenset({"id", "source", "requirement", "axis", "pair", "label"})
 """Columns of words, though they be digits: an id of 4.10 is none of 4.1."""
 _NUMBER = re.compile(r"-?(?:inf|\d+(?:\.\d*)?(?:e[-+]?\d+)?)")
+_ONE_OF = {"campaign.csv": "campaign", "rare_events.csv": "study of rare events"}
+"""Tables whose answers are of the case itself, whichever study has them."""
 _ONCE = ("verify", "worst-case", "campaign")
 """Studies whose answers are of the case itself: two of them would contradict."""
 
@@ -48,7 +50,7 @@ class Study:
 
     def has(self, file: str) -> bool:
         """Return whether the study has left a file."""
-        return any(each["name"] == file for each in self.record.files)
+        return _has(self.results, file)
 
     def rows(self, file: str) -> list[Row]:
         """Return the rows of a table; none if the study has left no such table."""
@@ -110,6 +112,10 @@ class Studies:
         return next((cell for cell in told if cell), EMPTY)
 
 
+def _has(results: Results, file: str) -> bool:
+    return any(each["name"] == file for each in results.record.files)
+
+
 def _read(column: str, text: str) -> Any:
     """Return what a cell says: a number, or words, though they be digits."""
     if column in _WORDS or not _NUMBER.fullmatch(text):
@@ -142,6 +148,12 @@ def read_studies(folders: Iterable[str | Path]) -> Studies:
         if len(same) > 1:
             raise InputError(
                 f"folders: must hold one study {kind!r}, got {' and '.join(same)}"
+            )
+    for file, what in _ONE_OF.items():
+        several = [str(one.folder) for one in results if _has(one, file)]
+        if len(several) > 1:
+            raise InputError(
+                f"folders: must hold one {what}, got {' and '.join(several)}"
             )
     names = _tags([one.folder for one in results])
     return Studies(tuple(map(Study, names, results)))

@@ -7,6 +7,8 @@ from typing import Any
 from drakesep.results.catalogue import (
     CAMPAIGN,
     CLEARANCE,
+    RARE_EVENTS,
+    SENSITIVITY,
     SIMULATE,
     SWEEP,
     VERIFY,
@@ -16,6 +18,8 @@ from drakesep.results.reading import Results
 from drakesep.results.study_record import Ended
 from drakesep.studies.campaign.procedure import campaign
 from drakesep.studies.clearance import clearance
+from drakesep.studies.rare_events import rare_events
+from drakesep.studies.sensitivity import sensitivity
 from drakesep.studies.simulate import simulate
 from drakesep.studies.sweep import sweep
 from drakesep.studies.verification import verify
@@ -30,6 +34,8 @@ _STUDIES: dict[str, Callable[..., Any]] = {
     WORST_CASE: worst_case,
     VERIFY: verify,
     CAMPAIGN: campaign,
+    SENSITIVITY: sensitivity,
+    RARE_EVENTS: rare_events,
 }
 
 

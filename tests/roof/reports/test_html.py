@@ -1,5 +1,6 @@
 """Reports of results folders: every number stands in the folders, and none beside."""
 
+import json
 import re
 import shutil
 import sys
@@ -130,6 +131,18 @@ def test_folders_of_different_cases_are_refused(folders, tmp_path):
 def test_a_folder_twice_is_refused(folders):
     with pytest.raises(ValueError, match="folders: must "):
         drakesep.report([folders[1], folders[1]])
+
+
+def test_two_campaigns_are_refused(folders, tmp_path):
+    """`verify` may have flown one, too: which of them would be the answer?"""
+    first, second = tmp_path / "first", tmp_path / "second"
+    for folder in (first, second):
+        shutil.copytree(folders[1], folder)
+        study = json.loads((folder / "study.json").read_text(encoding="utf-8"))
+        study["files"].append({"name": "campaign.csv", "what": "shares"})
+        (folder / "study.json").write_text(json.dumps(study), encoding="utf-8")
+    with pytest.raises(ValueError, match="must hold one campaign, got .*first"):
+        drakesep.report([first, second])
 
 
 def test_a_folder_without_results_is_refused(tmp_path):
