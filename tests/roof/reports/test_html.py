@@ -141,7 +141,7 @@ def test_two_campaigns_are_refused(folders, tmp_path):
         study = json.loads((folder / "study.json").read_text(encoding="utf-8"))
         study["files"].append({"name": "campaign.csv", "what": "shares"})
         (folder / "study.json").write_text(json.dumps(study), encoding="utf-8")
-    with pytest.raises(ValueError, match="must hold one campaign, got .*first"):
+    with pytest.raises(ValueError, match=r"must hold one campaign, got .*first"):
         drakesep.report([first, second])
 
 
