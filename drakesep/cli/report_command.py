@@ -83,8 +83,10 @@ def report(
 def _check(said: Report, studies: "Studies", tolerance: float | None) -> None:
     """Do studies again, and say whether they come to the same."""
     from drakesep.reports.compare import compare
-    from drakesep.studies.again import do_again
+    from drakesep.studies.again import check_can_be_done_again, do_again
 
+    for study in studies.all:  # before the first takes its time
+        check_can_be_done_again(study.results)
     checked = []
     for study in studies.all:
         with TemporaryDirectory(prefix="drakesep-") as home:

@@ -39,16 +39,11 @@ _STUDIES: dict[str, Callable[..., Any]] = {
 }
 
 
-def do_again(results: Results, output: Path) -> None:
-    """Do a study again, with the same case, arguments, plan and seed.
+def check_can_be_done_again(results: Results) -> None:
+    """Raise InputError if a study did not come to its end, or was asked with functions.
 
     Args:
         results: of the study.
-        output: folder that receives those of the new one.
-
-    Raises:
-        ValueError: the study did not come to its end, or was asked with functions.
-        RuntimeError: a run fails.
     """
     record = results.record
     if record.ended is not Ended.COMPLETED:
@@ -61,6 +56,21 @@ def do_again(results: Results, output: Path) -> None:
             f"{results.folder}: must be of a study that was asked with names and "
             "numbers, to be done again; got functions or objects"
         )
+
+
+def do_again(results: Results, output: Path) -> None:
+    """Do a study again, with the same case, arguments, plan and seed.
+
+    Args:
+        results: of the study.
+        output: folder that receives those of the new one.
+
+    Raises:
+        ValueError: the study did not come to its end, or was asked with functions.
+        RuntimeError: a run fails.
+    """
+    check_can_be_done_again(results)
+    record = results.record
     seed = {} if record.seed is None else {"seed": record.seed}
     asked = {**record.arguments, **record.plan, **seed}
     _STUDIES[record.study](results.case, **asked, output=output)
