@@ -39,8 +39,8 @@ def exact_sum_of_squares(values: Array) -> int:
     Raises:
         ValueError: a value is beyond 1e150.
     """
-    if np.abs(values).max(initial=0.0) > _LARGEST:
-        raise InputError(f"values must be at most {_LARGEST:g}, got {values.max():g}")
+    if (largest := np.abs(values).max(initial=0.0)) > _LARGEST:
+        raise InputError(f"values must be at most {_LARGEST:g}, got {largest:g}")
     return sum(map(_squares_of_few, _in_parts(values)))
 
 

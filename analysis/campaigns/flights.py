@@ -311,9 +311,11 @@ class CampaignFlights:
         drawn = self.drawn([*draws])
         for i, at_least in enumerate(draws.values()):
             which = int(drawn.failure[i])
-            batch, columns = self._flown_by(
-                self.failures[which] if which >= 0 else None
-            )
+            failure = self.failures[which] if which >= 0 else None
+            if _never(failure):
+                found.append(math.nan)
+                continue
+            batch, columns = self._flown_by(failure)
             [run] = batch.runs(drawn.values[i : i + 1, columns])
             found.append(measured_in(run, clearance, at_least))
         return np.array(found)

@@ -91,7 +91,7 @@ class CampaignPlan:
                 raise InputError(f"clearances: {name}: must be none without rows")
             if self.clearances.count(name) > 1:
                 raise InputError(f"clearances: {name} must stand once")
-        if not self.case.tolerances and not self.case.failure_cases:
+        if not self.case.tolerances and not self.case.failure_probabilities:
             raise InputError("dispersions: a campaign needs something that varies")
 
     @classmethod

@@ -290,7 +290,8 @@ class ClearanceScreen:
         least = np.full(len(known), np.inf)
         moved = {ends: self._motion(places, ends) for ends in dict(self._pairs)}
         for ends, screen in self._pairs:
-            least = np.fmin(least, screen.lower_bounds(moved[ends], counts))
+            # Where one pair does not tell, NaN, the others prove nothing.
+            least = np.minimum(least, screen.lower_bounds(moved[ends], counts))
         # By how much the run that is measured, and its measure, may be off.
         least -= ACCURACY
         return np.where(known & np.isfinite(least), least, -np.inf)

@@ -97,8 +97,8 @@ def measured_by(
     folder: Path,
     name: str,
     draws: Mapping[int, float],
-) -> list[float]:
-    """Return how near parts come in draws, measured by an executor, m.
+) -> Array:
+    """Return (n,) how near parts come in draws, measured by an executor, m.
 
     Args:
         executor: any of `concurrent.futures`.
@@ -118,7 +118,7 @@ def measured_by(
     values = np.empty(len(known))
     for k, task in enumerate(tasks):
         values[k::every] = task.result()
-    return values.tolist()
+    return values
 
 
 def _workers(executor: Executor) -> int:

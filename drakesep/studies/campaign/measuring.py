@@ -9,8 +9,6 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
 from drakesep.analysis.campaigns.gathering import KeptDraws
 from drakesep.analysis.campaigns.measuring import MOST, next_draws
@@ -102,7 +100,7 @@ def _measured(
 ) -> Array:
     if executor is None:
         return flights.measured(name, draws)
-    return np.array(measured_by(executor, recorded, folder, name, draws))
+    return measured_by(executor, recorded, folder, name, draws)
 
 
 def seconds_after(flights: CampaignFlights, each: float) -> tuple[float, float]:

@@ -14,7 +14,7 @@ def array_script(directory: str | Path, tasks: int) -> str:
 
     Args:
         directory: of the campaign, which every node must see.
-        tasks: of the array at most; each flies every so-manieth chunk.
+        tasks: of the array at most; each flies its share of the chunks.
 
     Raises:
         ValueError: there is no such plan, or no task.

@@ -9,7 +9,7 @@ from small_case import small_case
 
 from drakesep.analysis.campaigns.draws import Draws
 from drakesep.analysis.campaigns.screens import BatchScreens, measured_in
-from drakesep.analysis.clearance.screen import can_be_screened
+from drakesep.analysis.clearance.screen import ClearanceScreen, can_be_screened
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.case_file.case import Case
 from drakesep.systems.geometry.relative_path import RelativePath
@@ -142,6 +142,29 @@ def test_who_watches_nothing_tells_no_places(screened):
     _, batch, rows, _ = screened
     with pytest.raises(ValueError, match=r"^places: a batch must be `watching`"):
         next(batch.places(rows))
+
+
+class Told:
+    """A pair of parts whose bounds are known."""
+
+    def __init__(self, *bounds):
+        self._bounds = np.array(bounds)
+
+    def lower_bounds(self, *_):
+        return self._bounds
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_one_pair_that_does_not_tell_is_not_hidden_by_others(order, monkeypatch):
+    pairs = [(("a", "b"), Told(0.2, 0.2)), (("a", "c"), Told(math.nan, 0.3))]
+    screen = ClearanceScreen.__new__(ClearanceScreen)
+    screen._pairs = pairs[::order]
+    monkeypatch.setattr(screen, "_motion", lambda *_: None, raising=False)
+    known = None, np.array([True, True])
+    monkeypatch.setattr(screen, "_counts", lambda _: known, raising=False)
+    first, second = screen.lower_bounds(None)
+    assert first == -math.inf
+    assert second == pytest.approx(0.2, abs=1e-4)  # but for what a measure may err
 
 
 def test_what_cannot_be_screened():

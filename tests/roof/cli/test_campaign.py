@@ -77,21 +77,24 @@ def test_arguments_of_a_script_for_slurm(tmp_path):
 def test_script_for_slurm(case, tmp_path, drakesep_):
     """Its tasks together fly each chunk once."""
     folder = tmp_path / "it's"
-    drakesep_("plan", case, *SHOWN, "-o", folder)
-    code, out, _ = drakesep_("slurm", folder)
+    how = {"share": 0.99, "confidence": 0.9}
+    drakesep.plan_campaign(case, 250, output=folder, chunk=25, **how)
+    code, out, _ = drakesep_("slurm", folder, "--tasks", 3)
     assert code == 0
     assert out.startswith(
-        "#!/bin/bash\n#SBATCH --job-name=small\n#SBATCH --array=0-0\n"
+        "#!/bin/bash\n#SBATCH --job-name=small\n#SBATCH --array=0-2\n"
     )
-    script = out.replace("drakesep campaign run-chunk", "echo")
-    flown = subprocess.run(
-        ["bash", "-c", script],
-        env={"SLURM_ARRAY_TASK_ID": "0"},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert flown.stdout == f"{folder} 0 --quiet\n"
+    script, flown = out.replace("drakesep campaign run-chunk", "echo"), []
+    for task in range(3):
+        said = subprocess.run(
+            ["bash", "-c", script],
+            env={"SLURM_ARRAY_TASK_ID": str(task)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        flown += said.stdout.splitlines()
+    assert sorted(flown) == [f"{folder} {number} --quiet" for number in range(10)]
     assert drakesep_("slurm", tmp_path)[0] == 2
 
 

@@ -297,11 +297,30 @@ def test_a_screen_that_proves_too_much_is_found_out_in_drake(monkeypatch):
 
 
 def test_a_window_that_does_not_end_is_not_met(true):
+    """In neither engine: Drake confirms that."""
     far = [{**REQUIRED[0], "until_separation_mm": 2000}]
     study = drakesep.campaign(slot(far), 30, seed=2, share=0.9, confidence=0.9)
     [finding] = study.findings
     assert finding.verdict.value == "not looked at"
     assert finding.measured == 30
+    assert (study.completed, study.failure) == (True, "")
+
+
+def test_a_window_that_ends_on_the_batch_engine_alone_is_found_out():
+    """It cannot be proven clear that a run in Drake does not tell."""
+    assert confirmation._of_bound(0.05, math.nan, 1e-4).failed
+    assert not confirmation._of_bound(-math.inf, math.nan, 1e-4).failed
+
+
+def test_what_never_lets_go_has_no_clearance():
+    """Though it is asked for the first of all, before any is flown."""
+    failing = {"failure_cases": {"stuck": {"pad.release_time_s": "never"}}}
+    case = slot(REQUIRED, **failing, failures={"stuck": 0.3}).in_si()
+    flights = CampaignFlights(CampaignPlan.of(case, RUNS, seed=2))
+    stuck = flights.drawn(range(20)).failure >= 0
+    assert 0 < stuck.sum() < 20
+    told = flights.measured(NAME, dict.fromkeys(range(20), -math.inf))
+    np.testing.assert_array_equal(np.isnan(told), stuck)
 
 
 def test_what_every_run_must_keep_is_broken_by_one(reference):
