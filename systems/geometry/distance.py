@@ -89,7 +89,11 @@ class Proximity:
 
         The same whatever was measured before; any number of threads may ask at once.
         """
-        distance, n_A, p_GCa, p_GCb = self._scenes.measure(pair, pose)
+        try:
+            distance, n_A, p_GCa, p_GCb = self._scenes.measure(pair, pose)
+        except RuntimeError:
+            # Its libccd gives up now and then where polytopes just touch.
+            return _measured_without_drake(pair, pose)
         # Between shapes that touch, the normal may be no number.
         if distance <= TOUCHING or not math.isfinite(n_A @ n_A):
             return DistanceBound(distance, -np.inf, n_A, p_GCa, p_GCb, True)
@@ -123,6 +127,17 @@ def certify(pair: Pair, pose: Pose, bound: DistanceBound) -> DistanceBound:
         pair[1].X_BG.inverse() @ second_B,
         is_certified=True,
     )
+
+
+def _measured_without_drake(pair: Pair, pose: Pose) -> DistanceBound:
+    """Return how near two nodes are; 0 where they overlap, by however much."""
+    towards = pose.p_AoBo_A + pose.R_AB @ pair[1].X_BG.translation()
+    towards = towards - pair[0].X_BG.translation()
+    length = np.linalg.norm(towards)
+    n_A = towards / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
+    unknown = DistanceBound(0.0, -np.inf, n_A, n_A, n_A, is_certified=False)
+    bound = certify(pair, pose, unknown)
+    return bound._replace(low=-np.inf) if bound.distance <= TOUCHING else bound
 
 
 def nearest_of(pair: Pair, bound: DistanceBound) -> Nearest:

@@ -22,6 +22,7 @@ from drakesep.systems.geometry.distance import (
     certify,
     nearest_of,
 )
+from drakesep.systems.geometry.proximity_scenes import ProximityScenes
 from drakesep.systems.geometry.relative_path import Pose
 from drakesep.systems.model.parts import Box, Capsule, Cone, Part, Sphere
 
@@ -194,3 +195,26 @@ def test_boxes_hold_the_pieces_below_them():
             corners = leaf.corners - np.array(node.centre)
             assert (np.linalg.norm(corners, axis=1) <= node.radius + 1e-12).all()
     assert len(root.leaves) == len(pieces_of(tube("tube", 0.3, 0.5)))
+
+
+@pytest.mark.parametrize("apart", [0.02, 0.0, -0.1])
+def test_where_drake_gives_up_it_is_measured_all_the_same(apart, monkeypatch):
+    """Boxes above each other; of those that overlap just that they do."""
+
+    def give_up(*_):
+        raise RuntimeError("The origin is outside of the polytope")
+
+    monkeypatch.setattr(ProximityScenes, "measure", give_up)
+    pair, bound, _ = measured(
+        Box(size=(1.0, 0.8, 0.04)),
+        Box(size=(0.5, 0.3, 0.06)),
+        (0.0, 0.0, 0.4),
+        (0.1, -0.05, 0.05 + apart),
+    )
+    assert bound.is_certified
+    assert bound.distance == pytest.approx(max(apart, 0.0), abs=1e-9)
+    assert bound.low == (pytest.approx(apart, abs=1e-9) if apart > 0.0 else -math.inf)
+    if apart > 0.0:
+        nearest = nearest_of(pair, bound)
+        assert nearest.p_AoCa_A[2] == pytest.approx(0.02, abs=1e-9)
+        assert nearest.p_BoCb_B[2] == pytest.approx(-0.03, abs=1e-9)
