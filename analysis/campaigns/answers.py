@@ -173,23 +173,23 @@ class Tally:
     def merged(cls, tallies: Iterable[Self]) -> Self:
         """Return the tally of parts of a campaign together.
 
-        All that is worse than the last that a part keeps is known.
+        All that is worse than the last that a part keeps is known; of draws that equal
+        it, as many as their parts keep: each stands for the others.
 
         Args:
             tallies: one or more, of different draws.
         """
         parts = list(tallies)
         lasts = [
-            (part.worst_margins[-1], part.worst_draws[-1])
-            if part.worst_draws
-            else (-math.inf, -1)
+            part.worst_margins[-1] if part.worst_draws else math.nan
             for part in parts
             if len(part.worst_draws) < part.runs - part.untold
         ]
-        last = min(lasts, default=(math.inf, np.iinfo(np.int64).max))
+        # NaN, of a part that keeps none: nothing is known to be worse.
+        last = np.min(lasts, initial=math.inf)
         margins = np.concatenate([np.array(p.worst_margins, float) for p in parts])
         draws = np.concatenate([np.array(p.worst_draws, np.int64) for p in parts])
-        known = (margins < last[0]) | ((margins == last[0]) & (draws <= last[1]))
+        known = margins <= last
         margins, draws = margins[known], draws[known]
         order = np.lexsort((draws, margins))
         return cls(

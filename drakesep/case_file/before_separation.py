@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import BeforeValidator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 from scipy.spatial.transform import Rotation
 
 from drakesep.case_file.section import File, Section, Vector, to_si
@@ -22,7 +22,7 @@ def _as_list(value: Any) -> Any:
     return [value] if isinstance(value, str) else value
 
 
-Files = Annotated[list[File], BeforeValidator(_as_list)]
+Files = Annotated[list[File], BeforeValidator(_as_list), Field(min_length=1)]
 _ZERO: Vector3 = (0.0, 0.0, 0.0)
 _OF_FILES = ("at", "of", "run", "body")
 

@@ -22,6 +22,7 @@ from drakesep.systems.vectors import rotation_matrix, unrotate
 VERSION = "2.0"
 """Of what is written: the first that has a quaternion with an angular velocity."""
 _QUATERNION, _WITH_RATE = "QUATERNION", "QUATERNION/ANGVEL"
+_A2B, _B2A = ("A2B", "A->B"), ("B2A", "B->A")
 _UNIT = 1e-6
 """By which the length of a quaternion that is written in decimals may miss one."""
 
@@ -43,17 +44,11 @@ def attitudes_of(message: Message) -> AttitudeHistory:
     check_inertial(message.source, "REF_FRAME_A", frame)
     epochs, rows = rows_of(message, 7 if kind == _WITH_RATE else 4)
     numbers = np.array(rows)
-    first = message.value("QUATERNION_TYPE", "LAST").upper() == "FIRST"
+    first = _one_of(message, "QUATERNION_TYPE", "LAST", "FIRST") == "FIRST"
     q = numbers[:, :4] if first else np.roll(numbers[:, :4], 1, axis=1)
-    if message.value("ATTITUDE_DIR", "A2B").upper() in ("B2A", "B->A"):
+    if _one_of(message, "ATTITUDE_DIR", *_A2B, *_B2A) in _B2A:
         q = q * [1.0, -1.0, -1.0, -1.0]
-    length = np.linalg.norm(q, axis=1)
-    off = float(np.abs(length - 1.0).max())
-    if not off <= _UNIT:
-        raise InputError(
-            f"{message.source}: quaternions must be of length 1, got one off by {off:g}"
-        )
-    q = q / length[:, None]
+    q = q / unit_length(message.source, q)
     return AttitudeHistory(
         object_name=message.value("OBJECT_NAME"),
         frame=frame,
@@ -63,6 +58,31 @@ def attitudes_of(message: Message) -> AttitudeHistory:
         orientation=q,
         rate=_rates(message, q, numbers[:, 4:]) if kind == _WITH_RATE else None,
     )
+
+
+def unit_length(source: str, quaternions: Array) -> Array:
+    """Return lengths (..., 1) of quaternions (..., 4), which must be nearly one.
+
+    Raises:
+        ValueError: one is not, or is NaN.
+    """
+    length: Array = np.linalg.norm(quaternions, axis=-1, keepdims=True)
+    off = float(np.abs(length - 1.0).max())
+    if not off <= _UNIT:
+        raise InputError(
+            f"{source}: quaternions must be of length 1, got one off by {off:g}"
+        )
+    return length
+
+
+def _one_of(message: Message, key: str, *known: str) -> str:
+    """Return what a key says, which is one of what is known; the first if absent."""
+    value = message.value(key, known[0]).upper()
+    if value not in known:
+        raise InputError(
+            f"{message.source}: {key} must be {' or '.join(known)}, got {value}"
+        )
+    return value
 
 
 def _rates(message: Message, q: Array, degrees: Array) -> Array:

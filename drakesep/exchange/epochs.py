@@ -17,6 +17,8 @@ _START = datetime(2000, 1, 1)
 _EPOCH = re.compile(
     r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))T(\d\d):(\d\d):(\d\d(?:\.\d+)?)(?:Z|\+00:00)?"
 )
+_FIRST, _LAST = 2, 9998
+"""Years of epochs: a run that begins in one ends in one that has a date."""
 PLACES = Decimal("1e-12")
 """To which epochs are written: a body in orbit moves by 1e-8 m in it."""
 
@@ -45,6 +47,7 @@ def parse_epoch(name: str, text: str) -> Decimal:
     except (ValueError, OverflowError):
         raise InputError(wrong) from None
     outside = int(hour) > 23 or int(minute) > 59 or Decimal(seconds) >= 61
+    outside |= not _FIRST <= date.year <= _LAST
     if outside or str(date.year) != str(int(year)) or of_year == "000":
         raise InputError(wrong)
     days = (date - _START).days

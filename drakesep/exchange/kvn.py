@@ -1,5 +1,6 @@
 """Messages in keyword-value notation (KVN), of CCSDS 502.0-B and 504.0-B."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
@@ -115,10 +116,10 @@ def rows_of(
             row = [float(number) for number in numbers]
         except ValueError:
             row = []
-        if len(row) not in (count, also):
+        if len(row) not in (count, also) or not all(map(math.isfinite, row)):
             raise InputError(
                 f"{message.source}: a line of data must be an epoch and {count} "
-                f"numbers, got {line[:80]!r}"
+                f"numbers, all finite, got {line[:80]!r}"
             )
         epochs.append(epoch)
         rows.append(row[:count])

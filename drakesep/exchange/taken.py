@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from drakesep.exchange.aem import attitudes_of
+from drakesep.exchange.aem import attitudes_of, unit_length
 from drakesep.exchange.epochs import epoch_text, parse_epoch
-from drakesep.exchange.histories import index_at
+from drakesep.exchange.histories import AttitudeHistory, index_at
 from drakesep.exchange.kvn import read_message
 from drakesep.exchange.oem import check_inertial, ephemeris_of
 from drakesep.systems.arrays import Array
@@ -90,7 +90,8 @@ def _read(file: Path, at: Decimal, run: str | None, body: str | None) -> TakenSt
     message = read_message(file)
     if message.kind == "OEM":
         orbit = ephemeris_of(message)
-        i = index_at(str(file), orbit.epochs, at)
+        states = np.hstack([orbit.position, orbit.velocity])
+        i = index_at(str(file), orbit.epochs, at, states)
         return TakenState(
             frame=orbit.frame,
             time_system=orbit.time_system,
@@ -100,7 +101,7 @@ def _read(file: Path, at: Decimal, run: str | None, body: str | None) -> TakenSt
         )
     if message.kind == "AEM":
         history = attitudes_of(message)
-        i = index_at(str(file), history.epochs, at)
+        i = index_at(str(file), history.epochs, at, _turned(history))
         return TakenState(
             frame=history.frame,
             time_system=history.time_system,
@@ -111,10 +112,17 @@ def _read(file: Path, at: Decimal, run: str | None, body: str | None) -> TakenSt
     raise InputError(f"{file}: must be an OEM or an AEM, got {message.kind}")
 
 
+def _turned(history: AttitudeHistory) -> Array:
+    """Return (n, k) numbers that tell attitudes apart, the same for q and -q."""
+    q = history.orientation
+    products = (q[:, :, None] * q[:, None, :]).reshape(len(q), -1)
+    return products if history.rate is None else np.hstack([products, history.rate])
+
+
 def _of_table(file: Path, at: Decimal, run: str | None, body: str | None) -> TakenState:
     """Return what a table of ours says."""
     try:
-        table = pd.read_csv(file)
+        table = pd.read_csv(file, dtype=dict.fromkeys(_NAMES, str), na_filter=False)
     except (OSError, ValueError) as error:
         raise InputError(f"{file}: must be a table, got: {error}") from error
     for name in _COLUMNS:
@@ -129,7 +137,7 @@ def _of_table(file: Path, at: Decimal, run: str | None, body: str | None) -> Tak
     if table.empty:
         raise InputError(f"{file}: must have a row of the run and the body, got none")
     epochs = [parse_epoch(f"{file}: an epoch", str(text)) for text in table["epoch"]]
-    index = index_at(str(file), epochs, at)
+    index = index_at(str(file), epochs, at, np.zeros((len(epochs), 1)))
     if epochs.count(epochs[index]) > 1:
         raise InputError(
             f"{file}: run and body must choose one row at {epoch_text(at)}, got "
@@ -137,13 +145,26 @@ def _of_table(file: Path, at: Decimal, run: str | None, body: str | None) -> Tak
         )
     row = table.iloc[index]
     check_inertial(str(file), "frame", str(row["frame"]))
-    quaternion = row[ORIENTATION].to_numpy(float)
+    if not row["time_system"]:
+        raise InputError(f"{file}: time_system must be that of the epoch, got none")
+    quaternion = _numbers(file, row, ORIENTATION)
     return TakenState(
         frame=str(row["frame"]),
         time_system=str(row["time_system"]),
         epoch=epoch_text(at),
-        position=row[POSITION].to_numpy(float),
-        velocity=row[VELOCITY].to_numpy(float),
-        orientation=quaternion / np.linalg.norm(quaternion),
-        rate=row[RATE].to_numpy(float),
+        position=_numbers(file, row, POSITION),
+        velocity=_numbers(file, row, VELOCITY),
+        orientation=quaternion / unit_length(str(file), quaternion),
+        rate=_numbers(file, row, RATE),
     )
+
+
+def _numbers(file: Path, row: pd.Series, names: Sequence[str]) -> Array:
+    """Return what a row has in columns, all of which must be finite."""
+    for name in names:
+        found = pd.to_numeric(row[name], errors="coerce")
+        if not np.isfinite(found):
+            raise InputError(
+                f"{file}: {name} must be a finite number, got {str(row[name])!r}"
+            )
+    return row[list(names)].to_numpy(float)

@@ -66,7 +66,8 @@ class Orbit:
         if self.horizontal_speed is not None:
             check_positive("orbit: horizontal speed", self.horizontal_speed)
         check_finite("orbit: climb rate", self.climb_rate)
-        energy = 2.0 - self.radius * self.speed**2 / self.mu
+        # Not a power, which raises where a product is infinite.
+        energy = 2.0 - self.radius * self.speed * self.speed / self.mu
         if energy <= 0.0 or self.eccentricity > MOST_ECCENTRIC:
             raise InputError(
                 f"orbit: must be an ellipse of an eccentricity up to {MOST_ECCENTRIC}, "

@@ -212,7 +212,10 @@ def test_parts_make_the_whole_in_whatever_order(values, kept, seed):
     assert Tally.merged(two) == whole
     margins = [(1.0 - x, i) for i, x in enumerate(values.tolist()) if not math.isnan(x)]
     worst = list(zip(whole.worst_margins, whole.worst_draws, strict=True))
-    assert worst == sorted(margins)[: len(worst)]
+    # Of draws that equal the last, any: each part keeps its own.
+    assert [m for m, _ in worst] == [m for m, _ in sorted(margins)][: len(worst)]
+    assert worst == sorted(worst) and {*worst} <= {*margins}
+    assert len({*worst}) == len(worst)
     assert len(worst) >= min(kept, len(margins)) or kept < len(margins)
     counted = whole.runs, whole.beyond, whole.untold
     assert counted == (
@@ -237,6 +240,24 @@ def test_a_large_campaign_keeps_what_its_bound_needs():
     assert one.margin == 3.0 - np.sort(values)[-size.rank]
     # The 99.865 % quantile is 3 but for round-off of its share; the bound is farther.
     assert -0.02 < one.margin < 0.0
+
+
+@pytest.mark.parametrize("bad", [0.0, 0.3, 1.0])
+def test_draws_that_are_equal_stand_for_one_another(bad):
+    """Ten parts of a metric that has one value, or two: each keeps too few alone."""
+    values = np.where(np.random.default_rng(0).random(30_000) < bad, 0.9, 0.5)
+    size = CampaignSize(share=0.9, confidence=0.9, runs=len(values))
+    asked = required(dataclasses.replace(HIGH, share=0.9))
+    kept = worst_to_keep(size, 3000)
+    assert kept < size.rank
+    tally = Tally.merged(
+        Tally.of(asked, {X: part}, first=3000 * i, kept=kept)
+        for i, part in enumerate(np.split(values, 10))
+    )
+    one = CampaignAnswer(required=asked, tally=tally)
+    assert one.verdict is Verdict.MET
+    assert one.margin == 1.0 - np.sort(values)[-size.rank]
+    assert 1.0 - values[one.deciding_draw] == one.margin
 
 
 def test_an_answer_is_kept_as_json():

@@ -307,6 +307,11 @@ def test_what_does_not_fit(names, orbit, more, message, files):
         ),
         ("oem", "6.618 2.533", "", "a line of data must be an epoch and 6 numbers"),
         ("oem", "6.618", "six", "a line of data must be an epoch and 6 numbers"),
+        ("oem", "6.618", "nan", "an epoch and 6 numbers, all finite"),
+        ("oem", "-3.457 6.618 2.533", "1e300 0 0", "orbit: must be an ellipse"),
+        ("aem", "0.5 -0.4 0.3", "0.5 -0.4 inf", "an epoch and 7 numbers, all finite"),
+        ("aem", "ATTITUDE_TYPE", "ATTITUDE_DIR = A TO B\nATTITUDE_TYPE", "DIR must be"),
+        ("aem", "ATTITUDE_TYPE", "QUATERNION_TYPE = W\nATTITUDE_TYPE", "must be LAST"),
         ("oem", "CCSDS_OEM_VERS = 2.0", "", "must begin with CCSDS_OEM_VERS or"),
         ("oem", "CCSDS_OEM", "CCSDS_TDM", "must be an OEM or an AEM, got TDM"),
         ("oem", "REF_FRAME = EME2000\n", "", "REF_FRAME must be one, got None"),
@@ -331,6 +336,69 @@ def test_faulty_files(file, old, new, message, files):
     path.write_text(text.replace(old, new))
     with pytest.raises(drakesep.InputError, match=message):
         case_from(files, "traj.aem", "traj.oem")
+
+
+def test_a_manoeuvre_between_segments_is_not_chosen_from(files):
+    """Both have its epoch: the state before it, and the one after it."""
+    segment = OEM[OEM.index("META_START") :]
+    path = files / "traj.oem"
+    path.write_text(OEM + segment)
+    assert case_from(files, "traj.aem", "traj.oem").separation.orbit is not None
+    path.write_text(OEM + segment.replace("6.618", "6.619"))
+    with pytest.raises(drakesep.InputError, match=r"must have one state at .*, got 2"):
+        case_from(files, "traj.aem", "traj.oem")
+
+
+def test_an_attitude_is_the_same_by_both_of_its_quaternions(files):
+    segment = AEM[AEM.index("META_START") :]
+    row = "0.48 -0.64 0.48 0.36 0.5"
+    assert row in segment
+    other = segment.replace(row, "-0.48 0.64 -0.48 -0.36 0.5")
+    expected = case_from(files, "traj.aem", "traj.oem").separation.initial
+    (files / "traj.aem").write_text(AEM + other)
+    initial = case_from(files, "traj.aem", "traj.oem").separation.initial
+    np.testing.assert_allclose(initial.rpy_WA, expected.rpy_WA, atol=1e-14)  # round-off
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "message"),
+    [
+        ("orientation_w", "", "orientation_w must be a finite number, got ''"),
+        ("orientation_w", "3", "quaternions must be of length 1"),
+        ("position_x_m", "inf", "position_x_m must be a finite number, got 'inf'"),
+        ("rate_z_rad_s", "slow", "rate_z_rad_s must be a finite number, got 'slow'"),
+        ("time_system", "", "time_system must be that of the epoch, got none"),
+    ],
+)
+def test_faulty_tables(column, value, message, tmp_path):
+    row = {
+        **{"label": "1", "body": "NA", "epoch": AT},
+        **{"time_system": "UTC", "frame": "EME2000"},
+        **{f"position_{x}_m": 7e6 if x == "x" else 0 for x in "xyz"},
+        **{f"velocity_{x}_m_s": 7500 if x == "y" else 0 for x in "xyz"},
+        **{f"orientation_{q}": 1 if q == "w" else 0 for q in "wxyz"},
+        **{f"rate_{x}_rad_s": 0 for x in "xyz"},
+    }
+    assert column in row
+    labels = {"run": "1", "body": "NA"}
+    table = tmp_path / "handover.csv"
+    pd.DataFrame([row]).to_csv(table, index=False)
+    assert case_from(tmp_path, "handover.csv", **labels).separation.orbit
+    pd.DataFrame([row | {column: value}]).to_csv(table, index=False)
+    with pytest.raises(drakesep.InputError, match=message):
+        case_from(tmp_path, "handover.csv", **labels)
+
+
+@pytest.mark.parametrize("at", ["9999-12-31T23:59:60", "0001-01-01T00:00:00"])
+def test_epochs_beyond_all_dates(at, files):
+    with pytest.raises(drakesep.InputError, match="at must be an epoch such as"):
+        case_from(files, "traj.aem", "traj.oem", at=at)
+
+
+def test_no_file_at_all(tmp_path):
+    data = small_case(before_separation={"from": [], "at": AT}, published=None)
+    with pytest.raises(drakesep.InputError, match="at least 1 item"):
+        drakesep.load_case(write_case(tmp_path, data))
 
 
 @pytest.mark.parametrize(
