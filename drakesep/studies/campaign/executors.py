@@ -79,7 +79,9 @@ def flown_by(
     submit(_IN_HAND * _workers(executor))
     try:
         while under_way:
-            for task in wait(under_way, return_when=FIRST_COMPLETED).done:
+            ended = wait(under_way, return_when=FIRST_COMPLETED).done
+            # What came is told before what did not.
+            for task in sorted(ended, key=lambda one: one.exception() is not None):
                 flown = task.result()
                 number = under_way.pop(task)
                 submit(1)
@@ -164,6 +166,17 @@ def measure_draws(
         ValueError: this is another version than that of the plan.
     """
     return _flights(text, folder, registered).measured(name, draws)
+
+
+@functools.lru_cache(maxsize=1)
+def flown_on_all_cores(text: str, folder: str) -> CampaignFlights:
+    """Return what flies chunk after chunk of a plan: its programs are made once.
+
+    Args:
+        text: of the plan.
+        folder: of the campaign, whose meshes a case may name.
+    """
+    return CampaignFlights(RecordedPlan.parsed(text, Path(folder)).plan)
 
 
 @functools.lru_cache(maxsize=1)

@@ -22,6 +22,7 @@ from drakesep.results.catalogue import CAMPAIGN
 from drakesep.results.folder import Output, results_folder
 from drakesep.results.parts import parts_folder
 from drakesep.studies.campaign.confirmation import chosen, confirmed
+from drakesep.studies.campaign.executors import flown_on_all_cores
 from drakesep.studies.campaign.flight import ChunksUnderWay, home_of, shown
 from drakesep.studies.campaign.measuring import seconds_after, with_measured
 from drakesep.studies.campaign.progress import OnProgress, Telling
@@ -151,8 +152,8 @@ def run_chunk(directory: str | Path, number: int, *, again: bool = False) -> boo
     recorded.plan.indices(number)
     if not again and read_chunk(folder, recorded, number) is not None:
         return False
-    flown = CampaignFlights(recorded.plan).chunk(number)
-    write_chunk(folder, recorded, number, kept(recorded.plan, flown))
+    flights = flown_on_all_cores(recorded.text, str(folder))
+    write_chunk(folder, recorded, number, kept(recorded.plan, flights.chunk(number)))
     return True
 
 

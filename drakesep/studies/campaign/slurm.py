@@ -34,9 +34,8 @@ def array_script(directory: str | Path, tasks: int) -> str:
 #     drakesep campaign merge {where}
 # tells what came of them, or which chunks are missing (exit code 4).
 set -e
-for ((i = SLURM_ARRAY_TASK_ID; i < {plan.chunks}; i += {count})); do
-    drakesep campaign run-chunk {where} "$i" --quiet
-done
+numbers=$(seq "$SLURM_ARRAY_TASK_ID" {count} {plan.chunks - 1})
+drakesep campaign run-chunk {where} $numbers --quiet
 """
 
 
