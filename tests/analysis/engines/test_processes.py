@@ -71,8 +71,11 @@ def test_an_interrupt_as_they_start_comes_after(
 
 
 BUSY = """
-import os, time
+import os, signal, time
 from drakesep.analysis.engines import processes
+# Who runs in the background inherits that interrupts are ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 pool = processes.start_processes(2, os.getpid)
 try:
     pool.submit(os.getpid).result()
@@ -98,5 +101,8 @@ def test_nothing_is_left_of_who_is_killed(end, number):
         assert len(theirs) >= 4  # workers and trackers
         assert semaphores(process.pid)
         end(process.pid, number)
-        process.wait(timeout=30)
+        try:
+            process.wait(timeout=30)
+        finally:
+            process.kill()
     nothing_is_left(process.pid, theirs)
