@@ -568,6 +568,7 @@ _CAMPAIGN = (
         studies=_OF_CAMPAIGN,
         what="How many draws lie in each bin of each metric, where no rows are kept.",
         row="metric and bin",
+        key=("metric", "from"),
         columns=(
             Column("metric", "", "With its unit."),
             _UNIT,
@@ -598,6 +599,7 @@ _DISTRIBUTIONS = (
         what="What shares of the variance of each metric come from which parameters; "
         "of launches in which nothing fails.",
         row="metric and parameter",
+        key=("metric", "parameter"),
         columns=(
             Column("metric", "", "With its unit."),
             Column("parameter", "", "With its unit."),
@@ -613,6 +615,7 @@ _DISTRIBUTIONS = (
         what="How probable it is to be beyond each limit; of launches in which nothing "
         "fails.",
         row="requirement and axis",
+        key=_LIMIT_KEY,
         columns=(
             *_LIMIT,
             Column("probability", "", "That a launch is beyond the limit."),
@@ -872,6 +875,7 @@ _WORST_CASES = (
         what="The statistical answer and the worst case found, side by side, if a "
         "campaign was flown.",
         row="requirement and axis",
+        key=_LIMIT_KEY,
         columns=(
             *_LIMIT,
             Column("nominal", _SAME, "In the nominal run."),

@@ -25,7 +25,8 @@ from drakesep.systems.simulation.simulation import Simulation
 PACKAGES = ("drakesep", "drakesep.systems", "drakesep.analysis")
 RESULTS = {
     *("Ascent", "BatchEvaluator", "BatchResult", "Campaign", "CampaignProgress"),
-    *("Clearance", "Clearances", "Contact", "Summary", "Tally"),
+    *("Clearance", "Clearances", "Comparison", "Contact", "RareEvents"),
+    *("Sensitivity", "Summary", "Tally"),
     *("ContactForces", "Evaluator", "Evidence", "Finding", "Growth", "Iteration"),
     *(
         "MassProperties",

@@ -20,6 +20,7 @@ def without_geometry(folder):
 def test_report_writes_what_python_writes(capsys, monkeypatch, tmp_path):
     drakesep.plan_campaign(without_geometry(tmp_path), 300, output=tmp_path / "plan")
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "300")  # a path of any length is one word
     code, out, _ = run(capsys, monkeypatch, "report", "plan")
     page = tmp_path / "plan_report.html"
     assert code == 0

@@ -207,6 +207,7 @@ def test_what_is_refused(flown, copy, tmp_path):
 
 def test_command(flown, copy, tmp_path, capsys, monkeypatch):
     """What it prints, writes and says by its exit code."""
+    monkeypatch.setenv("COLUMNS", "300")
     file = tmp_path / "there" / "changes.csv"
     changed_cell(copy, "summary.csv", "final_rate_x_deg_s", lambda x: 2.0 * x)
     words = ["compare", flown, copy]
