@@ -153,7 +153,6 @@ def test_lock_dies_with_its_process(tmp_path):
         import sys, time, drakesep
         from drakesep.files import written
         from drakesep.results.asked import Asked
-from drakesep.results.campaign_files import RecordedPlan
         from drakesep.results.folder import ResultsFolder
 
         with ResultsFolder({str(tmp_path)!r}, "simulate") as folder:
