@@ -630,6 +630,14 @@ _CAMPAIGN = (
         "its limit, the bound of the share, the worst draw and, in `verify`, the worst "
         "case found.",
     ),
+    FileKind(
+        name="campaign_scatter.png",
+        studies=_OF_CAMPAIGN,
+        what="The first 2000 draws of each quantity that is required, at most six of "
+        "them, of the axis of the least margin, over the two parameters of largest "
+        "rank correlation, with the limit and the draw that decides; of campaigns "
+        "that keep rows.",
+    ),
 )
 
 _DISTRIBUTIONS = (

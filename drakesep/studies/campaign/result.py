@@ -19,6 +19,7 @@ from drakesep.analysis.metrics.requirements import (
     verdict_on_all,
 )
 from drakesep.plots.campaign_draws import curves_of
+from drakesep.plots.campaign_points import scatters_of
 from drakesep.plots.pictures import OfCampaign
 from drakesep.results.asked import Asked
 from drakesep.results.campaign_files import RecordedPlan, write_draws
@@ -225,4 +226,14 @@ class Campaign:
     def picture(self) -> OfCampaign:
         """What shows what is required over the draws."""
         curves = curves_of(self.findings, self.plan, self.flown, self.found)
-        return OfCampaign(name=self.case.name, runs=self.plan.runs, curves=curves)
+        scatters = (
+            scatters_of(self.findings, self.flights, self.flown, self.sensitivities)
+            if isinstance(self.flown, FlownDraws)
+            else ()
+        )
+        return OfCampaign(
+            name=self.case.name,
+            runs=self.plan.runs,
+            curves=curves,
+            scatters=scatters,
+        )
