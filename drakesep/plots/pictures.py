@@ -9,6 +9,7 @@ import pandas as pd
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.plots.approach import Approach
 from drakesep.plots.campaign_curves import Curve
+from drakesep.plots.campaign_points import Scatter
 from drakesep.systems.model.run import Run
 from drakesep.tables.columns import write_csv
 from drakesep.tables.labelled_run import LabelledRun
@@ -53,6 +54,8 @@ class OfCampaign:
     """Draws."""
     curves: Sequence[Curve]
     """Of each requirement that was looked at."""
+    scatters: Sequence[Scatter] = ()
+    """Of each quantity that is required, where rows are kept."""
 
     def save(self, folder: Path) -> None:
         """Draw it into a folder, if there is anything."""
@@ -60,6 +63,10 @@ class OfCampaign:
             from drakesep.plots.campaign import save_campaign
 
             save_campaign(self.name, self.runs, self.curves, folder)
+        if self.scatters:
+            from drakesep.plots.campaign_scatter import save_scatter
+
+            save_scatter(self.name, self.scatters, folder)
 
 
 @dataclass(frozen=True, kw_only=True)

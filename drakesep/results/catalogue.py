@@ -459,6 +459,13 @@ _CAMPAIGN = (
                 "The chance that a design with just too small a share would pass.",
             ),
             Column(
+                "share_that_passes",
+                "",
+                "The producer's risk: how large a share of launches must be within, "
+                "for a design to pass so many draws with a chance of `at_confidence`; "
+                "1 if nothing passes.",
+            ),
+            Column(
                 "verdict",
                 "",
                 "`met`: the share is shown; `not met`: that it is not met is shown, or "
@@ -505,6 +512,40 @@ _CAMPAIGN = (
             Column("draws", "", "That tell it."),
             Column("untold", "", "That do not: runs that failed."),
             *_ESTIMATES,
+        ),
+    ),
+    FileKind(
+        name="campaign_convergence.csv",
+        studies=_OF_CAMPAIGN,
+        what="What the first draws say of each requirement, more and more of them, to "
+        "all; without clearances, and of campaigns that keep rows.",
+        row="requirement, axis and number of draws",
+        key=(*_LIMIT_KEY, "draws"),
+        columns=(
+            *_LIMIT,
+            Column("draws", "", "The first of the campaign: so many."),
+            Column("mean", _SAME, "Of those that tell."),
+            Column("mean_from", _SAME, "Where its interval begins, at 95 %."),
+            Column("mean_to", _SAME, "Where that ends."),
+            Column("deviation", _SAME, "Standard deviation."),
+            Column(
+                "quantile_of",
+                "",
+                "The share of launches below the quantile: by its limit, as many are "
+                "to be within.",
+            ),
+            Column("quantile", _SAME, "The value below which that share is."),
+            Column(
+                "quantile_from",
+                _SAME,
+                "Where its interval begins, at 95 %; infinite by too few draws.",
+            ),
+            Column("quantile_to", _SAME, "Where that ends; likewise."),
+            Column("failures", "", "Draws beyond the limit, as in campaign.csv."),
+            Column("share_beyond", "", "Of these draws."),
+            Column("share_beyond_from", "", "Where its interval begins, at 95 %."),
+            Column("share_beyond_to", "", "Where that ends."),
+            *_IDENTITY,
         ),
     ),
     FileKind(
@@ -589,6 +630,14 @@ _CAMPAIGN = (
         what="How each quantity that is required is distributed over the draws, with "
         "its limit, the bound of the share, the worst draw and, in `verify`, the worst "
         "case found.",
+    ),
+    FileKind(
+        name="campaign_scatter.png",
+        studies=_OF_CAMPAIGN,
+        what="The first 2000 draws of each quantity that is required, at most six of "
+        "them, of the axis of the least margin, over the two parameters of largest "
+        "rank correlation, with the limit and the draw that decides; of campaigns "
+        "that keep rows.",
     ),
 )
 

@@ -78,6 +78,7 @@ def _finding(
         "failed": failed,
         "measured": finding.measured,
         "consumers_risk": size.consumers_risk,
+        "share_that_passes": size.share_that_passes(size.confidence),
         "verdict": finding.verdict.value,
         **identity_columns(requirement, bodies),
     }
@@ -239,14 +240,14 @@ def _statistics(
         "unit": unit.symbol,
         "draws": told,
         "untold": summary.untold,
-        **_interval("mean", summary.mean_within(INTERVALS), unit),
+        **interval_columns("mean", summary.mean_within(INTERVALS), unit),
         "deviation": unit.from_si(summary.deviation),
         "least": unit.from_si(summary.least if told else math.nan),
         "greatest": unit.from_si(summary.greatest if told else math.nan),
     }
     for label, share in QUANTILES.items():
         found = quantile(share, INTERVALS) if told else nothing
-        row |= _interval(label, found, unit)
+        row |= interval_columns(label, found, unit)
     return row
 
 
@@ -281,7 +282,8 @@ INTERVALS = 0.95
 """Confidence of intervals of means, quantiles and correlations."""
 
 
-def _interval(name: str, estimate: Estimate, unit: Unit) -> dict[str, object]:
+def interval_columns(name: str, estimate: Estimate, unit: Unit) -> dict[str, object]:
+    """Return a number and its interval, in a unit, by the names of columns."""
     value, low, high = map(unit.from_si, estimate)
     return {name: value, f"{name}_from": low, f"{name}_to": high}
 

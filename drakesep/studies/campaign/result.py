@@ -19,12 +19,14 @@ from drakesep.analysis.metrics.requirements import (
     verdict_on_all,
 )
 from drakesep.plots.campaign_draws import curves_of
+from drakesep.plots.campaign_points import scatters_of
 from drakesep.plots.pictures import OfCampaign
 from drakesep.results.asked import Asked
 from drakesep.results.campaign_files import RecordedPlan, write_draws
 from drakesep.results.catalogue import CAMPAIGN
 from drakesep.results.folder import ResultsFolder
 from drakesep.systems.checks import InputError
+from drakesep.tables.campaign_convergence import convergence_table
 from drakesep.tables.campaign_tables import (
     ConfirmedDraw,
     campaign_table,
@@ -74,8 +76,14 @@ class Campaign:
     @functools.cached_property
     def requirements(self) -> pd.DataFrame:
         """A row for each requirement and axis: the share that is shown."""
-        bodies = [pair.B for pair in self.case.separation.pairs]
-        return campaign_table(self.findings, self.flown.failed, bodies, self.found)
+        return campaign_table(
+            self.findings, self.flown.failed, self._bodies, self.found
+        )
+
+    @property
+    def _bodies(self) -> list[str]:
+        """Names of those that leave."""
+        return [pair.B for pair in self.case.separation.pairs]
 
     @functools.cached_property
     def worst(self) -> pd.DataFrame:
@@ -91,6 +99,18 @@ class Campaign:
     def sensitivities(self) -> pd.DataFrame:
         """A row for each metric and parameter: their rank correlation."""
         return sensitivities_table(self.flights, self.flown)
+
+    @functools.cached_property
+    def convergence(self) -> pd.DataFrame:
+        """A row for each requirement and number of draws: what the first ones say.
+
+        None where no rows are kept.
+        """
+        if not isinstance(self.flown, FlownDraws):
+            return pd.DataFrame()
+        return convergence_table(
+            self.plan, self.flown.metrics, self.findings, self._bodies
+        )
 
     @functools.cached_property
     def draws(self) -> pd.DataFrame:
@@ -190,6 +210,8 @@ class Campaign:
         write_csv(self.worst, folder / "campaign_worst.csv")
         write_csv(self.statistics, folder / "campaign_statistics.csv")
         write_csv(self.sensitivities, folder / "campaign_sensitivities.csv")
+        if len(self.convergence):
+            write_csv(self.convergence, folder / "campaign_convergence.csv")
         if not isinstance(self.flown, FlownDraws):
             write_csv(self.histograms, folder / "campaign_histograms.csv")
         elif self.plan.runs <= _ROWS:
@@ -204,4 +226,14 @@ class Campaign:
     def picture(self) -> OfCampaign:
         """What shows what is required over the draws."""
         curves = curves_of(self.findings, self.plan, self.flown, self.found)
-        return OfCampaign(name=self.case.name, runs=self.plan.runs, curves=curves)
+        scatters = (
+            scatters_of(self.findings, self.flights, self.flown, self.sensitivities)
+            if isinstance(self.flown, FlownDraws)
+            else ()
+        )
+        return OfCampaign(
+            name=self.case.name,
+            runs=self.plan.runs,
+            curves=curves,
+            scatters=scatters,
+        )

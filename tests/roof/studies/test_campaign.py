@@ -11,6 +11,7 @@ import pytest
 from batches import compiled_once
 from left_behind import whole
 from places import Folders, told_in
+from scipy.stats import spearmanr
 from small_case import small_case, write_case
 
 import drakesep
@@ -20,6 +21,7 @@ from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.results.campaign_files import DRAWS, TALLIES, chunk_file
 from drakesep.studies.campaign import confirmation, executors, flight
 from drakesep.studies.campaign.settings import CampaignSettings
+from drakesep.units import unit_of, with_unit
 
 
 RUNS, CHUNK = 300, 64
@@ -42,6 +44,7 @@ def quick():
         compiled_once(patch, "drakesep.analysis.campaigns.flights")
         patch.setattr(confirmation, "SAMPLE", 2)
         patch.setattr("drakesep.plots.campaign.save_campaign", lambda *_: None)
+        patch.setattr("drakesep.plots.campaign_scatter.save_scatter", lambda *_: None)
         yield
 
 
@@ -99,6 +102,45 @@ def test_shares_are_those_of_the_rows(reference):
     assert row["bound"] == pytest.approx(speeds.min(), rel=1e-14)
     assert study.verdict == "met"
     assert study.passed and study.completed
+
+
+def test_what_the_first_draws_say_ends_as_all_do(reference, tallied):
+    study, folder = reference
+    ends = pd.read_csv(folder / "campaign_convergence.csv")
+    ends = ends[ends["draws"] == RUNS]
+    assert len(ends) == len(study.requirements)
+    for name in ("failures", "limit", "sense"):
+        assert ends[name].tolist() == study.requirements[name].tolist()
+    judged = [study.plan.metrics.index(r.judged_by) for r in study.case.requirements]
+    means = study.statistics["mean"].to_numpy()[judged]
+    assert ends["mean"].to_numpy() == pytest.approx(means, rel=1e-12)
+    assert not (tallied[1] / "campaign_convergence.csv").exists()
+
+
+def test_points_are_those_of_the_rows(reference, tallied):
+    """Over the parameters of largest rank correlation, by scipy's own."""
+    study, folder = reference
+    rows = pd.read_csv(folder / "campaign_runs.csv.gz")
+    scatters = study.picture.scatters
+    assert len(scatters) == 2  # speed, and the worst axis of the rate
+    names = [with_unit(name) for name in study.flights.names]
+    for one in scatters:
+        values = rows[with_unit(one.requirement.judged_by)]
+        per_si = unit_of(one.requirement.metric).per_si
+        assert one.values * per_si == pytest.approx(values.to_numpy(), rel=1e-14)
+        rho = {n: spearmanr(rows[n], values).statistic for n in names}
+        largest = sorted(rho, key=lambda n: -abs(rho[n]))[:2]
+        assert [with_unit(each.parameter) for each in one.over] == largest
+        place = study.case.requirements.index(one.requirement)
+        draw = study.requirements["deciding_draw"].iloc[place]
+        assert one.deciding == one.values[draw]
+        for each in one.over:
+            drawn = each.values * unit_of(each.parameter).per_si
+            name = with_unit(each.parameter)
+            assert drawn == pytest.approx(rows[name].to_numpy(), rel=1e-14)
+            assert each.deciding == each.values[draw]
+            assert each.correlation == pytest.approx(rho[name], rel=1e-9)
+    assert not tallied[0].picture.scatters
 
 
 def test_what_varies_is_within_the_tolerances_and_of_the_seed(case, reference):
