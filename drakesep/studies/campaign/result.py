@@ -75,7 +75,26 @@ class Campaign:
     def requirements(self) -> pd.DataFrame:
         """A row for each requirement and axis: the share that is shown."""
         bodies = [pair.B for pair in self.case.separation.pairs]
-        return campaign_table(self.findings, self.flown.failed, bodies, self.found)
+        return campaign_table(
+            *(self.findings, self.flown.failed, bodies, self.found),
+            self.worst_failure_cases,
+        )
+
+    @functools.cached_property
+    def worst_failure_cases(self) -> Mapping[Requirement, str]:
+        """The failure cases of which the worst draws are, where something fails."""
+        names = [one.name for one in self.flights.failures]
+        of_draws = {
+            one.requirement: one.draw_of_rank(1) for one in self.findings if one.ranked
+        }
+        if not names or not of_draws:
+            return {}
+        failure = self.flights.drawn([*of_draws.values()]).failure.tolist()
+        return {
+            requirement: names[k]
+            for requirement, k in zip(of_draws, failure, strict=True)
+            if k >= 0
+        }
 
     @functools.cached_property
     def worst(self) -> pd.DataFrame:
