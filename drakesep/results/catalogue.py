@@ -440,6 +440,7 @@ _CAMPAIGN = (
             ),
             Column("margin", _SAME, "Of the bound; negative beyond the limit."),
             Column("worst", _SAME, "Of all draws that have not failed."),
+            Column("worst_margin", _SAME, "Of the worst; negative beyond the limit."),
             Column("worst_draw", "", "Number of the worst draw; of one that failed."),
             Column(
                 "worst_failure_case",
@@ -1120,6 +1121,9 @@ EFFORT = frozenset(
     }
 )
 """Columns that say how hard something was, not what was found."""
+
+LABELS = frozenset({"draw", "worst_draw", "deciding_draw", "missed_draw"})
+"""Columns whose numbers are names: nothing lies between two of them."""
 
 FILES = (
     *_MEMORY,

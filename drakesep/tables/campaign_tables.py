@@ -77,6 +77,7 @@ def _finding(
         "bound": unit.from_si(finding.bound),
         "margin": unit.from_si(finding.margin),
         "worst": unit.from_si(finding.worst),
+        "worst_margin": unit.from_si(requirement.margin(finding.worst)),
         "worst_draw": finding.draw_of_rank(1) if tells else None,
         "worst_failure_case": failure_cases.get(requirement, ""),
         **({"worst_case_found": unit.from_si(worst_case)} if found else {}),
