@@ -38,7 +38,9 @@ class ShareFinding:
     """Share, confidence, runs, and so how many may be beyond the limit."""
     answer: CampaignAnswer | None = None
     """What the draws say; of a limit that every run must keep, as if it were of a
-    share. None: they were not looked at."""
+    share; of a limit of two sides, of both together. None: they were not looked at."""
+    alone: CampaignAnswer | None = None
+    """What they say of this limit by itself: where it stands alone, the same."""
     failed: tuple[int, ...] = ()
     """The first draws that do not tell, such as runs that failed: they come before all
     others."""
@@ -57,17 +59,20 @@ class ShareFinding:
 
     @property
     def margin(self) -> float:
-        """At the confidence, the share of launches has no less.
+        """At the confidence, the share of launches has no less, to this limit alone.
 
         NaN: of a run that failed, or of none, where runs are too few.
         """
-        if self.answer is None or math.isinf(self.answer.margin):
+        if self.alone is None or math.isinf(self.alone.margin):
             return math.nan
-        return self.answer.margin
+        return self.alone.margin
 
     @property
     def bound(self) -> float:
-        """At the confidence, the share of launches is no worse; NaN as the margin."""
+        """At the confidence, the share of launches is no worse; NaN as the margin.
+
+        The value of a draw: of two limits, each has its own.
+        """
         side = -1.0 if self.requirement.from_above else 1.0
         return self.requirement.limit + side * self.margin
 
@@ -75,24 +80,48 @@ class ShareFinding:
     def ranked(self) -> tuple[int, ...]:
         """Draws of the least margins, the least first, runs that failed before them.
 
-        As many as are known.
+        As many as are known, to this limit alone.
         """
-        if self.answer is None:
+        if self.alone is None:
             return ()
-        return (*self.failed, *self.answer.tally.worst_draws)
+        return (*self.failed, *self.alone.tally.worst_draws)
 
     def draw_of_rank(self, rank: int) -> int:
-        """Return the number of a draw that was looked at.
+        """Return the number of a draw, by how near it comes to this limit alone.
 
         Args:
             rank: 1 for the worst. Runs that failed are all alike: of more than are
                 known by their numbers, the last of these stands for the others.
         """
-        assert self.answer is not None
-        tally = self.answer.tally
+        assert self.alone is not None
+        tally = self.alone.tally
         if rank <= tally.untold:
             return self.failed[min(rank, len(self.failed)) - 1]
         return tally.worst_draws[rank - tally.untold - 1]
+
+    @property
+    def deciding_rank(self) -> int | None:
+        """The rank of the draw on which the verdict is; None: it is at no rank here.
+
+        That of two limits together has its rank on the side to which it is nearer; of
+        what every run must keep, the worst decides.
+        """
+        if self.answer is None or self.alone is None:
+            return None
+        if not self.requirement.statistical:
+            return 1
+        last = (self.size.allowed or 0) + 1
+        draw, tally = self.answer.deciding_draw, self.alone.tally
+        if not self.together or draw is None:
+            return last
+        if draw not in tally.worst_draws:
+            return None
+        return tally.untold + tally.worst_draws.index(draw) + 1
+
+    @property
+    def together(self) -> bool:
+        """Whether what fails and is allowed is of two limits together."""
+        return self.answer is not None and len(self.answer.required.limits) > 1
 
     @property
     def verdict(self) -> Verdict:
@@ -158,10 +187,13 @@ def _of_clearance(
     tally = nearest.tally((nearest.size.allowed or 0) + _MORE)
     told = nearest.at_least[nearest.measured]
     untold = np.flatnonzero(np.isnan(nearest.values))[:_FAILED]
+    # Of a clearance nothing is required from above: its limit stands alone.
+    answer = CampaignAnswer(required=nearest.required, tally=tally)
     return ShareFinding(
         requirement=requirement,
         size=nearest.size,
-        answer=CampaignAnswer(required=nearest.required, tally=tally),
+        answer=answer,
+        alone=answer,
         failed=tuple(untold.tolist()),
         worst=float(np.nanmin(told)) if np.isfinite(told).any() else math.nan,
         measured=len(told),
@@ -176,6 +208,9 @@ class Counted(NamedTuple):
     """What is known of draws for one requirement."""
 
     tally: Tally
+    """Of its limits together."""
+    alone: Tally
+    """Of its own limit."""
     worst: float
     """Of all that tell, in SI; NaN if none does."""
 
@@ -205,13 +240,16 @@ def counted(
             found.append(None)
             continue
         most = kept(size_of(required, plan.runs))
-        tally = Tally.of(required, columns, first=first, kept=most)
+        tally = alone = Tally.of(required, columns, first=first, kept=most)
+        if len(required.limits) > 1:
+            own = LaunchRequirement(limits=(one,))
+            alone = Tally.of(own, columns, first=first, kept=most)
         told = columns[one.judged_by]
         told = told[~np.isnan(told)]
         worst = math.nan
         if len(told):
             worst = float(told.max() if one.from_above else told.min())
-        found.append(Counted(tally, worst))
+        found.append(Counted(tally, alone, worst))
     return found
 
 
@@ -231,9 +269,12 @@ def findings_of(
         required = of_launches(one, others)
         finding = ShareFinding(requirement=one, size=size_of(required, plan.runs))
         if known is not None:
+            two = len(required.limits) > 1
+            own = LaunchRequirement(limits=(one,)) if two else required
             finding = replace(
                 finding,
                 answer=CampaignAnswer(required=required, tally=known.tally),
+                alone=CampaignAnswer(required=own, tally=known.alone),
                 failed=tuple(failed),
                 worst=known.worst,
             )

@@ -35,6 +35,8 @@ class TalliedDraws:
     """Of each metric that the plan keeps, in SI."""
     tallies: tuple[Tally | None, ...]
     """Of each requirement of the case; None of one that the metrics do not judge."""
+    alone: tuple[Tally | None, ...]
+    """The same of its own limit, where two are counted together; None: it is alone."""
     failed: int
     """Runs that failed."""
     again: int
@@ -68,6 +70,10 @@ class TalliedDraws:
                 for k in range(len(plan.metrics))
             ),
             tallies=tuple(None if one is None else one.tally for one in parts),
+            alone=tuple(
+                None if one is None or one.alone is one.tally else one.alone
+                for one in parts
+            ),
             failed=flown.failed,
             again=flown.again,
             reasons=dict(few),
@@ -80,17 +86,14 @@ class TalliedDraws:
         Args:
             parts: all of them, in any order.
         """
-        tallies = zip(*(part.tallies for part in parts), strict=True)
         summaries = zip(*(part.summaries for part in parts), strict=True)
         reasons = {i: why for part in parts for i, why in part.reasons.items()}
         return cls(
             first=min(part.first for part in parts),
             runs=sum(part.runs for part in parts),
             summaries=tuple(Summary.merged(each) for each in summaries),
-            tallies=tuple(
-                None if each[0] is None else Tally.merged(filter(None, each))
-                for each in tallies
-            ),
+            tallies=_merged([part.tallies for part in parts]),
+            alone=_merged([part.alone for part in parts]),
             failed=sum(part.failed for part in parts),
             again=sum(part.again for part in parts),
             reasons=dict(sorted(reasons.items())[:_REASONS_IN_ALL]),
@@ -104,11 +107,21 @@ class TalliedDraws:
         """
         of_metric = dict(zip(plan.metrics, self.summaries, strict=True))
         found: list[Counted | None] = []
-        for one, tally in zip(plan.case.requirements, self.tallies, strict=True):
+        each = zip(plan.case.requirements, self.tallies, self.alone, strict=True)
+        for one, tally, alone in each:
             if tally is None:
                 found.append(None)
                 continue
             summary = of_metric[one.judged_by]
             worst = summary.greatest if one.from_above else summary.least
-            found.append(Counted(tally, worst if summary.told else math.nan))
+            worst = worst if summary.told else math.nan
+            found.append(Counted(tally, alone or tally, worst))
         return found
+
+
+def _merged(parts: Sequence[Sequence[Tally | None]]) -> tuple[Tally | None, ...]:
+    """Return the tallies of the whole, of those of its parts."""
+    return tuple(
+        None if each[0] is None else Tally.merged(filter(None, each))
+        for each in zip(*parts, strict=True)
+    )

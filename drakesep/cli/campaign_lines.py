@@ -1,8 +1,11 @@
 """What the command line prints of a campaign."""
 
+from collections.abc import Sequence
+
 import pandas as pd
 from rich.console import Console
 
+from drakesep.analysis.campaigns.shares import ShareFinding
 from drakesep.analysis.metrics.requirements import Verdict
 from drakesep.cli.console import print_frame
 from drakesep.cli.requirement_lines import requirement_names_and_limits
@@ -10,6 +13,29 @@ from drakesep.studies.campaign.result import Campaign
 
 
 NOT_SHOWN = "Not shown of every requirement: neither that it is met, nor that it is not"
+
+
+TOGETHER = (
+    "the share is between two limits, which are counted together: failures, allowed, "
+    "share shown and verdict are of both, bound and worst draw of each by itself."
+)
+
+
+def together(findings: Sequence[ShareFinding]) -> list[str]:
+    """Return what is required between two limits together, by names, each once."""
+    return list(
+        dict.fromkeys(one.requirement.metric for one in findings if one.together)
+    )
+
+
+def worst_in(study: Campaign) -> dict[str, list[str]]:
+    """Return the requirements whose worst draws are of failure cases, by these."""
+    found: dict[str, list[str]] = {}
+    for requirement, case in study.worst_failure_cases.items():
+        names = found.setdefault(case, [])
+        if requirement.metric not in names:
+            names.append(requirement.metric)
+    return found
 
 
 def print_answers(console: Console, frame: pd.DataFrame, study: Campaign) -> None:
@@ -70,7 +96,9 @@ def print_campaign(console: Console, study: Campaign) -> None:
 
 
 def print_oddities(console: Console, study: Campaign) -> None:
-    """Print what was measured, how many draws failed, and how many values cannot be."""
+    """Print what is counted together and measured, what failed, and what cannot be."""
+    for name in together(study.findings):
+        console.print(f"{name}: {TOGETHER}", markup=False)
     for one in study.findings:
         if one.measured is not None:
             console.print(
@@ -78,6 +106,12 @@ def print_oddities(console: Console, study: Campaign) -> None:
                 "others are proven not to come as near as decides it.",
                 markup=False,
             )
+    for case, names in worst_in(study).items():
+        console.print(
+            f"In the worst draws the failure case {case} happens, of: "
+            f"{', '.join(names)}; the design's worst case is without failures.",
+            markup=False,
+        )
     failed = study.flown.failed
     if failed:
         first = next(iter(study.failures.items()))

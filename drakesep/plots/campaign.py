@@ -67,6 +67,8 @@ def campaign_figure(
         f"{name}: share of {runs} draws beyond a value; dashed: limit, ring: bound of "
         "the share that is required, dot: worst draw"
     )
+    if any(one.requirement.sides == "two" for one in curves):
+        title += "; of two sides, each limit by itself"
     if any(math.isfinite(one.worst_case) for one in curves):
         title += ", cross: worst case found, and how much worse than the bound"
     figure.suptitle(wrapped(title, cell * across - 0.2, 11), fontsize=11)

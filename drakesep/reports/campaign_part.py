@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from drakesep.reports.cells import Columns, Row, Table, table_of
+from drakesep.reports.cells import EMPTY, Cell, Columns, Row, Table, table_of
 from drakesep.reports.pictures import Picture, campaign_picture
 from drakesep.reports.studies import Studies
 
@@ -13,8 +13,7 @@ _SHOWN = 3
 _SHARES: Columns = {
     "requirement axis pair": "requirement",
     "unit": "unit",
-    "limit": "limit",
-    "runs": "draws",
+    "sense limit": ("limit", ""),
     "failures": "beyond",
     "allowed": "allowed",
     "share_shown": "share shown",
@@ -22,7 +21,6 @@ _SHARES: Columns = {
     "at_confidence": "at confidence",
     "bound": "bound",
     "worst": "worst draw",
-    "failed": "failed",
     "measured": "measured",
     "verdict": "verdict",
 }
@@ -73,7 +71,15 @@ _RARE: Columns = {
 class CampaignPart(NamedTuple):
     """Of the campaign."""
 
+    draws: Cell
+    """How many there are; empty: no campaign was flown."""
+    failed: Cell
+    """Of them, those that failed."""
     shares: Table
+    together: bool
+    """Whether two limits are counted together."""
+    failing: Sequence[Row]
+    """Requirements whose worst draw is of a failure case."""
     confirmed: Table
     statistics: Table
     ranks: Table
@@ -89,8 +95,13 @@ def of(studies: Studies) -> CampaignPart | None:
     if not found and not rare:
         return None
     worst = [r for r in studies.rows("campaign_worst.csv") if r.get("rank") == 1]
+    rows = studies.rows("campaign.csv")
     return CampaignPart(
-        shares=table_of(studies.rows("campaign.csv"), _SHARES),
+        draws=rows[0]["runs"] if rows else EMPTY,
+        failed=rows[0]["failed"] if rows else EMPTY,
+        shares=table_of(rows, _SHARES),
+        together=any(row.get("sides") == "two" for row in rows),
+        failing=[row for row in rows if row["worst_failure_case"]],
         confirmed=table_of(worst, _CONFIRMED),
         statistics=table_of(studies.rows("campaign_statistics.csv"), _STATISTICS),
         ranks=table_of(_largest(studies.rows("campaign_sensitivities.csv")), _RANKS),

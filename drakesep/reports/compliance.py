@@ -94,13 +94,27 @@ class Entry:
         return self.drawn["bound"] if self.drawn else EMPTY
 
     @property
+    def decided_by_bound(self) -> bool:
+        """Whether the bound decides it, not the worst: of a share of launches."""
+        return bool(self.share) and bool(self.bound)
+
+    @property
+    def deciding(self) -> Cell:
+        """The value of which the margin is: the bound, or the worst that was found."""
+        if self.decided_by_bound:
+            return self.bound
+        return self.worst or self.nominal
+
+    @property
     def margin(self) -> Cell:
-        """Of the worst; of what is required of a share of launches, of its bound."""
-        by_share = self.drawn is not None and bool(self.share)
-        if self.searched and not by_share:
+        """Of the value that is `deciding`."""
+        if self.drawn and self.decided_by_bound:
+            return self.drawn["margin"]
+        if self.searched and self.searched["worst"]:
             return self.searched["margin"]
-        row = self.drawn or self.flown
-        return row["margin"] if row else EMPTY
+        if self.drawn:
+            return self.drawn["worst_margin"]
+        return self.flown["margin"] if self.flown else EMPTY
 
     @property
     def growth(self) -> Cell:

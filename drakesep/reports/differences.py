@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from drakesep.results.catalogue import EFFORT
+from drakesep.results.catalogue import EFFORT, LABELS
 
 
 PRESENT, ABSENT = "present", "absent"
@@ -169,6 +169,8 @@ def _unmatched(
 def _of_column(
     name: str, first: pd.Series, second: pd.Series, relative: float, floor: np.ndarray
 ) -> list[Difference]:
+    if name in LABELS:
+        first, second = (_as_labels(each) for each in (first, second))
     x, y = [
         pd.to_numeric(each, errors="coerce").to_numpy(float) for each in (first, second)
     ]
@@ -186,6 +188,12 @@ def _of_column(
         Difference(rows[i], name, was[i], got[i], bool(beyond[i]))
         for i in np.flatnonzero(differs).tolist()
     ]
+
+
+def _as_labels(numbers: pd.Series) -> pd.Series:
+    """Return numbers that are names as words, which no arithmetic takes for numbers."""
+    told = [None if pd.isna(x) else f"number {int(x)}" for x in numbers]
+    return pd.Series(told, index=numbers.index, dtype=object)
 
 
 def _as_told(texts: pd.Series, parsed: np.ndarray) -> list[Any]:

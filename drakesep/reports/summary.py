@@ -41,6 +41,8 @@ class Summary:
     findings: Sequence[Finding]
     nearest: Sequence[Entry]
     """Requirements beyond their limits, or nearest to them, the worst first."""
+    contacts: Sequence[Row]
+    """Clearances at which parts touch in some draws, of campaign.csv."""
     worst_failure: Row | None
     """The failure case that is worst by a requirement, of failure_cases.csv."""
     searches: Sequence[Row]
@@ -69,6 +71,11 @@ def summary_of(studies: Studies, matrix: Matrix) -> Summary:
         verdict=worst_verdict(judged),
         findings=findings,
         nearest=sorted(told, key=_margin_share)[:_NEAREST],
+        contacts=[
+            row
+            for row in studies.rows("campaign.csv")
+            if row.get("measured", 0) and row.get("worst", 1.0) <= 0.0
+        ],
         worst_failure=_worst_of(failures),
         searches=studies.rows("searches.csv"),
         draws=next((row["runs"] for row in studies.rows("campaign.csv")), EMPTY),
@@ -113,7 +120,7 @@ def _as_verdict(word: str) -> str:
 
 def _margin_share(entry: Entry) -> float:
     nominal = entry.nominal.value if entry.nominal else 0.0
-    worst = entry.worst.value if entry.worst else 0.0
+    worst = entry.deciding.value if entry.deciding else 0.0
     limit, margin = entry.asked.get("limit"), entry.margin.value
     return margin_share(
         {"limit": limit, "nominal": nominal, "worst": worst, "margin": margin}

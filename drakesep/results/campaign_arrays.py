@@ -25,8 +25,9 @@ def array_as_lines(array: NDArray[np.uint8]) -> list[str]:
 
 def tallies_as_arrays(draws: TalliedDraws) -> dict[str, Any]:
     """Return what is kept of draws as arrays, by names; without what failed."""
-    known = [one for one in draws.tallies if one is not None]
-    judged = [one is not None for one in draws.tallies]
+    tallies = (*draws.tallies, *draws.alone)
+    known = [one for one in tallies if one is not None]
+    judged = [one is not None for one in tallies]
     return {
         "draws": np.array(draws.runs, np.int64),
         "runs_failed": np.array(draws.failed, np.int64),
@@ -71,6 +72,8 @@ def tallies_of_arrays(
     runs = int(arrays["draws"])
     totals = map(int, array_as_lines(arrays["sums"]))
     squares = map(int, array_as_lines(arrays["sums_of_squares"]))
+    tallies = _tallies(runs, arrays)
+    count = len(plan.case.requirements)
     return TalliedDraws(
         first=first,
         runs=runs,
@@ -89,7 +92,8 @@ def tallies_of_arrays(
             )
             for k, (total, of_squares) in enumerate(zip(totals, squares, strict=True))
         ),
-        tallies=_tallies(runs, arrays),
+        tallies=tallies[:count],
+        alone=tallies[count:],
         failed=int(arrays["runs_failed"]),
         again=int(arrays["drawn_again"]),
         reasons=reasons,

@@ -423,7 +423,8 @@ _CAMPAIGN = (
                 "failures",
                 "",
                 "Draws beyond the limit, runs that failed among them; empty if that "
-                "was not looked at.",
+                "was not looked at. Of `sides: two`, beyond either of two limits, as "
+                "are `allowed` and the shares.",
             ),
             Column("allowed", "", "How many may be, for the share to be shown."),
             Column("share_shown", "", "That is within at least, at `at_confidence`."),
@@ -439,7 +440,13 @@ _CAMPAIGN = (
             ),
             Column("margin", _SAME, "Of the bound; negative beyond the limit."),
             Column("worst", _SAME, "Of all draws that have not failed."),
+            Column("worst_margin", _SAME, "Of the worst; negative beyond the limit."),
             Column("worst_draw", "", "Number of the worst draw; of one that failed."),
+            Column(
+                "worst_failure_case",
+                "",
+                "That happens in the worst draw; empty: nothing fails in it.",
+            ),
             Column(
                 "worst_case_found",
                 _SAME,
@@ -602,7 +609,8 @@ _CAMPAIGN = (
         "`sums` and `sums_of_squares`, in units of 2^-1126, `least`, `greatest`, and "
         "`counts` between the `edges` of a histogram, in SI; of each requirement that "
         "is `judged` how many are `beyond`, and the `worst_margins` and `worst_draws`, "
-        "`kept` of each; `runs_failed`.",
+        "`kept` of each, after them the same of each of two limits by itself; "
+        "`runs_failed`.",
     ),
     FileKind(
         name="campaign_histograms.csv",
@@ -939,10 +947,18 @@ _WORST_CASES = (
             Column(
                 "failures",
                 "",
-                "Draws beyond the limit; empty if that was not looked at.",
+                "Draws beyond the limit, of `sides: two` beyond either; empty if that "
+                "was not looked at.",
             ),
             Column("allowed", "", "How many may be."),
             Column("worst_of_draws", _SAME, "Of all draws that have not failed."),
+            Column("worst_draw", "", "Number of the worst draw; of one that failed."),
+            Column(
+                "worst_failure_case",
+                "",
+                "That happens in the worst draw: beyond what was searched of the "
+                "design; empty: nothing fails in it.",
+            ),
             Column(
                 "worst_case_beyond_bound",
                 _SAME,
@@ -1158,6 +1174,9 @@ EFFORT = frozenset(
     }
 )
 """Columns that say how hard something was, not what was found."""
+
+LABELS = frozenset({"draw", "worst_draw", "deciding_draw", "missed_draw"})
+"""Columns whose numbers are names: nothing lies between two of them."""
 
 FILES = (
     *_MEMORY,

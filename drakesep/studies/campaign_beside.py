@@ -119,27 +119,18 @@ def missed(findings: Sequence[Finding], campaign: Campaign) -> dict[Requirement,
 def _worse(
     share: ShareFinding, of_runs: Mapping[Requirement, Finding], campaign: Campaign
 ) -> list[int]:
-    """Return draws of less margin than the worst case, the least first.
-
-    Of two limits together, than the worse of both.
-    """
-    if share.answer is None:
+    """Return draws of less margin than the worst case, the least first."""
+    if share.alone is None:
         return []
-    together = [r for r in share.answer.required.limits if r in of_runs]
-    mine = [of_runs[r] for r in together or [share.requirement]]
-    clearances = campaign.flights.clearances
-    margins = [
-        one.margin - may_differ(objective, campaign.case, one.worst, one.nominal)
-        for one in mine
-        for name in [one.requirement.judged_by]
-        for objective in [clearances.get(name) or highest(name)]
-    ]
-    least = min(margins)
+    one, name = of_runs[share.requirement], share.requirement.judged_by
+    objective = campaign.flights.clearances.get(name) or highest(name)
+    within = may_differ(objective, campaign.case, one.worst, one.nominal)
+    least = one.margin - within
     if math.isnan(least):
         return []
-    tally = share.answer.tally
+    tally = share.alone.tally
     pairs = zip(tally.worst_draws, tally.worst_margins, strict=True)
-    name, worse = share.requirement.judged_by, [d for d, m in pairs if m < least]
+    worse = [d for d, m in pairs if m < least]
     return [draw for draw in worse if tells(campaign, draw, name)]
 
 

@@ -107,7 +107,8 @@ class Verification(WorstCases):
         """A row for each requirement: what a campaign and the worst case found say."""
         shares = self.campaign.findings if self.campaign else ()
         return answers_table(
-            self.findings, shares, self.missed, self._bodies, self.functions
+            *(self.findings, shares, self.missed, self._bodies, self.functions),
+            self.campaign.worst_failure_cases if self.campaign else {},
         )
 
     @property

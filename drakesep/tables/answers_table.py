@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import pandas as pd
 
@@ -26,6 +27,7 @@ def answers_table(
     missed: Mapping[Requirement, int],
     bodies: Sequence[str],
     functions: Sequence[FunctionRequirement] = (),
+    failure_cases: Mapping[Requirement, str] = MappingProxyType({}),
 ) -> pd.DataFrame:
     """Return a row for each requirement and axis: what draws and what searches say.
 
@@ -35,6 +37,7 @@ def answers_table(
         missed: draws that are worse than the worst case found, though searched.
         bodies: names of those that leave; that of the first pair is the first.
         functions: that are required, some of the findings are of them.
+        failure_cases: of which the worst draws are, where something fails in them.
     """
     by_draws = {one.requirement: one for one in shares}
     rows = []
@@ -45,7 +48,10 @@ def answers_table(
             {
                 **limit_columns(requirement, unit),
                 "nominal": unit.from_si(finding.nominal),
-                **_of_draws(by_draws.get(requirement), finding, unit),
+                **_of_draws(
+                    *(by_draws.get(requirement), finding, unit),
+                    failure_cases.get(requirement, ""),
+                ),
                 "worst_case_found": unit.from_si(finding.worst),
                 "which_run": finding.run,
                 "missed_draw": missed.get(requirement),
@@ -58,18 +64,23 @@ def answers_table(
             }
         )
     frame = pd.DataFrame(rows)
-    return frame.astype(dict.fromkeys(("failures", "allowed", "missed_draw"), "Int64"))
+    return frame.astype(dict.fromkeys(_WHOLE, "Int64"))
+
+
+_WHOLE = ("failures", "allowed", "worst_draw", "missed_draw")
+"""Columns of whole numbers that may be empty."""
 
 
 def _of_draws(
-    share: ShareFinding | None, finding: Finding, unit: Unit
+    share: ShareFinding | None, finding: Finding, unit: Unit, failure_case: str
 ) -> dict[str, object]:
     """Return what a campaign says of a requirement; empty of what it does not judge."""
     if share is None:
         nothing = dict.fromkeys(("bound_of", "at_confidence", "bound"), math.nan)
-        counts = dict.fromkeys(("failures", "allowed"), None)
+        counts = dict.fromkeys(("failures", "allowed", "worst_draw"), None)
         rest = dict.fromkeys(("worst_of_draws", "worst_case_beyond_bound"), math.nan)
-        return {**nothing, **counts, **rest, "by_campaign": ""}
+        words = {"worst_failure_case": "", "by_campaign": ""}
+        return {**nothing, **counts, **rest, **words}
     sign = 1.0 if finding.requirement.from_above else -1.0
     return {
         "bound_of": share.size.share,
@@ -78,6 +89,8 @@ def _of_draws(
         "failures": share.beyond,
         "allowed": share.size.allowed if finding.requirement.statistical else 0,
         "worst_of_draws": unit.from_si(share.worst),
+        "worst_draw": share.draw_of_rank(1) if share.ranked else None,
+        "worst_failure_case": failure_case,
         "worst_case_beyond_bound": unit.from_si(sign * (finding.worst - share.bound)),
         "by_campaign": share.verdict.value,
     }

@@ -31,6 +31,7 @@ def campaign_table(
     failed: int,
     bodies: Sequence[str],
     found: Mapping[Requirement, float],
+    failure_cases: Mapping[Requirement, str],
 ) -> pd.DataFrame:
     """Return a row for each requirement and axis: the share that is shown.
 
@@ -40,8 +41,11 @@ def campaign_table(
         bodies: names of those that leave; that of the first pair is the first.
         found: the worst case of each requirement, in SI, if worst cases were searched:
             else there is no column of it.
+        failure_cases: of which the worst draws are, where something fails in them.
     """
-    frame = pd.DataFrame([_finding(one, failed, bodies, found) for one in findings])
+    frame = pd.DataFrame(
+        [_finding(one, failed, bodies, found, failure_cases) for one in findings]
+    )
     return frame.astype({name: "Int64" for name in _WHOLE if name in frame})
 
 
@@ -54,6 +58,7 @@ def _finding(
     failed: int,
     bodies: Sequence[str],
     found: Mapping[Requirement, float],
+    failure_cases: Mapping[Requirement, str],
 ) -> dict[str, object]:
     requirement, size = finding.requirement, finding.size
     unit = unit_of(requirement.metric)
@@ -72,9 +77,11 @@ def _finding(
         "bound": unit.from_si(finding.bound),
         "margin": unit.from_si(finding.margin),
         "worst": unit.from_si(finding.worst),
+        "worst_margin": unit.from_si(requirement.margin(finding.worst)),
         "worst_draw": finding.draw_of_rank(1) if tells else None,
+        "worst_failure_case": failure_cases.get(requirement, ""),
         **({"worst_case_found": unit.from_si(worst_case)} if found else {}),
-        "deciding_draw": None if answer is None else answer.deciding_draw,
+        "deciding_draw": None if finding.alone is None else finding.alone.deciding_draw,
         "failed": failed,
         "measured": finding.measured,
         "consumers_risk": size.consumers_risk,

@@ -75,15 +75,17 @@ def tells(study: Campaign, draw: int, metric: str) -> bool:
 def _deciding(finding: ShareFinding) -> Iterator[Chosen]:
     if finding.beyond is None:
         return
-    last = finding.size.allowed or 0
-    # Of what every run must keep, the worst decides.
-    decides = last if finding.requirement.statistical else 0
-    ranks = np.unique(np.linspace(0, last, min(MOST, last + 1)).round().astype(int))
-    answer = finding.answer
+    last, decides = (finding.size.allowed or 0) + 1, finding.deciding_rank
+    # Of two limits together, the draw that decides has another rank to each.
+    many = min(MOST - finding.together, last)
+    ranks = np.unique(np.linspace(1, last, many).round().astype(int))
+    if decides is not None:
+        ranks = np.union1d(ranks, decides)
+    answer = finding.alone
     known = 0 if answer is None else answer.tally.untold + len(answer.tally.worst_draws)
-    for rank in ranks[ranks < known].tolist():
-        draw = finding.draw_of_rank(rank + 1)
-        yield Chosen(draw, finding.requirement, rank + 1, rank == decides)
+    for rank in ranks[ranks <= known].tolist():
+        draw = finding.draw_of_rank(rank)
+        yield Chosen(draw, finding.requirement, rank, rank == decides)
 
 
 def confirmed(

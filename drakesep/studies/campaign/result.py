@@ -77,8 +77,25 @@ class Campaign:
     def requirements(self) -> pd.DataFrame:
         """A row for each requirement and axis: the share that is shown."""
         return campaign_table(
-            self.findings, self.flown.failed, self._bodies, self.found
+            *(self.findings, self.flown.failed, self._bodies, self.found),
+            self.worst_failure_cases,
         )
+
+    @functools.cached_property
+    def worst_failure_cases(self) -> Mapping[Requirement, str]:
+        """The failure cases of which the worst draws are, where something fails."""
+        names = [one.name for one in self.flights.failures]
+        of_draws = {
+            one.requirement: one.draw_of_rank(1) for one in self.findings if one.ranked
+        }
+        if not names or not of_draws:
+            return {}
+        failure = self.flights.drawn([*of_draws.values()]).failure.tolist()
+        return {
+            requirement: names[k]
+            for requirement, k in zip(of_draws, failure, strict=True)
+            if k >= 0
+        }
 
     @property
     def _bodies(self) -> list[str]:

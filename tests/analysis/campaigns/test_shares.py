@@ -137,9 +137,25 @@ def test_two_sides_are_one_requirement(case):
     apart = found(case, [required(">=", 3.0), required("<=", 97.0)], speeds)
     assert [one.beyond for one in apart] == [3, 3]
     assert all(one.verdict is Verdict.MET for one in apart)
-    # The sixth of both sides together: half a unit beyond either limit.
-    assert (below.bound, above.bound) == (2.5, 97.5)
-    assert sorted(below.ranked[:6]) == [0, 1, 2, 97, 98, 99]
+    assert below.together
+    assert not apart[0].together
+
+
+def test_of_two_sides_each_limit_has_its_own_bound_and_worst(case):
+    """Values of draws, on the side of the limit; that of the other tells nothing."""
+    speeds = np.arange(100) + 0.5
+    sides = {"sides": "two", "id": "band"}
+    band = [required(">=", 3.0, **sides), required("<=", 97.2, **sides)]
+    below, above = found(case, band, speeds)
+    assert (below.bound, above.bound) == (5.5, 94.5)  # the sixth to either side
+    assert (below.margin, above.margin) == pytest.approx((2.5, 2.7))
+    assert below.ranked[:6] == (0, 1, 2, 3, 4, 5)
+    assert above.ranked[:6] == (99, 98, 97, 96, 95, 94)
+    # Margins together: 97, 98, 99 are by 0.3, 1.3, 2.3 beyond, 2, 1, 0 by 0.5, 1.5,
+    # 2.5. The sixth is that of draw 97, the third from above.
+    assert above.answer.deciding_draw == 97
+    assert above.deciding_rank == 3
+    assert above.verdict is below.verdict is Verdict.NOT_SHOWN
 
 
 def test_what_is_not_told_is_not_looked_at(case):

@@ -90,6 +90,8 @@ def test_verdicts_bounds_and_counts_are_those_of_rows(both, plan):
         np.testing.assert_equal((other.bound, other.worst), (one.bound, one.worst))
         for name in ("share_shown", "share_at_most", "deciding_draw", "why"):
             assert getattr(other.answer, name) == getattr(one.answer, name)
+            assert getattr(other.alone, name) == getattr(one.alone, name)
+        assert other.deciding_rank == one.deciding_rank
         ranks = range(1, (one.size.rank or 1) + 1)
         assert [*map(other.draw_of_rank, ranks)] == [*map(one.draw_of_rank, ranks)]
 

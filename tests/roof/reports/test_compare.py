@@ -253,3 +253,15 @@ def test_units_of_rows():
     tables = [keyed(x, [], {"value": "as `unit` says"}) for x in sides]
     found = differences(*tables, Tolerated(0.0, 1e-6), is_long=False)
     assert [one.beyond for one in found] == [False, False, False, True]
+
+
+def test_numbers_of_draws_are_names():
+    """Draw 986 is not a hundred times draw 9, nor nearly draw 987."""
+    first = pd.DataFrame({"metric": ["a", "b", "c"], "worst_draw": [986.0, 9.0, None]})
+    second = first.assign(worst_draw=[987.0, 9.0, 4.0])
+    tables = [keyed(each, ["metric"], {}) for each in (first, second)]
+    found = differences(*tables, Tolerated(relative=0.1), is_long=False)
+    assert [(one.row, one.first, one.second, one.beyond) for one in found] == [
+        ("a", "number 986", "number 987", True),
+        ("c", None, "number 4", True),
+    ]

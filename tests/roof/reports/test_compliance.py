@@ -129,3 +129,16 @@ def test_numbers_as_they_are_shown(value, text):
 def test_cells_of_tables_as_they_are_read(column, text, value):
     got = _read(column, text)
     assert (got, type(got)) == (value, type(value))
+
+
+def test_a_margin_is_of_the_value_beside_it():
+    """Of 2.2 deg/s a bound of 2.4 and a worst draw of 8.7: -0.2 and -6.5 apart."""
+    told = {"limit": 2.2, "bound": 2.4, "margin": -0.2, "verdict": NOT_MET}
+    told |= {"worst": 8.7, "worst_margin": -6.5}
+    by_share = Entry(drawn=row("campaign.csv", share=SHARE, **told))
+    every = Entry(drawn=row("campaign.csv", share=EVERY, **told))
+    assert (by_share.deciding.value, by_share.margin.value) == (2.4, -0.2)
+    assert (every.deciding.value, every.margin.value) == (8.7, -6.5)
+    searched = row("requirements.csv", share=SHARE, worst=3.0, margin=-0.8)
+    searched_alone = Entry(searched=searched)
+    assert (searched_alone.deciding.value, searched_alone.margin.value) == (3.0, -0.8)

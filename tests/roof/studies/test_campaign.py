@@ -450,6 +450,10 @@ def test_what_fails_in_a_launch_is_flown_as_it_failed(tmp_path):
     assert (rows["status"] != "completed").sum() == stuck.sum()
     [finding] = study.findings
     assert finding.beyond == stuck.sum()
+    # What does not separate is the worst, and is known to be of that failure case.
+    [row] = study.requirements.to_dict("records")
+    assert stuck[row["worst_draw"]]
+    assert row["worst_failure_case"] == "stuck"
     assert study.verdict == "not shown"
     draws = rows.index[worn][:3].tolist()
     with DrakePool(study.case.separation, study.case.integration, workers=1) as pool:
