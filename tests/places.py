@@ -9,6 +9,8 @@ from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import pytest
+
 import drakesep
 from drakesep.systems.model.parameters import parameters
 from drakesep.tables.columns import in_units
@@ -197,6 +199,11 @@ def _check_tolerance(told: Told, case: Any, name: str, what: str) -> None:
     if what == "distribution":
         sides = [abs(unit_of(one.name).from_si(x)) for x in (one.sides.plus,)]
         assert not NUMBER.findall(told.text) or sides, told
+        return
+    if what == "values":
+        values = [unit_of(one.name).from_si(x) for x in one.tolerance.values]
+        listed = [float(x.split(" (")[0]) for x in told.text.split(", ")]
+        assert listed == pytest.approx(values, rel=1e-9), told
         return
     value = unit_of(one.name).from_si(getattr(one.sides, what))
     assert math.isclose(shown(told.text), value, rel_tol=1e-9), told

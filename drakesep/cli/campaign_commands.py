@@ -156,6 +156,10 @@ def plan(
     confidence: ConfidenceOption = None,
     metrics: MetricOption = None,
     keep: KeepOption = None,
+    chunk: Annotated[
+        int | None,
+        typer.Option(min=1, help="Draws of a chunk; 32768 if not given."),
+    ] = None,
     output: OutputOption = None,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
@@ -168,6 +172,7 @@ def plan(
         confidence=confidence,
         metrics=metrics,
         keep=keep,
+        chunk=chunk,
     )
     with Report("campaign plan", quiet=quiet, as_json=as_json) as report:
         loaded = load(report, case)

@@ -121,7 +121,9 @@ def print_requirements(console: Console, study: Verification) -> None:
     print_failure_cases(console, study)
 
 
-_FAILURES = ("failure_case", "verdict", "not_met", "nearest", "worst", "limit")
+_FAILURES = (
+    *("failure_case", "verdict", "not_met", "beyond", "nearest", "worst", "limit"),
+)
 
 
 def print_failure_cases(console: Console, study: Verification) -> None:
@@ -143,9 +145,21 @@ def print_failure_cases(console: Console, study: Verification) -> None:
             f"{n} of {m}"
             for n, m in zip(frame["not_met"], frame["requirements"], strict=True)
         ],
+        beyond=[
+            f"{n} of {m}"
+            for n, m in zip(frame["beyond"], frame["requirements"], strict=True)
+        ],
     )
     title = "Failure cases, with the requirement of the least margin in each"
     print_frame(console, title, shown[[*_FAILURES]], whole=True)
+    shares = sum(one.requirement.statistical for one in study.findings)
+    if shares:
+        console.print(
+            f"In a failure case {shares} of {len(study.findings)} requirements are not "
+            "looked at: they are of a share of launches, which a campaign judges, that "
+            "draws failures as probable as they are. `beyond` counts the limits beyond "
+            "which the worst is that was flown."
+        )
 
 
 def _with_units(frame: pd.DataFrame, column: str) -> list[str]:

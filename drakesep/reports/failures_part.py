@@ -27,6 +27,7 @@ _OUTCOMES: Columns = {
     "changed": "what has failed",
     "verdict": "verdict",
     "not_met": "rows not met",
+    "beyond": "worst beyond limit",
     "nearest_requirement nearest_axis nearest_pair": "nearest requirement",
     "nearest_limit": "its limit",
     "nearest_worst": "worst",
@@ -40,6 +41,8 @@ class FailuresPart(NamedTuple):
     """Of the study that verified them."""
 
     outcomes: Table
+    has_shares: bool
+    """Whether something is required of a share of launches."""
     by_requirement: Sequence[Table]
     pictures: Sequence[Picture]
 
@@ -50,9 +53,11 @@ def of(studies: Studies) -> FailuresPart | None:
     if not found:
         return None
     [study] = found
+    rows = study.rows("failure_requirements.csv")
     return FailuresPart(
+        has_shares=any(row["share"] for row in rows),
         outcomes=table_of(study.rows("failure_cases.csv"), _OUTCOMES),
-        by_requirement=_by_requirement(study.rows("failure_requirements.csv")),
+        by_requirement=_by_requirement(rows),
         pictures=list(failure_pictures(study)),
     )
 
@@ -91,6 +96,6 @@ def _heading(column: dict[str, Row]) -> Heading:
 def _worst(row: Row | None) -> Cell:
     if row is None:
         return EMPTY
-    beyond = row.get("verdict") == NOT_MET
+    beyond = row.get("verdict") == NOT_MET or row.get("margin", 0.0) < 0.0
     worst = row["worst"].told_from(row["limit"])
     return replace(worst, kind=BEYOND) if beyond else worst

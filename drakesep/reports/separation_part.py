@@ -21,7 +21,7 @@ from drakesep.systems.model.separation import (
     InitialMotion,
     Separation,
 )
-from drakesep.tables.columns import distribution_text
+from drakesep.tables.columns import distribution_text, values_text
 from drakesep.units import split_axis, unit_of, with_unit
 
 
@@ -294,12 +294,18 @@ class SeparationPart:
             distribution = self._study.input(
                 *("tolerance", name, "distribution"), value=distribution_text(one)
             )
+            values = self._study.input(
+                *("tolerance", name, "values"), value=values_text(one)
+            )
             nominal = self._parameter(one.name, one.nominal)
             rows.append(
                 [
                     self._name(one.name),
                     *(nominal, sides["minus"], sides["plus"]),
-                    *(Cell(unit.symbol), distribution),
+                    *(
+                        Cell(unit.symbol),
+                        [distribution, values] if values else distribution,
+                    ),
                 ]
             )
             origin = None if self._text is None else self._text.of_dispersion(name)
@@ -316,7 +322,8 @@ class SeparationPart:
     def correlations(self) -> Sequence[str]:
         """What goes together, in words."""
         told = [
-            f"{', '.join(map(with_unit, one.names))}: correlated by ranks in a campaign"
+            f"{', '.join(map(with_unit, one.names))}: correlated by ranks in a "
+            f"campaign, each two by {one.rank:g}"
             for one in self._case.correlations
         ]
         told += [
@@ -382,6 +389,9 @@ def _shape_words(shape: Shape) -> str:
             ends = f"{sizes(shape.radius_aft)} aft, {sizes(shape.radius_fore)} fore"
             thickness = shape.thickness
             wall = "" if thickness is None else f", wall {sizes(thickness)}"
+            if shape.radius_aft == shape.radius_fore:
+                width = f"radius {sizes(shape.radius_aft)}"
+                return f"cylinder, {width}, length {sizes(shape.length)}{wall} mm"
             return f"cone, radii {ends}, length {sizes(shape.length)}{wall} mm"
         case Mesh(file=file, scale=scale):
             return f"mesh {file.name}, scale {scale:.10g}"

@@ -52,6 +52,11 @@ class Summary:
     unfinished: Sequence[Study]
     """Studies that did not come to their end."""
 
+    @property
+    def touches_where_met(self) -> bool:
+        """Whether parts touch in draws although what is required is met."""
+        return any(row.get("verdict") == MET for row in self.contacts)
+
 
 def summary_of(studies: Studies, matrix: Matrix) -> Summary:
     """Return the summary of some studies.
@@ -133,7 +138,8 @@ def _worst_of(failures: Sequence[Row]) -> Row | None:
     def share(row: Row) -> float:
         limit, worst = float(row.get("nearest_limit")), float(row.get("nearest_worst"))
         away = abs(worst - limit) / (abs(limit) or 1.0)
-        return -away if row.get("verdict") == NOT_MET else away
+        beyond = row.get("verdict") == NOT_MET or row.get("beyond", 0) > 0
+        return -away if beyond else away
 
     told = [row for row in failures if row["nearest_worst"]]
     return min(told, key=share, default=None)

@@ -1019,6 +1019,12 @@ _WORST_CASES = (
                 "where a run was not flown or not confirmed.",
             ),
             Column("not_met", "", "Rows of requirements that are not."),
+            Column(
+                "beyond",
+                "",
+                "Rows whose worst is beyond the limit; of a share of launches that is "
+                "no verdict.",
+            ),
             Column("requirements", "", "Rows of requirements in all."),
             Column(
                 "nearest_requirement",

@@ -59,6 +59,22 @@ def distribution_text(dispersion: Dispersion) -> str:
     return ", ".join(text)
 
 
+def values_text(dispersion: Dispersion) -> str:
+    """Return the values of a table or a discrete distribution, with their weights.
+
+    Empty of others, which have none: ``388 (1), 395 (2)``, by weight or probability.
+    """
+    one, unit = distribution_of(dispersion.tolerance), unit_of(dispersion.name)
+    if not isinstance(one, Table | Discrete):
+        return ""
+    values = [f"{unit.from_si(x):.10g}" for x in one.values]
+    weights = one.weights if isinstance(one, Table) else one.probabilities
+    if weights is None:
+        return ", ".join(values)
+    pairs = zip(values, weights, strict=True)
+    return ", ".join(f"{value} ({weight:.6g})" for value, weight in pairs)
+
+
 def _extent_text(sides: Sides, unit: Unit) -> str:
     if sides.symmetric:
         return f"± {unit.from_si(sides.plus):g}"

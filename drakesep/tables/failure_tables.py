@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from drakesep.analysis.metrics.metric import is_strict
 from drakesep.analysis.metrics.requirements import Verdict
 from drakesep.tables.columns import in_units
 from drakesep.tables.labelled_run import LabelledRun
@@ -33,12 +34,15 @@ def outcome_row(
         verdict: on all of them; None: there is none.
     """
     not_met = requirements[requirements["verdict"] == Verdict.NOT_MET.value]
+    margins, strict = requirements["margin"], requirements["sense"].map(is_strict)
+    beyond = (margins < 0.0) | (strict & (margins <= 0.0))
     force, torque = nominal.largest_loads
     return {
         CASE: name,
         "changed": changed_text(changed),
         "verdict": verdict or "failed",
         "not_met": len(not_met),
+        "beyond": int(beyond.sum()),
         "requirements": len(requirements),
         **_nearest(requirements),
         "joint_force_N": force,

@@ -146,7 +146,8 @@ class StudyEffort:
         return {
             "searches": (DRAKE,) if self.drake_alone else self.searches,
             "samples": settings.samples,
-            "vertices": settings.vertices,
+            # Of fewer parameters there are no more.
+            "vertices": min(2**self.parameters, settings.vertices),
             "flips": settings.flips,
             "starts": settings.starts,
             "corners": settings.corners,

@@ -67,6 +67,14 @@ def test_in_parts_it_is_as_at_once(case, tmp_path, drakesep_):
     assert drakesep_("merge", parts)[0] == 2
 
 
+def test_chunks_of_as_many_draws_as_one_asks_for(case, tmp_path, drakesep_):
+    parts = tmp_path / "parts"
+    asked = ("plan", case, *SHOWN, "-o", parts, "--chunk", 100, "--json")
+    code, out, _ = drakesep_(*asked)
+    assert (code, json.loads(out)["chunks"]) == (0, 3)  # 100, 100 and 50
+    assert json.loads((parts / "plan.json").read_text())["chunk"] == 100
+
+
 def test_arguments_of_a_script_for_slurm(tmp_path):
     with pytest.raises(InputError, match="tasks: must be 1 or more, got 0"):
         array_script(tmp_path, 0)
