@@ -111,6 +111,7 @@ def test_vega_against_drake_over_the_whole_box(vega, vega_batch):
     assert_close(result.metrics.to_numpy(), expected)
 
 
+@pytest.mark.slow
 def test_three_bodies_against_drake(closely_sampled):
     """Staged releases, joints that hold on, springs by displacement, gravity.
 
@@ -329,6 +330,7 @@ def test_convergence_over_the_whole_box(vega, vega_batch, fine_batch):
 # Derivatives.
 
 
+@pytest.mark.slow
 def test_jacobian_of_vega(vega, fine_batch):
     batch = fine_batch
     rows = random_rows(vega, 4, seed=3)

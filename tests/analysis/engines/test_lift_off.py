@@ -165,6 +165,7 @@ def test_batch(batch):
         check(run, Phases(damping))
 
 
+@pytest.mark.slow
 def test_what_the_damper_does_to_the_end_of_the_stroke(batch):
     """Its slope, through four events whose times all move, by differences."""
     step = 1.0
