@@ -2,8 +2,9 @@
 
 import functools
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import ClassVar
 
 import pandas as pd
 
@@ -19,59 +20,31 @@ from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.case_file.case import Case
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import RARE_EVENTS
-from drakesep.results.folder import Output, ResultsFolder, begun
+from drakesep.results.folder import Output, begun
 from drakesep.studies.campaign.flight import seconds_of
 from drakesep.studies.campaign.sample import not_confirmed, sample_of
+from drakesep.studies.one_table import OneTable
 from drakesep.studies.runs_progress import OnRuns, TellingRuns
 from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError, unknown
-from drakesep.tables.columns import write_csv
 from drakesep.tables.rare_events_table import rare_events_table
 
 
 @dataclass(frozen=True, kw_only=True)
-class RareEvents:
+class RareEvents(OneTable):
     """How improbable it is to be beyond each limit of a case."""
 
-    asked: Asked = field(repr=False)
-    """With the case."""
+    FILE: ClassVar = "rare_events.csv"
+
     found: tuple[tuple[Requirement, RareProbability], ...]
     """Of each requirement that was looked at."""
-    failure: str = ""
-    """Which runs Drake does not confirm; empty if there are none."""
-
-    @property
-    def case(self) -> AnalysisCase:
-        """The case."""
-        return self.asked.case
 
     @functools.cached_property
     def table(self) -> pd.DataFrame:
         """A row for each requirement: the probability, with its interval."""
         bodies = [pair.B for pair in self.case.separation.pairs]
         return rare_events_table(self.found, bodies)
-
-    @property
-    def completed(self) -> bool:
-        """Whether Drake confirms a sample of what the batch engine says."""
-        return not self.failure
-
-    def save(self, directory: str | Path) -> None:
-        """Write the table and `study.json` into a folder.
-
-        Raises:
-            ValueError: it cannot be written, another study is writing it, or it holds
-                the results of another kind of study.
-        """
-        with ResultsFolder(directory, RARE_EVENTS) as folder:
-            folder.begin(self.asked)
-            self.write(folder)
-
-    def write(self, results: ResultsFolder) -> None:
-        """Write it into the folder of its study, which ends."""
-        write_csv(self.table, results.path / "rare_events.csv")
-        results.end(failed=self.failure)
 
 
 @typed

@@ -4,6 +4,7 @@ import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import ClassVar
 
 import pandas as pd
 
@@ -18,61 +19,33 @@ from drakesep.analysis.campaigns.sensitivity import (
 from drakesep.case_file.case import Case
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import SENSITIVITY
-from drakesep.results.folder import Output, ResultsFolder, begun
+from drakesep.results.folder import Output, begun
 from drakesep.studies.campaign.flight import seconds_of
 from drakesep.studies.campaign.sample import not_confirmed, sample_of
+from drakesep.studies.one_table import OneTable
 from drakesep.studies.runs_progress import OnRuns, TellingRuns
 from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
-from drakesep.tables.columns import write_csv
 from drakesep.tables.sobol_table import sobol_table
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sensitivity:
+class Sensitivity(OneTable):
     """What shares of the variance of metrics come from which parameters."""
 
-    asked: Asked = field(repr=False)
-    """With the case."""
+    FILE: ClassVar = "sobol_indices.csv"
+
     metrics: tuple[str, ...]
     """By their names."""
     indices: SobolIndices = field(repr=False)
     """(n, m) of each parameter and metric."""
-    failure: str = ""
-    """Which runs Drake does not confirm; empty if there are none."""
-
-    @property
-    def case(self) -> AnalysisCase:
-        """The case."""
-        return self.asked.case
 
     @functools.cached_property
     def table(self) -> pd.DataFrame:
         """A row for each metric and parameter: its shares, with their errors."""
         names = self.case.tolerance_set.names
         return sobol_table(self.indices, names, self.metrics)
-
-    @property
-    def completed(self) -> bool:
-        """Whether Drake confirms a sample of what the batch engine says."""
-        return not self.failure
-
-    def save(self, directory: str | Path) -> None:
-        """Write the table and `study.json` into a folder.
-
-        Raises:
-            ValueError: it cannot be written, another study is writing it, or it holds
-                the results of another kind of study.
-        """
-        with ResultsFolder(directory, SENSITIVITY) as folder:
-            folder.begin(self.asked)
-            self.write(folder)
-
-    def write(self, results: ResultsFolder) -> None:
-        """Write it into the folder of its study, which ends."""
-        write_csv(self.table, results.path / "sobol_indices.csv")
-        results.end(failed=self.failure)
 
 
 @typed
