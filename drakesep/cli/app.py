@@ -6,11 +6,11 @@ from typing import Annotated
 
 import typer
 
+from drakesep.cli.answer import BAD_INPUT, MACHINE, print_json, say_error, words_of
 from drakesep.cli.campaign_commands import campaign, replay
 from drakesep.cli.case_commands import cases, new, show
 from drakesep.cli.compare_command import compare
 from drakesep.cli.export_command import export
-from drakesep.cli.report import BAD_INPUT, MACHINE, print_json, say_error, words_of
 from drakesep.cli.report_command import report
 from drakesep.cli.run_commands import animate, clearance, simulate
 from drakesep.cli.search_commands import verify, worst_case

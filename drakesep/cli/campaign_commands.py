@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from drakesep.cli.answer import Answer
 from drakesep.cli.campaign_distributions import rare_events, sensitivity
 from drakesep.cli.campaign_size import size
 from drakesep.cli.options import (
@@ -20,7 +21,6 @@ from drakesep.cli.options import (
     QuietOption,
     ShareOption,
 )
-from drakesep.cli.report import Report
 from drakesep.cli.results_folder import load, results_folder, say
 
 
@@ -125,15 +125,15 @@ def run(
         metrics=metrics,
         keep=keep,
     )
-    with Report("campaign", quiet=quiet, as_json=as_json) as report:
-        loaded = load(report, case)
+    with Answer("campaign", quiet=quiet, as_json=as_json) as answer:
+        loaded = load(answer, case)
         from drakesep.cli.progress import progress_bar
         from drakesep.studies.campaign import procedure
 
         with (
             results_folder(output, loaded.name, "campaign") as folder,
             _executor(workers, dask) as executor,
-            progress_bar(report.aside) as on_progress,
+            progress_bar(answer.aside) as on_progress,
         ):
             study = procedure.campaign(
                 loaded,
@@ -144,7 +144,7 @@ def run(
                 on_progress=on_progress,
                 **settings,
             )
-        _say(report, folder, study)
+        _say(answer, folder, study)
 
 
 @campaign.command()
@@ -174,18 +174,18 @@ def plan(
         keep=keep,
         chunk=chunk,
     )
-    with Report("campaign plan", quiet=quiet, as_json=as_json) as report:
-        loaded = load(report, case)
+    with Answer("campaign plan", quiet=quiet, as_json=as_json) as answer:
+        loaded = load(answer, case)
         from drakesep.studies.campaign import procedure
 
         with (
             results_folder(output, loaded.name, "campaign") as folder,
-            report.aside.status("planning"),
+            answer.aside.status("planning"),
         ):
             recorded = procedure.plan_campaign(loaded, output=folder, **settings)
         chunks = recorded.plan.chunks
-        report.add(folder=str(folder.path), runs=recorded.plan.runs, chunks=chunks)
-        report.console.print(
+        answer.add(folder=str(folder.path), runs=recorded.plan.runs, chunks=chunks)
+        answer.console.print(
             f"{recorded.plan.runs} draws in {chunks} chunks, 0 to {chunks - 1}: "
             f"`drakesep campaign run-chunk {folder.directory} I` flies one, "
             f"`drakesep campaign merge {folder.directory}` tells what came of all",
@@ -206,17 +206,17 @@ def run_chunk(
     as_json: JsonOption = False,
 ) -> None:
     """Fly chunks of a campaign that is planned; those that are there stay."""
-    with Report("campaign run-chunk", quiet=quiet, as_json=as_json) as report:
+    with Answer("campaign run-chunk", quiet=quiet, as_json=as_json) as answer:
         from drakesep.studies.campaign import procedure
 
         flown = []
         for number in chunks:
-            with report.aside.status(f"flying chunk {number}"):
+            with answer.aside.status(f"flying chunk {number}"):
                 if procedure.run_chunk(directory, number, again=again):
                     flown.append(number)
-        report.add(folder=str(directory.absolute()), chunks=flown)
+        answer.add(folder=str(directory.absolute()), chunks=flown)
         there = "; the others were there" if len(flown) < len(chunks) else ""
-        report.console.print(f"Flown: {len(flown)} of {len(chunks)} chunks{there}")
+        answer.console.print(f"Flown: {len(flown)} of {len(chunks)} chunks{there}")
 
 
 @campaign.command()
@@ -230,19 +230,19 @@ def merge(
 
     Exits with 4 if a chunk is missing, and says which.
     """
-    with Report("campaign merge", quiet=quiet, as_json=as_json) as report:
+    with Answer("campaign merge", quiet=quiet, as_json=as_json) as answer:
         from drakesep.cli.progress import progress_bar
         from drakesep.studies.campaign import procedure
 
         with (
             results_folder(directory, "", "campaign") as folder,
-            progress_bar(report.aside) as on_progress,
+            progress_bar(answer.aside) as on_progress,
         ):
             study = procedure.merge_campaign(
                 folder, workers=workers, on_progress=on_progress
             )
-        report.add(case=study.case.name)
-        _say(report, folder, study)
+        answer.add(case=study.case.name)
+        _say(answer, folder, study)
 
 
 @campaign.command()
@@ -255,12 +255,12 @@ def slurm(
     as_json: JsonOption = False,
 ) -> None:
     """Print a script that flies the chunks of a planned campaign as a Slurm array."""
-    with Report("campaign slurm", quiet=quiet, as_json=as_json) as report:
+    with Answer("campaign slurm", quiet=quiet, as_json=as_json) as answer:
         from drakesep.studies.campaign.slurm import array_script
 
         script = array_script(directory, tasks)
-        report.add(folder=str(directory.absolute()), script=script)
-        report.answer.out(script, end="", highlight=False)
+        answer.add(folder=str(directory.absolute()), script=script)
+        answer.itself.out(script, end="", highlight=False)
 
 
 def replay(
@@ -287,27 +287,27 @@ def replay(
     as_json: JsonOption = False,
 ) -> None:
     """Fly a draw of a campaign in Drake: what `simulate` writes, and an animation."""
-    with Report("replay", quiet=quiet, as_json=as_json) as report:
+    with Answer("replay", quiet=quiet, as_json=as_json) as answer:
         from drakesep.cli.results import print_simulated
         from drakesep.cli.summaries import of_simulated
         from drakesep.results.campaign_files import RecordedPlan
         from drakesep.studies.campaign.replay import replay
 
         name = RecordedPlan.read(directory).plan.case.name
-        report.add(case=name)
+        answer.add(case=name)
         where = output or Path("results") / name / f"replay_{number}"
         with (
             results_folder(where, name, "simulate") as folder,
-            report.aside.status("flying"),
+            answer.aside.status("flying"),
         ):
             result = replay(directory, number, output=folder)
         if animation and result.completed:
-            with report.aside.status("measuring"):
+            with answer.aside.status("measuring"):
                 _animate(where)
         summary = of_simulated(result, folder.path)
-        say(report, folder, summary, partial(print_simulated, result=result))
+        say(answer, folder, summary, partial(print_simulated, result=result))
         if not result.completed:
-            report.fail(result.labelled.status)
+            answer.fail(result.labelled.status)
 
 
 def _given(**settings: Any) -> dict[str, Any]:
@@ -324,20 +324,20 @@ def _animate(folder: Path) -> None:
     animate_results(read_results(folder), output=page)
 
 
-def _say(report: Report, folder: Any, study: "Campaign") -> None:
+def _say(answer: Answer, folder: Any, study: "Campaign") -> None:
     """Say what a campaign has shown, and end with its exit code."""
     from drakesep.cli.campaign_lines import print_campaign, print_shown
     from drakesep.cli.summaries import of_campaign
 
     summary = of_campaign(study, folder.path)
-    say(report, folder, summary, partial(print_campaign, study=study))
-    print_shown(report.console, study)
+    say(answer, folder, summary, partial(print_campaign, study=study))
+    print_shown(answer.console, study)
     if study.failure and study.verdict != "not met":
-        report.fail(study.failure)
+        answer.fail(study.failure)
     if study.failure:
-        report.not_met(study.failure)
+        answer.not_met(study.failure)
     if study.verdict is not None and not study.passed:
-        report.not_well()
+        answer.not_well()
 
 
 @contextlib.contextmanager

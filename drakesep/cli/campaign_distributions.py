@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drakesep.cli.answer import Answer
 from drakesep.cli.options import CaseArgument, JsonOption, OutputOption, QuietOption
-from drakesep.cli.report import Report
 from drakesep.cli.results_folder import load, results_folder, say
 
 
@@ -47,15 +47,15 @@ def sensitivity(
 
     Sobol' indices; of independent parameters alone.
     """
-    with Report("campaign sensitivity", quiet=quiet, as_json=as_json) as report:
-        loaded = load(report, case)
+    with Answer("campaign sensitivity", quiet=quiet, as_json=as_json) as answer:
+        loaded = load(answer, case)
         from drakesep.cli.progress import progress_bar
         from drakesep.cli.summaries import of_sensitivity
         from drakesep.studies import sensitivity as studies
 
         with (
             results_folder(output, loaded.name, "sensitivity") as folder,
-            progress_bar(report.aside) as on_progress,
+            progress_bar(answer.aside) as on_progress,
         ):
             study = studies.sensitivity(
                 loaded,
@@ -67,9 +67,9 @@ def sensitivity(
                 on_progress=on_progress,
             )
         summary = of_sensitivity(study, folder.path)
-        say(report, folder, summary, partial(_print_sensitivity, study=study))
+        say(answer, folder, summary, partial(_print_sensitivity, study=study))
         if study.failure:
-            report.fail(study.failure)
+            answer.fail(study.failure)
 
 
 def rare_events(
@@ -100,15 +100,15 @@ def rare_events(
 
     By subset simulation, where to count would take millions of launches.
     """
-    with Report("campaign rare-events", quiet=quiet, as_json=as_json) as report:
-        loaded = load(report, case)
+    with Answer("campaign rare-events", quiet=quiet, as_json=as_json) as answer:
+        loaded = load(answer, case)
         from drakesep.cli.progress import progress_bar
         from drakesep.cli.summaries import of_rare_events
         from drakesep.studies import rare_events as studies
 
         with (
             results_folder(output, loaded.name, "rare-events") as folder,
-            progress_bar(report.aside) as on_progress,
+            progress_bar(answer.aside) as on_progress,
         ):
             study = studies.rare_events(
                 loaded,
@@ -121,9 +121,9 @@ def rare_events(
                 on_progress=on_progress,
             )
         summary = of_rare_events(study, folder.path)
-        say(report, folder, summary, partial(_print_rare_events, study=study))
+        say(answer, folder, summary, partial(_print_rare_events, study=study))
         if study.failure:
-            report.fail(study.failure)
+            answer.fail(study.failure)
 
 
 def _print_sensitivity(console: "Console", study: "Sensitivity") -> None:

@@ -4,8 +4,8 @@ from typing import Annotated
 
 import typer
 
+from drakesep.cli.answer import Answer
 from drakesep.cli.options import JsonOption, QuietOption
-from drakesep.cli.report import Report
 
 
 _MOST_FAILURES = 5
@@ -39,7 +39,7 @@ def size(
 
     Nothing is flown. Exits with 1 if so few runs show nothing, even without a failure.
     """
-    with Report("campaign size", quiet=quiet, as_json=as_json) as report:
+    with Answer("campaign size", quiet=quiet, as_json=as_json) as answer:
         from drakesep.analysis.campaigns.order_statistics import (
             CampaignSize,
             runs_needed,
@@ -62,18 +62,18 @@ def size(
         ]
         table = sizes_table(sizes)
         rows = table.astype(object).where(table.notna(), None).to_dict("records")
-        report.add(share=share, confidence=confidence, sizes=rows)
+        answer.add(share=share, confidence=confidence, sizes=rows)
         per_cent, surely = f"{100.0 * share:.10g} %", f"{100.0 * confidence:.10g} %"
         if sizes[0].allowed is None:
             least = runs_needed(share, confidence)
-            report.answer.print(
+            answer.itself.print(
                 f"{runs} runs show nothing of {per_cent} of launches at a confidence "
                 f"of {surely}: {least} are needed, of which none may fail."
             )
-            report.not_well()
+            answer.not_well()
             return
         title = f"Runs that show {per_cent} of launches at a confidence of {surely}"
-        print_frame(report.answer, title, table, digits=8)
-        report.answer.print(
+        print_frame(answer.itself, title, table, digits=8)
+        answer.itself.print(
             f"A design with share_that_passes passes with a chance of {surely}."
         )

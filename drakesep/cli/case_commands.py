@@ -5,20 +5,20 @@ from typing import Annotated
 
 import typer
 
+from drakesep.cli.answer import Answer
 from drakesep.cli.options import CaseArgument, JsonOption, QuietOption
-from drakesep.cli.report import Report
 
 
 def cases(quiet: QuietOption = False, as_json: JsonOption = False) -> None:
     """List the built-in cases."""
-    with Report("cases", quiet=quiet, as_json=as_json) as report:
+    with Answer("cases", quiet=quiet, as_json=as_json) as answer:
         from drakesep.case_file.reader import builtin_cases, load_case
         from drakesep.cli.console import print_cases
         from drakesep.cli.summaries import of_cases
 
         builtin = [load_case(name) for name in builtin_cases()]
-        print_cases(report.answer, builtin)
-        report.add(**vars(of_cases(builtin)))
+        print_cases(answer.itself, builtin)
+        answer.add(**vars(of_cases(builtin)))
 
 
 def show(
@@ -28,18 +28,18 @@ def show(
 
     What `verify` would refuse it refuses too, with the same words.
     """
-    with Report("show", quiet=quiet, as_json=as_json) as report:
+    with Answer("show", quiet=quiet, as_json=as_json) as answer:
         from drakesep.case_file.reader import load_case
         from drakesep.cli.console import print_case, print_notes
         from drakesep.cli.summaries import of_case
         from drakesep.studies.before_flight import check_verifiable
 
         loaded = load_case(case)
-        print_case(report.answer, loaded)
-        report.add(**vars(of_case(loaded)))
+        print_case(answer.itself, loaded)
+        answer.add(**vars(of_case(loaded)))
         notes = check_verifiable(loaded)
-        print_notes(report.answer, notes)
-        report.add(notes=notes)
+        print_notes(answer.itself, notes)
+        answer.add(notes=notes)
 
 
 def new(
@@ -61,11 +61,11 @@ def new(
 
     A file that is there is never overwritten.
     """
-    with Report("new", quiet=quiet, as_json=as_json) as report:
+    with Answer("new", quiet=quiet, as_json=as_json) as answer:
         from drakesep.case_file.new_case import new_case
 
         file = new_case(name, like=like, file=output)
-        report.add(case=name, file=str(file.absolute()))
-        report.console.print(
+        answer.add(case=name, file=str(file.absolute()))
+        answer.console.print(
             f"The case is {file}: see `drakesep show {file}`", markup=False
         )

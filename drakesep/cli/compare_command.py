@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drakesep.cli.answer import Answer
 from drakesep.cli.options import JsonOption, QuietOption
-from drakesep.cli.report import Report
 
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def compare(
 
     Nothing is flown. With --tolerance it is a check: exits with 1 if they differ.
     """
-    with Report("compare", quiet=quiet, as_json=as_json) as report:
+    with Answer("compare", quiet=quiet, as_json=as_json) as answer:
         from drakesep.cli.summaries import of_comparison
         from drakesep.reports.compare import compare
         from drakesep.results.folder import writable_folder
@@ -51,12 +51,12 @@ def compare(
         found = compare(first, second, tolerance=tolerance)
         if output is not None:
             found.save(output)
-        report.add(**vars(of_comparison(found)))
-        _print(report.console, found)
+        answer.add(**vars(of_comparison(found)))
+        _print(answer.console, found)
         if output is not None:
-            report.console.print(f"All changes are in {output}", markup=False)
+            answer.console.print(f"All changes are in {output}", markup=False)
         if tolerance is not None and not found.same:
-            report.not_well()
+            answer.not_well()
 
 
 def _print(console: "Console", found: "Comparison") -> None:

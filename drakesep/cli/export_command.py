@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
+from drakesep.cli.answer import Answer
 from drakesep.cli.options import JsonOption, QuietOption, number
-from drakesep.cli.report import Report
 from drakesep.systems.checks import InputError
 
 
@@ -59,7 +59,7 @@ def export(
 
     Beside them stands handover.csv, the states after separation. Nothing is flown.
     """
-    with Report("export", quiet=quiet, as_json=as_json) as report:
+    with Answer("export", quiet=quiet, as_json=as_json) as answer:
         from drakesep.reports.export import export
 
         name = folder.resolve().name
@@ -73,9 +73,9 @@ def export(
             time_system=time_system,
             output=output or folder.parent / f"{name}_handover",
         )
-        report.add(files=[str(file.absolute()) for file in files])
+        answer.add(files=[str(file.absolute()) for file in files])
         for file in files:
-            report.console.print(f"{file}", markup=False)
+            answer.console.print(f"{file}", markup=False)
 
 
 def _angles(text: str) -> list[float]:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drakesep.cli.answer import Answer
 from drakesep.cli.options import JsonOption, QuietOption
-from drakesep.cli.report import Report
 
 
 if TYPE_CHECKING:
@@ -58,29 +58,29 @@ def report(
     """
     if tolerance is not None and not check:
         raise typer.BadParameter("needs --check", param_hint="--tolerance")
-    with Report("report", quiet=quiet, as_json=as_json) as said:
+    with Answer("report", quiet=quiet, as_json=as_json) as answer:
         from drakesep.reports.html import write_report
         from drakesep.reports.studies import read_studies
 
         studies = read_studies(folders)
-        said.add(case=studies.case.name)
-        with said.aside.status("drawing"):
+        answer.add(case=studies.case.name)
+        with answer.aside.status("drawing"):
             written = write_report(studies, output, pdf=pdf)
-        said.add(
+        answer.add(
             file=str(written.file),
             pdf=None if written.pdf is None else str(written.pdf),
             folders=[str(study.results.folder) for study in studies.all],
             verdict=written.verdict,
             checked=[],
         )
-        say_written(said, written.file)
+        say_written(answer, written.file)
         if written.pdf is not None:
-            said.console.print(f"As PDF it is {written.pdf}", markup=False)
+            answer.console.print(f"As PDF it is {written.pdf}", markup=False)
         if check:
-            _check(said, studies, tolerance)
+            _check(answer, studies, tolerance)
 
 
-def _check(said: Report, studies: "Studies", tolerance: float | None) -> None:
+def _check(answer: Answer, studies: "Studies", tolerance: float | None) -> None:
     """Do studies again, and say whether they come to the same."""
     from drakesep.reports.compare import compare
     from drakesep.studies.again import check_can_be_done_again, do_again
@@ -91,19 +91,19 @@ def _check(said: Report, studies: "Studies", tolerance: float | None) -> None:
     for study in studies.all:
         with TemporaryDirectory(prefix="drakesep-") as home:
             again = Path(home) / study.kind
-            with said.aside.status(f"doing {study.tag} again"):
+            with answer.aside.status(f"doing {study.tag} again"):
                 do_again(study.results, again)
                 found = compare(study.results.folder, again, tolerance=tolerance)
         beyond = int(found.answers["beyond"].sum())
         folder = str(study.results.folder)
         checked.append({"folder": folder, "same": found.same, "differences": beyond})
         words = "comes to the same" if found.same else f"differs in {beyond} answers"
-        said.console.print(f"Done again, {study.tag} {words}", markup=False)
-    said.add(checked=checked)
+        answer.console.print(f"Done again, {study.tag} {words}", markup=False)
+    answer.add(checked=checked)
     if not all(each["same"] for each in checked):
-        said.not_met("a study that is done again comes to something else")
+        answer.not_met("a study that is done again comes to something else")
 
 
-def say_written(said: Report, file: Path) -> None:
+def say_written(answer: Answer, file: Path) -> None:
     """Say where a report is."""
-    said.console.print(f"The report is {file}: open it in a browser", markup=False)
+    answer.console.print(f"The report is {file}: open it in a browser", markup=False)

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drakesep.cli.answer import Answer, CommandError
 from drakesep.cli.caches import fonts_kept
-from drakesep.cli.report import CommandError, Report
 from drakesep.cli.signals import INTERRUPTED, WORDS, ends_in_order_by
 
 
@@ -54,17 +54,17 @@ def results_folder(
         raise CommandError(code, f"{WORDS[code]}{done()}") from None
 
 
-def load(report: Report, case: str) -> "Case":
+def load(answer: Answer, case: str) -> "Case":
     """Return the case that a command is about."""
     from drakesep.case_file.reader import load_case
 
     loaded = load_case(case)
-    report.add(case=loaded.name)
+    answer.add(case=loaded.name)
     return loaded
 
 
 def say(
-    report: Report,
+    answer: Answer,
     folder: "ResultsFolder",
     summary: object,
     show: Callable[["Console"], None],
@@ -72,11 +72,11 @@ def say(
     """Say what a study has done, and where its results are.
 
     Args:
-        report: of the command.
+        answer: of the command.
         folder: with the results.
         summary: one of `drakesep.cli.summaries`.
         show: prints the tables.
     """
-    report.add(**vars(summary))
-    show(report.console)
-    report.console.print(f"Tables and plots are in {folder.directory}", markup=False)
+    answer.add(**vars(summary))
+    show(answer.console)
+    answer.console.print(f"Tables and plots are in {folder.directory}", markup=False)

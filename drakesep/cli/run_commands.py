@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from drakesep.cli.answer import Answer
 from drakesep.cli.options import (
     CaseArgument,
     ChangesOption,
@@ -14,7 +15,6 @@ from drakesep.cli.options import (
     QuietOption,
     parse_changes,
 )
-from drakesep.cli.report import Report
 from drakesep.cli.results_folder import load, results_folder, say
 from drakesep.systems.checks import InputError
 
@@ -27,22 +27,22 @@ def simulate(
     as_json: JsonOption = False,
 ) -> None:
     """Fly a case once: motion.csv, summary.csv, plots; contacts.csv if any."""
-    with Report("simulate", quiet=quiet, as_json=as_json) as report:
+    with Answer("simulate", quiet=quiet, as_json=as_json) as answer:
         values = parse_changes(changes or [])
-        loaded = load(report, case)
+        loaded = load(answer, case)
         from drakesep.cli.results import print_simulated
         from drakesep.cli.summaries import of_simulated
         from drakesep.studies import simulate
 
         with (
             results_folder(output, loaded.name, "simulate") as folder,
-            report.aside.status("flying"),
+            answer.aside.status("flying"),
         ):
             result = simulate.simulate(loaded, values, output=folder)
         summary = of_simulated(result, folder.path)
-        say(report, folder, summary, partial(print_simulated, result=result))
+        say(answer, folder, summary, partial(print_simulated, result=result))
         if not result.completed:
-            report.fail(result.labelled.status)
+            answer.fail(result.labelled.status)
 
 
 def clearance(
@@ -56,9 +56,9 @@ def clearance(
 
     Exits with 1 if anything touches.
     """
-    with Report("clearance", quiet=quiet, as_json=as_json) as report:
+    with Answer("clearance", quiet=quiet, as_json=as_json) as answer:
         values = parse_changes(changes or [])
-        loaded = load(report, case)
+        loaded = load(answer, case)
         from drakesep.cli.progress import steps
         from drakesep.cli.results import print_clearances
         from drakesep.cli.summaries import of_clearances
@@ -66,13 +66,13 @@ def clearance(
 
         with (
             results_folder(output, loaded.name, "clearance") as folder,
-            steps(report.aside) as tell,
+            steps(answer.aside) as tell,
         ):
             study = clearance.clearance(loaded, values, output=folder, on_progress=tell)
         summary = of_clearances(study, folder.path)
-        say(report, folder, summary, partial(print_clearances, study=study))
+        say(answer, folder, summary, partial(print_clearances, study=study))
         if not study.clear:
-            report.not_met("there is contact; see clearance_summary.csv")
+            answer.not_met("there is contact; see clearance_summary.csv")
 
 
 def animate(
@@ -114,23 +114,23 @@ def animate(
 
     Of a folder of results, the runs that it keeps: nothing is flown.
     """
-    with Report("animate", quiet=quiet, as_json=as_json) as report:
+    with Answer("animate", quiet=quiet, as_json=as_json) as answer:
         from drakesep.case_file.reader import builtin_cases
 
         if Path(case).is_dir() and case not in builtin_cases():
-            _animate_folder(report, Path(case), labels, output, runs)
+            _animate_folder(answer, Path(case), labels, output, runs)
         else:
-            _animate_case(report, case, labels, output, runs)
+            _animate_case(answer, case, labels, output, runs)
 
 
 def _animate_case(
-    report: Report,
+    answer: Answer,
     case: str,
     labels: list[str] | None,
     output: Path | None,
     runs: Path | None,
 ) -> None:
-    loaded = load(report, case)
+    loaded = load(answer, case)
     from drakesep.studies import animate
     from drakesep.tables.run_tables import read_runs
 
@@ -138,13 +138,13 @@ def _animate_case(
         raise InputError("--run: needs --runs, the table that has it")
     chosen = None if runs is None else read_runs(runs, labels)
     file = output or Path("results") / loaded.name / "animate.html"
-    with report.aside.status("flying and measuring"):
+    with answer.aside.status("flying and measuring"):
         shown = animate.animate(loaded, chosen, output=file)
-    _say_animated(report, file, shown)
+    _say_animated(answer, file, shown)
 
 
 def _animate_folder(
-    report: Report,
+    answer: Answer,
     folder: Path,
     labels: list[str] | None,
     output: Path | None,
@@ -156,15 +156,15 @@ def _animate_folder(
     if runs is not None:
         raise InputError(f"--runs: {folder} has its own runs; name them with --run")
     file = output or folder.parent / f"{folder.resolve().name}.html"
-    with report.aside.status("measuring"):
+    with answer.aside.status("measuring"):
         results = read_results(folder)
-        report.add(case=results.case.name)
+        answer.add(case=results.case.name)
         shown = animate.animate_results(results, labels, output=file)
-    _say_animated(report, file, shown)
+    _say_animated(answer, file, shown)
 
 
-def _say_animated(report: Report, file: Path, shown: list[str]) -> None:
-    report.add(file=str(file.absolute()), runs=shown)
-    say = report.console.print
+def _say_animated(answer: Answer, file: Path, shown: list[str]) -> None:
+    answer.add(file=str(file.absolute()), runs=shown)
+    say = answer.console.print
     say(f"The animation is {file}: open it in a browser", markup=False)
     say(f"It shows {', '.join(shown)}", markup=False)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
+from drakesep.cli.answer import Answer
 from drakesep.cli.options import (
     CaseArgument,
     ConfidenceOption,
@@ -15,7 +16,6 @@ from drakesep.cli.options import (
     ShareOption,
     WorkersOption,
 )
-from drakesep.cli.report import Report
 from drakesep.cli.report_command import say_written
 from drakesep.cli.results_folder import load, results_folder, say
 
@@ -95,8 +95,8 @@ def worst_case(
     as_json: JsonOption = False,
 ) -> None:
     """Find the worst cases: worst_cases.csv, evidence.csv, plots and more."""
-    with Report("worst-case", quiet=quiet, as_json=as_json) as report:
-        loaded = load(report, case)
+    with Answer("worst-case", quiet=quiet, as_json=as_json) as answer:
+        loaded = load(answer, case)
         from drakesep.cli.progress import progress_bar
         from drakesep.cli.results import print_worst_cases
         from drakesep.cli.summaries import of_worst_cases
@@ -104,7 +104,7 @@ def worst_case(
 
         with (
             results_folder(output, loaded.name, "worst-case") as folder,
-            progress_bar(report.aside) as on_progress,
+            progress_bar(answer.aside) as on_progress,
         ):
             study = procedure.worst_case(
                 loaded,
@@ -124,9 +124,9 @@ def worst_case(
                 ),
             )
         summary = of_worst_cases(study, folder.path)
-        say(report, folder, summary, partial(print_worst_cases, study=study))
+        say(answer, folder, summary, partial(print_worst_cases, study=study))
         if not study.completed:
-            report.fail(_WHAT_FAILED)
+            answer.fail(_WHAT_FAILED)
 
 
 def verify(
@@ -188,8 +188,8 @@ def verify(
     Exits with 1 unless every requirement is met; with --failures, in every failure
     case, too.
     """
-    with Report("verify", quiet=quiet, as_json=as_json) as report:
-        loaded = load(report, case)
+    with Answer("verify", quiet=quiet, as_json=as_json) as answer:
+        loaded = load(answer, case)
         from drakesep.studies.background_process import BackgroundProcess
         from drakesep.studies.worst_case.searches import WantedSearches
 
@@ -203,7 +203,7 @@ def verify(
             from drakesep.cli.progress import progress_bar
             from drakesep.studies import verification
 
-            with progress_bar(report.aside) as on_progress:
+            with progress_bar(answer.aside) as on_progress:
                 study = verification.verify(
                     loaded,
                     objectives=objectives or (),
@@ -231,25 +231,25 @@ def verify(
         from drakesep.cli.results import print_requirements, print_verdict
         from drakesep.cli.summaries import of_verification
 
-        file = _reported(report, folder.path) if page else None
+        file = _reported(answer, folder.path) if page else None
         summary = of_verification(study, folder.path, file)
-        say(report, folder, summary, partial(print_requirements, study=study))
+        say(answer, folder, summary, partial(print_requirements, study=study))
         if file is not None:
-            say_written(report, file)
-        print_verdict(report.console, study)
+            say_written(answer, file)
+        print_verdict(answer.console, study)
         if study.verdict is None:
-            report.fail(study.campaign_failure or _WHAT_FAILED)
+            answer.fail(study.campaign_failure or _WHAT_FAILED)
         if not study.completed:  # and yet a run is beyond a limit
-            report.not_met(study.campaign_failure or _WHAT_FAILED)
+            answer.not_met(study.campaign_failure or _WHAT_FAILED)
         if not study.passed:
-            report.not_well()
+            answer.not_well()
 
 
-def _reported(report: Report, folder: Path) -> Path:
+def _reported(answer: Answer, folder: Path) -> Path:
     """Make the report of a folder; return its page."""
     from drakesep.reports.html import report as write_report
 
-    with report.aside.status("drawing"):
+    with answer.aside.status("drawing"):
         return write_report(folder)
 
 

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from drakesep.cli.answer import Answer
 from drakesep.cli.options import (
     CaseArgument,
     JsonOption,
@@ -14,7 +15,6 @@ from drakesep.cli.options import (
     WorkersOption,
     number,
 )
-from drakesep.cli.report import Report
 from drakesep.cli.results_folder import load, results_folder, say
 from drakesep.systems.checks import InputError, check_finite
 
@@ -45,9 +45,9 @@ def sweep(
 
     Exits with 4 if a run failed.
     """
-    with Report("sweep", quiet=quiet, as_json=as_json) as report:
+    with Answer("sweep", quiet=quiet, as_json=as_json) as answer:
         values = parse_swept(swept)
-        loaded = load(report, case)
+        loaded = load(answer, case)
         from drakesep.cli.progress import progress_bar
         from drakesep.cli.results import print_sweep
         from drakesep.cli.summaries import of_sweep
@@ -55,7 +55,7 @@ def sweep(
 
         with (
             results_folder(output, loaded.name, "sweep") as folder,
-            progress_bar(report.aside) as on_progress,
+            progress_bar(answer.aside) as on_progress,
         ):
             study = sweep.sweep(
                 loaded,
@@ -66,9 +66,9 @@ def sweep(
                 on_progress=on_progress,
             )
         summary = of_sweep(study, folder.path)
-        say(report, folder, summary, partial(print_sweep, study=study))
+        say(answer, folder, summary, partial(print_sweep, study=study))
         if not study.completed:
-            report.fail(study.failure)
+            answer.fail(study.failure)
 
 
 def parse_swept(texts: list[str]) -> dict[str, list[float]]:

@@ -116,7 +116,7 @@ SWEPT = {"upper.mass_kg": [1180.0, 1200.0, 1220.0]}
 FEW = {"runs": 300, "share": 0.99, "confidence": 0.9}
 """Of a campaign: enough to show so much."""
 OF_ALL = {"--quiet", "--json"}
-"""Tested in test_report.py."""
+"""Tested in test_answer.py."""
 
 
 @pytest.fixture(scope="module")

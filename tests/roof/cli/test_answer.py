@@ -29,7 +29,7 @@ from outcomes import (
 )
 from small_case import write_case
 
-from drakesep.cli.report import Report, print_json
+from drakesep.cli.answer import Answer, print_json
 from drakesep.cli.summaries import SUMMARIES
 
 
@@ -242,7 +242,7 @@ def test_quiet_commands_tell_errors(command, capsys, monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("quiet", [False, True])
 def test_warnings_are_in_the_object(quiet, capsys):
-    with Report("show", quiet=quiet, as_json=True):
+    with Answer("show", quiet=quiet, as_json=True):
         warnings.showwarning("of a mesh", UserWarning, "file", 1)
     captured = capsys.readouterr()
     assert json.loads(captured.out)["warnings"] == ["of a mesh"]
@@ -262,14 +262,14 @@ def test_numbers_that_json_has_not_are_null(capsys):
 def test_an_error_of_ours_keeps_its_traceback(capsys):
     with (
         pytest.raises(ZeroDivisionError),
-        Report("show", quiet=False, as_json=True),
+        Answer("show", quiet=False, as_json=True),
     ):
         1 / 0  # noqa: B018
     assert capsys.readouterr().out == ""
 
 
 def test_a_study_that_is_terminated_says_so(capsys):
-    with pytest.raises(SystemExit), Report("verify", quiet=False, as_json=True):
+    with pytest.raises(SystemExit), Answer("verify", quiet=False, as_json=True):
         raise SystemExit(143)  # as SIGTERM does
     told = json.loads(capsys.readouterr().out)
     assert (told["exit_code"], told["error"]) == (143, "terminated")
@@ -277,6 +277,6 @@ def test_a_study_that_is_terminated_says_so(capsys):
 
 def test_another_exit_is_left_alone(capsys):
     """Such as that of a console whose reader has left."""
-    with pytest.raises(SystemExit), Report("show", quiet=False, as_json=True):
+    with pytest.raises(SystemExit), Answer("show", quiet=False, as_json=True):
         raise SystemExit(1)
     assert capsys.readouterr().out == ""

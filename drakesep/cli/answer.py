@@ -1,4 +1,4 @@
-"""What a command says: tables for a person, one JSON object, or nothing but errors.
+"""What a command answers: tables for a person, one JSON object, or nothing but errors.
 
 Standard output has what was asked; errors, warnings and progress go to standard error.
 Imports that take time wait until something is said.
@@ -49,17 +49,17 @@ class CommandError(Exception):
         self.code = code
 
 
-class Report:
-    """What one command says; a context manager, whose errors end the command.
+class Answer:
+    """What one command answers; a context manager, whose errors end the command.
 
     Attributes:
         console: for a person; silent with `--quiet` or `--json`.
-        answer: for what was asked itself, such as a list; silent with `--json` alone.
+        itself: for what was asked itself, such as a list; silent with `--json` alone.
         aside: for progress, that never mixes with a JSON object; silent with `--quiet`.
     """
 
     console: "Console"
-    answer: "Console"
+    itself: "Console"
     aside: "Console"
 
     def __init__(self, command: str, *, quiet: bool, as_json: bool):
@@ -78,7 +78,7 @@ class Report:
     def __enter__(self) -> Self:
         """Begin: from here on, warnings are lines on standard error."""
         self.console = _console(quiet=self._quiet or self._as_json)
-        self.answer = _console(quiet=self._as_json)
+        self.itself = _console(quiet=self._as_json)
         self.aside = _console(quiet=self._quiet, stderr=self._as_json)
         self._shown_before = warnings.showwarning
         warnings.showwarning = self._show_warning
