@@ -8,7 +8,8 @@ from drakesep.units import share_words, unit_of
 
 LIMIT: dict[str, Any] = {"color": "#B00020", "ls": (0, (8, 3)), "lw": 1.4, "zorder": 5}
 """How its line is drawn."""
-_SIGNS = {"<=": "≤", ">=": "≥", "<": "<", ">": ">"}
+SIGNS = {"<=": "≤", ">=": "≥", "<": "<", ">": ">"}
+"""How senses of limits are written."""
 
 
 def limit_words(requirement: Requirement) -> str:
@@ -17,6 +18,6 @@ def limit_words(requirement: Requirement) -> str:
     words = "no contact"
     if not requirement.forbids_contact:
         limit = unit.from_si(requirement.limit)
-        words = f"{_SIGNS[requirement.sense]} {limit:.4g} {unit.symbol}"
+        words = f"{SIGNS[requirement.sense]} {limit:.4g} {unit.symbol}"
     words += share_words(requirement.share)
     return f"{requirement.id}: {words}" if requirement.id else words

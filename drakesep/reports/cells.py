@@ -10,6 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
+from drakesep.plots.limits import SIGNS
+
 
 DIGITS = 4
 """Of answers, as they are shown."""
@@ -26,6 +28,10 @@ INPUTS = frozenset(
     }
 )
 """Columns of what was asked, and of shares whose last digits matter."""
+_SIGNED = frozenset({"sense", "decides"})
+"""Columns that have the sense of a limit, which is shown by its sign."""
+_KEPT = frozenset({"unit", "limit"})
+"""Headings of what is not broken into lines."""
 BEYOND = "beyond"
 """A value beyond its limit."""
 NOTHING = "\N{EN DASH}"
@@ -113,6 +119,8 @@ class Row:
     def __getitem__(self, column: str) -> Cell:
         """Return a cell; one with nothing if the table has no such column."""
         value = self.values.get(column)
+        if column in _SIGNED and value:
+            value = " ".join(SIGNS.get(word, word) for word in str(value).split(" "))
         digits = _WHOLE if column in INPUTS or "." in column else DIGITS
         return Cell(value, f"{self.place}:{column}", digits)
 
@@ -131,6 +139,11 @@ class Heading:
     is_number: bool = False
     cells: Sequence[Cell] = ()
     """That stand after the text."""
+
+    @property
+    def kind(self) -> str:
+        """How the cells below it look, as `Cell.kind`."""
+        return "whole" if self.text in _KEPT else ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 
 from drakesep.analysis.metrics.requirements import Verdict
 from drakesep.reports.cells import EMPTY, Cell, Row
+from drakesep.reports.deciding import Deciding, deciding_of, disproves
 from drakesep.reports.studies import Studies
 
 
@@ -14,9 +15,9 @@ MET, NOT_MET = Verdict.MET.value, Verdict.NOT_MET.value
 NOT_LOOKED_AT = Verdict.NOT_LOOKED_AT.value
 NOT_SHOWN = "not shown"
 NO_VERDICT = "no verdict"
-_SENSES = {"<=": "≤", ">=": "≥"}
-_SEARCHED, _DRAWN, _FLOWN = (
+_SEARCHED, _PROVEN, _DRAWN, _FLOWN = (
     "worst case searched",
+    "bound proven over the tolerances",
     "campaign of draws",
     "single run, which gives no verdict",
 )
@@ -47,12 +48,6 @@ class Entry:
         return found
 
     @property
-    def sense(self) -> str:
-        """As it is written."""
-        sense = str(self.asked.get("sense", ""))
-        return _SENSES.get(sense, sense)
-
-    @property
     def share(self) -> Cell:
         """Of launches that must be within the limit; empty: every run must."""
         return self.asked["share"]
@@ -63,6 +58,8 @@ class Entry:
         told = []
         if self.searched and not self.share:
             told.append(_SEARCHED)
+        if self.proven_bound:
+            told.append(_PROVEN)
         if self.drawn:
             told.append(_DRAWN)
         return told or [_FLOWN if self.flown else NOT_LOOKED_AT]
@@ -76,17 +73,17 @@ class Entry:
 
     @property
     def worst(self) -> Cell:
-        """The worst that was found: in a run in Drake, else of all draws."""
+        """The worst that searches have found, in a run in Drake."""
         if self.searched and self.searched["worst"]:
             return self.searched["worst"].told_from(self.asked["limit"])
-        return self.drawn["worst"] if self.drawn else EMPTY
+        return EMPTY
 
     @property
-    def which(self) -> Cell:
-        """The run or the draw that is the worst."""
-        if self.searched and self.searched["worst"]:
-            return self.searched["which_run"]
-        return self.drawn["worst_draw"] if self.drawn else EMPTY
+    def worst_draw(self) -> Cell:
+        """The worst of all draws."""
+        if self.drawn:
+            return self.drawn["worst"].told_from(self.asked["limit"])
+        return EMPTY
 
     @property
     def bound(self) -> Cell:
@@ -94,27 +91,24 @@ class Entry:
         return self.drawn["bound"] if self.drawn else EMPTY
 
     @property
-    def decided_by_bound(self) -> bool:
-        """Whether the bound decides it, not the worst: of a share of launches."""
-        return bool(self.share) and bool(self.bound)
+    def proven_bound(self) -> Cell:
+        """No run within the tolerances is worse than it, as is proven."""
+        return self.searched["proven_bound"] if self.searched else EMPTY
 
     @property
-    def deciding(self) -> Cell:
-        """The value of which the margin is: the bound, or the worst that was found."""
-        if self.decided_by_bound:
-            return self.bound
-        return self.worst or self.nominal
+    def proven(self) -> Cell:
+        """The verdict of that bound."""
+        return self.searched["proven"] if self.searched else EMPTY
 
     @property
-    def margin(self) -> Cell:
-        """Of the value that is `deciding`."""
-        if self.drawn and self.decided_by_bound:
-            return self.drawn["margin"]
-        if self.searched and self.searched["worst"]:
-            return self.searched["margin"]
-        if self.drawn:
-            return self.drawn["worst_margin"]
-        return self.flown["margin"] if self.flown else EMPTY
+    def gap(self) -> Cell:
+        """Between the worst that was found and that bound."""
+        return self.searched["gap"] if self.searched else EMPTY
+
+    @property
+    def deciding(self) -> Deciding:
+        """The value of which the margin is, and why."""
+        return deciding_of(self.searched, self.drawn, self.flown, self.share)
 
     @property
     def growth(self) -> Cell:
@@ -134,9 +128,10 @@ class Entry:
         A single run gives no verdict.
         """
         rows = [row for row in (self.searched, self.drawn) if row]
-        for row in rows:
-            if row.get("verdict") == NOT_MET:
-                return row["verdict"]
+        if self.searched and self.searched.get("verdict") == NOT_MET:
+            return self.searched["verdict"]
+        if self.drawn and disproves(self.drawn, self.share):
+            return self.drawn["verdict"]
         told = [
             row["verdict"] for row in rows if row["share"].value == self.share.value
         ]

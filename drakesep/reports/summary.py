@@ -71,11 +71,11 @@ def summary_of(studies: Studies, matrix: Matrix) -> Summary:
     judged = [finding.verdict for finding in findings if finding.about != _CLEARANCE]
     if any(study.kind in ("verify", "campaign") for study in unfinished):
         judged.append(NO_VERDICT)
-    told = [entry for entry in matrix.entries if entry.margin]
+    told = [one for one in matrix.entries if one.deciding.margin or _is_broken(one)]
     return Summary(
         verdict=worst_verdict(judged),
         findings=findings,
-        nearest=sorted(told, key=_margin_share)[:_NEAREST],
+        nearest=sorted(told, key=_nearest_first)[:_NEAREST],
         contacts=[
             row
             for row in studies.rows("campaign.csv")
@@ -123,10 +123,24 @@ def _as_verdict(word: str) -> str:
     return word if word in (MET, NOT_MET, NOT_LOOKED_AT) else NO_VERDICT
 
 
+def _is_broken(entry: Entry) -> bool:
+    return bool(entry.verdict.value == NOT_MET)
+
+
+def _nearest_first(entry: Entry) -> tuple[bool, float]:
+    """Return by what entries are told of: what is broken, then what is nearest to it.
+
+    What is broken by a run that failed may have no margin, or one that is kept.
+    """
+    share = _margin_share(entry) if entry.deciding.margin else 0.0
+    return not _is_broken(entry), share
+
+
 def _margin_share(entry: Entry) -> float:
     nominal = entry.nominal.value if entry.nominal else 0.0
-    worst = entry.deciding.value if entry.deciding else 0.0
-    limit, margin = entry.asked.get("limit"), entry.margin.value
+    decided = entry.deciding
+    worst = decided.value.value if decided.value else 0.0
+    limit, margin = entry.asked.get("limit"), decided.margin.value
     return margin_share(
         {"limit": limit, "nominal": nominal, "worst": worst, "margin": margin}
     )

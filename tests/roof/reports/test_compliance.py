@@ -7,6 +7,7 @@ import pytest
 
 from drakesep.reports.cells import Cell, Row, number_text
 from drakesep.reports.compliance import Entry, worst_verdict
+from drakesep.reports.deciding import BOUND, WORST_DRAW, WORST_FOUND
 from drakesep.reports.studies import _read
 
 
@@ -137,8 +138,90 @@ def test_a_margin_is_of_the_value_beside_it():
     told |= {"worst": 8.7, "worst_margin": -6.5}
     by_share = Entry(drawn=row("campaign.csv", share=SHARE, **told))
     every = Entry(drawn=row("campaign.csv", share=EVERY, **told))
-    assert (by_share.deciding.value, by_share.margin.value) == (2.4, -0.2)
-    assert (every.deciding.value, every.margin.value) == (8.7, -6.5)
+    assert decided(by_share) == (BOUND, 2.4, -0.2)
+    assert decided(every) == (WORST_DRAW, 8.7, -6.5)
     searched = row("requirements.csv", share=SHARE, worst=3.0, margin=-0.8)
-    searched_alone = Entry(searched=searched)
-    assert (searched_alone.deciding.value, searched_alone.margin.value) == (3.0, -0.8)
+    assert decided(Entry(searched=searched)) == (WORST_FOUND, 3.0, -0.8)
+
+
+def decided(one):
+    return one.deciding.by, one.deciding.value.value, one.deciding.margin.value
+
+
+def test_a_draw_beyond_decides_what_every_run_must_keep():
+    """Searches found 0.7 of 1 deg/s, a draw comes to 1.3: -0.3 beside not met."""
+    searched = row("requirements.csv", share=EVERY, worst=0.7, margin=0.3, verdict=MET)
+    told = {"verdict": NOT_MET, "worst": 1.3, "worst_margin": -0.3, "worst_draw": 17}
+    one = Entry(searched=searched, drawn=row("campaign.csv", share=EVERY, **told))
+    assert decided(one) == (WORST_DRAW, 1.3, -0.3)
+    assert one.verdict.value == NOT_MET
+    # A run that was found beyond it decides, whatever draws say.
+    searched = row("requirements.csv", worst=1.1, margin=-0.1, verdict=NOT_MET)
+    beyond = Entry(searched=searched, drawn=one.drawn)
+    assert decided(beyond) == (WORST_FOUND, 1.1, -0.1)
+
+
+def test_less_than_a_share_that_was_asked_for_says_nothing_of_a_smaller_one():
+    searched = row("requirements.csv", share=0.9, verdict=LOOKED)
+    one = Entry(
+        searched=searched, drawn=row("campaign.csv", share=0.99, verdict=NOT_MET)
+    )
+    assert one.verdict.value == LOOKED
+
+
+MARGINS = (-0.3, 0.0, 0.3, None)
+
+
+@pytest.mark.parametrize("share", [EVERY, SHARE])
+@pytest.mark.parametrize(
+    ("by_search", "by_draws"),
+    [*itertools.product([None, MET, NOT_MET, LOOKED], repeat=2)],
+)
+@pytest.mark.parametrize("sides", ["one", "two"])
+def test_not_met_has_a_negative_margin_or_a_reason(share, by_search, by_draws, sides):
+    """Whatever tables say together: of a margin and its words, one tells why."""
+    for found, bound, worst in itertools.product(MARGINS, repeat=3):
+        if by_search is NOT_MET and by_draws is not NOT_MET:
+            # Of a share that is what draws say; of every run, what such a margin says.
+            if share or not (found or 0.0) < 0.0:
+                continue
+        searched = drawn = None
+        if by_search is not None:
+            value = {} if found is None else {"worst": 1.0 - found, "margin": found}
+            searched = row("requirements.csv", verdict=by_search, share=share, **value)
+        if by_draws is not None:
+            told = {"margin": bound, "worst_margin": worst, "sides": sides}
+            told |= {"bound": None if bound is None else 1.0 - bound}
+            told |= {"worst": None if worst is None else 1.0 - worst}
+            drawn = row("campaign.csv", verdict=by_draws, share=share, **told)
+        if searched is None and drawn is None:
+            continue
+        one = Entry(searched=searched, drawn=drawn)
+        if one.verdict.value == NOT_MET:
+            margin = one.deciding.margin.value
+            assert (margin is not None and margin < 0.0) or one.deciding.why
+
+
+def test_a_proven_bound_stands_where_a_table_has_it():
+    told = {"worst": 0.7, "margin": 0.3, "verdict": MET}
+    proven = {"proven_bound": 0.71, "gap": 0.01, "proven": MET}
+    with_it = Entry(searched=row("requirements.csv", **told, **proven))
+    without = Entry(searched=row("requirements.csv", **told))
+    assert [with_it.proven_bound.value, with_it.gap.value] == [0.71, 0.01]
+    assert with_it.proven.value == MET
+    assert not (without.proven_bound or without.gap or without.proven)
+    assert "proven" in " ".join(with_it.methods)
+    assert "proven" not in " ".join(without.methods)
+
+
+@pytest.mark.parametrize(
+    ("column", "words", "shown"),
+    [
+        ("sense", "<=", "≤"),
+        ("sense", ">", ">"),
+        ("decides", "final_rate_x_deg_s <= 1.5", "final_rate_x_deg_s ≤ 1.5"),
+        ("source", "<= 3 of the manual", "<= 3 of the manual"),
+    ],
+)
+def test_senses_are_shown_by_their_signs(column, words, shown):
+    assert row("campaign.csv", **{column: words})[column].text == shown
