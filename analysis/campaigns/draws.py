@@ -121,6 +121,21 @@ class Draws:
             values[some], failure[some], attempts[some] = self._possible(numbers[some])
         return Drawn(numbers, values, failure, attempts)
 
+    def changed_by(self, indices: Sequence[int] | Whole) -> list[dict[str, float]]:
+        """Return what draws change of the separation, by name, in SI.
+
+        What has failed has its failed value, and does not vary.
+
+        Args:
+            indices: (N,) numbers of the draws.
+        """
+        drawn = self.at(indices)
+        return [
+            dict(zip(self.names, row.tolist(), strict=True))
+            | (dict(self.failures[which].values) if which >= 0 else {})
+            for row, which in zip(drawn.values, drawn.failure.tolist(), strict=True)
+        ]
+
     def shares(self, indices: Sequence[int] | Whole, attempt: int = 0) -> Array:
         """Return the shares (N, n) of the parameters' distributions, in 0 to 1.
 

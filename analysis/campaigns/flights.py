@@ -128,22 +128,22 @@ class CampaignFlights:
         """
         case = plan.case
         self.plan = plan
-        self._draws = Draws(case, plan.seed)
+        self.draws = Draws(case, plan.seed)
         nominal = parameters(case.separation)
         fails = {
             name: nominal[name]
-            for failure in self._draws.failures
+            for failure in self.draws.failures
             for name, value in failure.values.items()
-            if name not in self._draws.names and math.isfinite(value)
+            if name not in self.draws.names and math.isfinite(value)
         }
-        if not (self._draws.names or fails):
+        if not (self.draws.names or fails):
             raise InputError("failure_cases: what never lets go is all that varies")
         entries = [metric_named(name) for name in plan.metrics]
         of_paper = {metric.stem for metric in registered_metrics() if metric.objective}
         asked = not of_paper.isdisjoint(metric.stem_of_any for metric in entries)
         batch = Batch(
             case.separation,
-            (*self._draws.names, *fails),
+            (*self.draws.names, *fails),
             deviation_limits=case.limits_of_pairs,
             metrics=plan.metrics,
             without=() if asked else of_paper,
@@ -163,12 +163,12 @@ class CampaignFlights:
     @property
     def names(self) -> tuple[str, ...]:
         """Of the parameters that are drawn."""
-        return self._draws.names
+        return self.draws.names
 
     @property
     def failures(self) -> tuple[FailureCase, ...]:
         """The failure cases that may happen in a draw."""
-        return self._draws.failures
+        return self.draws.failures
 
     @property
     def together(self) -> int:
@@ -205,7 +205,7 @@ class CampaignFlights:
 
     def drawn(self, indices: ArrayLike) -> Drawn:
         """Return draws by their numbers (n,)."""
-        return self._draws.at(np.asarray(indices, dtype=np.int64))
+        return self.draws.at(np.asarray(indices, dtype=np.int64))
 
     def values(self, indices: ArrayLike) -> list[dict[str, float]]:
         """Return what draws change of the separation, by name, in SI.
@@ -215,14 +215,7 @@ class CampaignFlights:
         Args:
             indices: (n,) numbers of the draws.
         """
-        drawn, names = self.drawn(indices), self._draws.names
-        return [
-            {**dict(zip(names, row.tolist(), strict=True)), **self._failed(which)}
-            for row, which in zip(drawn.values, drawn.failure.tolist(), strict=True)
-        ]
-
-    def _failed(self, which: int) -> Mapping[str, float]:
-        return self.failures[which].values if which >= 0 else {}
+        return self.draws.changed_by(np.asarray(indices, dtype=np.int64))
 
     def fly(
         self, indices: NDArray[np.int64], on_progress: Progress | None = None
@@ -347,7 +340,7 @@ class CampaignFlights:
     def _flown_by(self, failure: FailureCase | None) -> tuple[Batch, list[int]]:
         """Return what flies a failure case, and which columns of values it takes."""
         batch = self._batch.holding(failure.values) if failure else self._batch
-        return batch, [self._draws.names.index(name) for name in batch.names]
+        return batch, [self.draws.names.index(name) for name in batch.names]
 
     def _whole(
         self, batch: Batch, rows: Array, on_progress: Progress

@@ -7,6 +7,11 @@ import numpy as np
 from drakesep.analysis.campaigns.flights import FlownDraws
 from drakesep.analysis.campaigns.plan import ROWS, CampaignPlan
 from drakesep.analysis.campaigns.screens import DrawnClearances
+from drakesep.analysis.campaigns.shares import (
+    ShareFinding,
+    findings_of,
+    share_findings,
+)
 from drakesep.analysis.campaigns.tallies import TalliedDraws
 
 
@@ -17,6 +22,19 @@ KeptDraws: TypeAlias = FlownDraws | TalliedDraws
 def kept(plan: CampaignPlan, flown: FlownDraws) -> KeptDraws:
     """Return what a plan keeps of draws."""
     return flown if plan.keep == ROWS else TalliedDraws.of(plan, flown)
+
+
+def findings_of_kept(plan: CampaignPlan, flown: KeptDraws) -> list[ShareFinding]:
+    """Return how each requirement of a plan's case fares, by what is kept of all draws.
+
+    Args:
+        plan: of the campaign.
+        flown: all its draws.
+    """
+    failed = [*flown.reasons]
+    if isinstance(flown, FlownDraws):
+        return share_findings(plan, flown.metrics, failed, flown.clearances)
+    return findings_of(plan, flown.counted(plan), failed)
 
 
 class Gathered:

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
+from drakesep.analysis.campaigns.draws import Draws
+from drakesep.analysis.campaigns.flights import FlownDraws
+from drakesep.analysis.campaigns.plan import CampaignPlan
 from drakesep.analysis.campaigns.shares import ShareFinding
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.arrays import Array
@@ -46,9 +48,10 @@ class Scatter:
 
 def scatters_of(
     findings: Sequence[ShareFinding],
-    flights: CampaignFlights,
+    plan: CampaignPlan,
     flown: FlownDraws,
     sensitivities: pd.DataFrame,
+    most: int = _DRAWS,
 ) -> list[Scatter]:
     """Return the first draws of each quantity that is required, of its worst axis.
 
@@ -56,20 +59,26 @@ def scatters_of(
 
     Args:
         findings: of each requirement.
-        flights: that know what was drawn.
+        plan: of the campaign.
         flown: all draws, from the first.
         sensitivities: as `Campaign.sensitivities` has them.
+        most: draws that are shown.
     """
     worst: dict[tuple[str, str, bool], ShareFinding] = {}
     for one in findings:
         required = one.requirement
-        if one.answer is None or required.judged_by not in flights.plan.metrics:
+        if one.answer is None or required.judged_by not in plan.metrics:
             continue
         key = required.pair, required.quantity[0], required.from_above
         if key not in worst or _least(one) < _least(worst[key]):
             worst[key] = one
+    draws = Draws(plan.case, plan.seed)
+    shown = range(min(len(flown), most))
     found = [
-        _scatter(one, flights, flown, _largest(one.requirement, sensitivities))
+        _scatter(
+            *(one, plan, draws, flown, shown),
+            _largest(one.requirement, sensitivities),
+        )
         for one in [*worst.values()][:_REQUIREMENTS]
     ]
     return [one for one in found if one.over]
@@ -90,15 +99,16 @@ def _largest(required: Requirement, sensitivities: pd.DataFrame) -> dict[str, fl
 
 def _scatter(
     finding: ShareFinding,
-    flights: CampaignFlights,
+    plan: CampaignPlan,
+    draws: Draws,
     flown: FlownDraws,
+    first: Sequence[int],
     correlations: dict[str, float],
 ) -> Scatter:
-    place = flights.plan.metrics.index(finding.requirement.judged_by)
+    place = plan.metrics.index(finding.requirement.judged_by)
     draw = None if finding.answer is None else finding.answer.deciding_draw
-    shown = [*range(min(len(flown), _DRAWS)), *([] if draw is None else [draw])]
-    # What has failed in a launch has its failed value.
-    drawn = flights.values(shown)
+    shown = [*first, *([] if draw is None else [draw])]
+    drawn = draws.changed_by(shown)
     metrics = np.append(flown.metrics[shown, place], [math.nan] * (draw is None))
 
     def over(name: str, correlation: float) -> Against:
@@ -110,7 +120,7 @@ def _scatter(
             correlation=correlation,
         )
 
-    names = {with_unit(name): name for name in flights.names}
+    names = {with_unit(name): name for name in draws.names}
     return Scatter(
         requirement=finding.requirement,
         values=metrics[:-1],

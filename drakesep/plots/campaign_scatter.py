@@ -17,6 +17,8 @@ from drakesep.units import unit_of
 
 _ACROSS, _CELL = 4, 3.9
 """Panels beside each other, and the width of each, in."""
+_HEIGHT = 0.82
+"""Of a panel, as a part of its width."""
 _AWAY = 2.0
 """A limit that is further from the points than so many of their spans is told by an
 arrow, not by a line: else all of them would lie on one."""
@@ -27,20 +29,30 @@ def save_scatter(name: str, scatters: Sequence[Scatter], folder: Path) -> None:
     save_plot(scatter_figure(name, scatters), folder / "campaign_scatter.png")
 
 
-def scatter_figure(name: str, scatters: Sequence[Scatter]) -> Figure:
+def scatter_figure(
+    name: str,
+    scatters: Sequence[Scatter],
+    *,
+    most_across: int = _ACROSS,
+    cell: float = _CELL,
+) -> Figure:
     """Return a panel for each requirement and parameter: draws, limit, deciding draw.
 
     Args:
         name: of the case.
         scatters: of each requirement, one or more, each over one parameter or more.
+        most_across: panels beside each other, at most.
+        cell: width of a panel, in.
     """
     panels = [(one, against) for one in scatters for against in one.over]
-    across = min(len(panels), _ACROSS)
+    across = min(len(panels), most_across)
     down = math.ceil(len(panels) / across)
-    figure = Figure(figsize=(_CELL * across, 3.2 * down + 0.6), layout="constrained")
+    figure = Figure(
+        figsize=(cell * across, 0.82 * cell * down + 0.6), layout="constrained"
+    )
     grid = figure.subplots(down, across, squeeze=False)
     for axes, (one, against) in zip(grid.flat, panels, strict=False):
-        _draw(axes, one, against)
+        _draw(axes, one, against, cell)
     for axes in grid.flat[len(panels) :]:
         axes.set_visible(False)
     most = max(len(one.values) for one in scatters)
@@ -49,11 +61,11 @@ def scatter_figure(name: str, scatters: Sequence[Scatter]) -> Figure:
         "correlation; dashed: limit, arrow: one that is far beyond, diamond: draw that "
         "decides"
     )
-    figure.suptitle(wrapped(title, _CELL * across - 0.2, 11), fontsize=11)
+    figure.suptitle(wrapped(title, cell * across - 0.2, 11), fontsize=11)
     return figure
 
 
-def _draw(axes: Axes, one: Scatter, against: Against) -> None:
+def _draw(axes: Axes, one: Scatter, against: Against, cell: float) -> None:
     required, unit = one.requirement, unit_of(one.requirement.metric)
     of_parameter = unit_of(against.parameter)
     x = of_parameter.from_si(1.0) * against.values
@@ -70,10 +82,10 @@ def _draw(axes: Axes, one: Scatter, against: Against) -> None:
     whose = f", {required.pair}" if required.pair else ""
     title = f"{stem} {axis}".strip().replace("_", " ") + whose
     titles = (title, f"{arrow}{limit_words(required)}")
-    lines = [wrapped(line, _CELL - 0.9, 9) for line in titles]
+    lines = [wrapped(line, cell - 0.9, 9) for line in titles]
     axes.set_title("\n".join(lines), fontsize=9)
     words = f"{against.parameter} ({of_parameter.symbol}), {against.correlation:+.2f}"
-    axes.set_xlabel(wrapped(words, _CELL - 0.9, 8), fontsize=8)
+    axes.set_xlabel(wrapped(words, cell - 0.9, 8), fontsize=8)
     axes.set_ylabel(unit.symbol, fontsize=8)
     axes.tick_params(labelsize=7)
     axes.grid(alpha=0.3)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from drakesep.reports.cells import EMPTY, Cell, Columns, Row, Table, table_of
-from drakesep.reports.pictures import Picture, campaign_picture
+from drakesep.reports.pictures import Picture
 from drakesep.reports.studies import Studies
 
 
@@ -23,6 +23,20 @@ _SHARES: Columns = {
     "worst": "worst draw",
     "measured": "measured",
     "verdict": "verdict",
+}
+_ANSWERS: Columns = {
+    "requirement axis pair": "requirement",
+    "unit": "unit",
+    "sense limit": ("limit", ""),
+    "nominal": "nominal",
+    "bound": "bound",
+    "worst_of_draws": "worst draw",
+    "worst_case_found": "worst case found",
+    "worst_case_beyond_bound": "how much worse than the bound",
+    "missed_draw": "missed draw",
+    "by_campaign": "by the draws",
+    "by_worst_case": "by the worst case",
+    "decided_by": "decided by",
 }
 _CONFIRMED: Columns = {
     "decides": "decides",
@@ -85,11 +99,16 @@ class CampaignPart(NamedTuple):
     ranks: Table
     rare: Table
     """Of a study of rare events."""
-    picture: Picture | None
+    answers: Table
+    """Of answers.csv: draws and searches side by side."""
+    pictures: Sequence[Picture]
 
 
 def of(studies: Studies) -> CampaignPart | None:
     """Return what a report says of launches at random; None if none were flown."""
+    # JAX comes with it.
+    from drakesep.reports.campaign_pictures import campaign_pictures
+
     rare = studies.rows("rare_events.csv")
     found = [study for study in studies.all if study.has("campaign.csv")]
     if not found and not rare:
@@ -106,7 +125,8 @@ def of(studies: Studies) -> CampaignPart | None:
         statistics=table_of(studies.rows("campaign_statistics.csv"), _STATISTICS),
         ranks=table_of(_largest(studies.rows("campaign_sensitivities.csv")), _RANKS),
         rare=table_of(rare, _RARE),
-        picture=campaign_picture(found[0]) if found else None,
+        answers=table_of(studies.rows("answers.csv"), _ANSWERS),
+        pictures=[*campaign_pictures(found[0])] if found else [],
     )
 
 

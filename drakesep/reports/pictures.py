@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from drakesep.reports.studies import Study
-from drakesep.results.campaign_files import DRAWS, RecordedPlan, read_draws
 from drakesep.systems.model.separation import Separation
 from drakesep.tables.roles import Changed, Nominal
 
@@ -17,7 +16,7 @@ from drakesep.tables.roles import Changed, Nominal
 if TYPE_CHECKING:  # half a second to import, where something is drawn
     from matplotlib.figure import Figure
 
-_ACROSS, _CELL = 2, 3.5
+ACROSS, CELL = 2, 3.5
 """Panels beside each other, and the width of each, in: so that letters are legible on
 paper."""
 _PANELS = 6
@@ -47,8 +46,14 @@ def picture_of(figure: "Figure", alternative: str, caption: str) -> Picture:
     return Picture(f"data:image/svg+xml;base64,{text}", alternative, caption)
 
 
-def _table(study: Study, file: str, *words: str) -> pd.DataFrame:
-    """Return a table of a study, with no word where none is in some columns."""
+def table_of_study(study: Study, file: str, *words: str) -> pd.DataFrame:
+    """Return a table of a study, with no word where none is in some columns.
+
+    Args:
+        study: that has it.
+        file: its name.
+        words: the columns.
+    """
     table = study.results.table(file)
     return table.astype(dict.fromkeys(words, object)).fillna(dict.fromkeys(words, ""))
 
@@ -92,10 +97,10 @@ def failure_pictures(study: Study) -> Iterator[Picture]:
     """Yield what is required in failure cases beside the design, a page at a time."""
     from drakesep.plots.failure_cases import failure_figure, panels_within
 
-    table = _table(study, "failure_requirements.csv", "axis", "pair", "id")
-    for some in panels_within(table, _HEIGHT, across=_ACROSS):
+    table = table_of_study(study, "failure_requirements.csv", "axis", "pair", "id")
+    for some in panels_within(table, _HEIGHT, across=ACROSS):
         yield picture_of(
-            failure_figure(some, most_across=_ACROSS, cell=_CELL),
+            failure_figure(some, most_across=ACROSS, cell=CELL),
             "A panel for each requirement, with a row for the design and each failure "
             "case: nominal, worst and limit, as in the table of failure cases.",
             "Failure cases against each limit.",
@@ -110,47 +115,18 @@ def tornado_pictures(study: Study, objectives: Sequence[str]) -> Iterator[Pictur
     """Yield what each tolerance does to some objectives, a page at a time."""
     from drakesep.plots.tornado import tornado_figure
 
-    table = _table(study, "sensitivities.csv", "at_worst")
+    table = table_of_study(study, "sensitivities.csv", "at_worst")
     there = [name for name in objectives if (table["objective"] == name).any()]
     for k in range(0, len(there), _PANELS):
         mine = there[k : k + _PANELS]
         some = table[table["objective"].isin(mine)]
         yield picture_of(
-            tornado_figure(some, most_across=_ACROSS, cell=_CELL),
+            tornado_figure(some, most_across=ACROSS, cell=CELL),
             "Bars of what a whole side of each tolerance changes, at the nominal and "
             f"at the worst case, for {', '.join(mine)}.",
             "What each tolerance does, to first order: wide bars at the worst case, "
             "narrow ones at the nominal.",
         )
-
-
-def campaign_picture(study: Study) -> Picture | None:
-    """Return how what is required is distributed over draws; None without draws."""
-    from drakesep.analysis.campaigns.flights import FlownDraws
-    from drakesep.analysis.campaigns.shares import share_findings
-    from drakesep.plots.campaign import campaign_figure
-    from drakesep.plots.campaign_draws import curves_of
-
-    if not study.has(DRAWS):
-        return None
-    recorded = RecordedPlan.read(study.results.folder, to_fly=False)
-    flown = read_draws(study.results.folder, recorded)
-    plan = recorded.plan
-    if not isinstance(flown, FlownDraws):  # DRAWS are rows
-        return None
-    failed = [*flown.reasons]
-    findings = share_findings(plan, flown.metrics, failed, flown.clearances)
-    curves = curves_of(findings, plan, flown, {})
-    if all(one.beyond is None for one in findings):
-        return None
-    return picture_of(
-        campaign_figure(
-            plan.case.name, plan.runs, curves, most_across=_ACROSS, cell=_CELL
-        ),
-        "Curves of the share of draws beyond each value of what is required, with the "
-        "limits, the statistical bounds and the worst draws, as in the table.",
-        "Share of draws beyond a value.",
-    )
 
 
 def clearance_picture(study: Study) -> Picture:

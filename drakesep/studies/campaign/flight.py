@@ -9,9 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from drakesep.analysis.campaigns.flights import CampaignFlights, FlownDraws
-from drakesep.analysis.campaigns.gathering import KeptDraws
-from drakesep.analysis.campaigns.shares import findings_of, share_findings
+from drakesep.analysis.campaigns.flights import CampaignFlights
+from drakesep.analysis.campaigns.gathering import KeptDraws, findings_of_kept
 from drakesep.results.asked import Asked
 from drakesep.results.campaign_files import RecordedPlan, gathered, write_chunk
 from drakesep.results.folder import ResultsFolder
@@ -102,16 +101,10 @@ def shown(
         flights: that can fly any draw again.
         flown: what is kept of all draws.
     """
-    plan, failed = recorded.plan, [*flown.reasons]
-    findings = (
-        share_findings(plan, flown.metrics, failed, flown.clearances)
-        if isinstance(flown, FlownDraws)
-        else findings_of(plan, flown.counted(plan), failed)
-    )
     return Campaign(
         asked=asked,
         recorded=recorded,
         flights=flights,
         flown=flown,
-        findings=tuple(findings),
+        findings=tuple(findings_of_kept(recorded.plan, flown)),
     )

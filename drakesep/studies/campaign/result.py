@@ -244,7 +244,7 @@ class Campaign:
         """What shows what is required over the draws."""
         curves = curves_of(self.findings, self.plan, self.flown, self.found)
         scatters = (
-            scatters_of(self.findings, self.flights, self.flown, self.sensitivities)
+            scatters_of(self.findings, self.plan, self.flown, self.sensitivities)
             if isinstance(self.flown, FlownDraws)
             else ()
         )
