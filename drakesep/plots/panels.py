@@ -75,6 +75,12 @@ ROTATION = Topic(
         {Kind.RATE, Kind.ANGLE, Kind.NORM_OF_RATE, Kind.TORQUE, Kind.ANGULAR_MOMENTUM}
     ),
 )
+OVERVIEW = Topic(
+    "Motion of {B}",
+    (ROTATION.rows[1], ROTATION.rows[0], TRANSLATION.rows[0]),
+    ROTATION.kinds | TRANSLATION.kinds,
+)
+"""Rates, angles and speeds; of the rest what is required."""
 
 
 @dataclass(frozen=True, kw_only=True)

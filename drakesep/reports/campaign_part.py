@@ -92,6 +92,8 @@ class CampaignPart(NamedTuple):
     shares: Table
     together: bool
     """Whether two limits are counted together."""
+    of_every_run: bool
+    """Whether something is required of every run."""
     failing: Sequence[Row]
     """Requirements whose worst draw is of a failure case."""
     confirmed: Table
@@ -120,6 +122,7 @@ def of(studies: Studies) -> CampaignPart | None:
         failed=rows[0]["failed"] if rows else EMPTY,
         shares=table_of(rows, _SHARES),
         together=any(row.get("sides") == "two" for row in rows),
+        of_every_run=any(not row["share"] for row in rows),
         failing=[row for row in rows if row["worst_failure_case"]],
         confirmed=table_of(worst, _CONFIRMED),
         statistics=table_of(studies.rows("campaign_statistics.csv"), _STATISTICS),

@@ -17,6 +17,7 @@ from drakesep.reports import (
     computation_part,
     credibility_part,
     failures_part,
+    motion_part,
     not_covered_part,
     provenance_part,
     sensitivities_part,
@@ -131,6 +132,7 @@ def _parts(studies: Studies, matrix: Matrix, page: Path) -> Iterable[Part]:
         yield Part("tolerances", "Tolerances and distributions", separation)
     worst_cases = worst_cases_part.of(studies)
     yield Part("worst_cases", "Worst cases, with their evidence", worst_cases)
+    yield Part("motion", "Motion over time", motion_part.of(studies))
     yield Part("failures", "Failure cases", failures_part.of(studies))
     yield Part("campaign", "Campaign", campaign_part.of(studies))
     clearance = clearance_part.of(studies, page)

@@ -71,26 +71,27 @@ def stack_picture(separation: Separation) -> Picture:
     )
 
 
-def required_picture(study: Study) -> Picture | None:
-    """Return what is required over time; None if nothing is that has a course."""
-    from drakesep.plots.required_over_time import required_figure
+def motion_pictures(study: Study) -> Iterator[Picture]:
+    """Yield the motion of each body that leaves; none of a study that keeps no run."""
+    from drakesep.plots.motion_overview import overview_figure
     from drakesep.plots.shown_runs import ShownRuns
 
-    roles = study.results.roles.values()
-    if not any(isinstance(role, Nominal | Changed) for role in roles):
-        return None
-    shown = ShownRuns.of(study.results.runs, study.results.case)
-    figure = required_figure(shown)
-    if figure is None:
-        return None
-    named = ", ".join(dict.fromkeys(each.run.label for each in shown.decided))
-    return picture_of(
-        figure,
-        "Over time, each signal that is limited while its limit holds: in the nominal "
-        f"run, and in the run that decides the requirement. These are {named}.",
-        "What is required over time: dashed the limit while it holds, solid the run "
-        "that decides, with a dot where it does.",
-    )
+    results = study.results
+    kept = [k for k, r in results.roles.items() if isinstance(r, Nominal | Changed)]
+    if not any(results.run(label).run.motion is not None for label in kept):
+        return
+    shown = ShownRuns.of(results.runs, results.case)
+    for pair in shown.run.separation.pairs:
+        decided = [d.run.label for d in shown.decided if d.run is not shown.reference]
+        yield picture_of(
+            overview_figure(shown, pair, ACROSS * CELL),
+            f"Over time, rates, angles and relative velocity of {pair.B}, and what is "
+            f"required of it: in the run {shown.reference.label}, in worst cases, and "
+            "in those that decide, with limits while they hold. These are "
+            f"{', '.join(dict.fromkeys(decided)) or 'none'}.",
+            f"Motion of {pair.B}: dashed red the limit while it holds, with a dot "
+            "where a run decides.",
+        )
 
 
 def failure_pictures(study: Study) -> Iterator[Picture]:

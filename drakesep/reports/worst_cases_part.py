@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 from drakesep.analysis.metrics.objectives import OBJECTIVES
 from drakesep.reports.cells import Cell, Columns, Heading, Row, Table, table_of
-from drakesep.reports.pictures import Picture, required_picture
 from drakesep.reports.studies import Studies, Study
 from drakesep.tables.roles import Worst, label_of
 
@@ -44,7 +43,6 @@ class WorstCasesPart(NamedTuple):
     believed: Table
     points: Sequence[Table]
     remarks: Table
-    picture: Picture | None
 
 
 def of(studies: Studies) -> WorstCasesPart | None:
@@ -58,7 +56,6 @@ def of(studies: Studies) -> WorstCasesPart | None:
         believed=_lettered(table_of(rows, _BELIEVED)),
         points=[table for study in searched for table in _points(study, rows)],
         remarks=table_of(studies.rows("remarks.csv"), _TOLD),
-        picture=required_picture(searched[0]),
     )
 
 
