@@ -1,9 +1,12 @@
-"""Files that are never half: written under another name, then renamed."""
+"""Files: read where they end, and never half written."""
 
 import contextlib
 import os
+import stat
 from collections.abc import Iterator
 from pathlib import Path
+
+from drakesep.systems.checks import InputError
 
 
 PREFIX = ".writing-"
@@ -34,6 +37,24 @@ def written(path: Path, *, synced: bool = False) -> Iterator[Path]:
         raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
         beside.unlink(missing_ok=True)
+
+
+def check_readable(path: Path, most: int) -> None:
+    """Raise an error unless a path is that of a file of so many bytes, which ends.
+
+    Args:
+        path: of what is to be read.
+        most: bytes.
+
+    Raises:
+        OSError: it is not there.
+        ValueError: it is a folder, a pipe or a device, or larger.
+    """
+    found = path.stat()
+    if not stat.S_ISREG(found.st_mode):
+        raise InputError(f"{path}: must be a file, got a folder, a pipe or a device")
+    if found.st_size > most:
+        raise InputError(f"{path}: must be at most {most // 1_000_000} MB")
 
 
 def write_text(path: Path, text: str) -> None:

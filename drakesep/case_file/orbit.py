@@ -1,12 +1,12 @@
 """The orbit in a case file: a circle, an ellipse or a state, and how it lies."""
 
 import math
-from typing import Any, Literal, Self, TypeAlias
+from typing import Any, Self
 
 from pydantic import model_validator
 
 from drakesep.case_file.section import Name, Positive, Section, Vector, check_one
-from drakesep.exchange.epochs import epoch_text, parse_epoch
+from drakesep.exchange.epochs import TimeSystem, epoch_text, parse_epoch
 from drakesep.systems.model.orbit import (
     EARTH_MU,
     EARTH_RADIUS,
@@ -15,7 +15,6 @@ from drakesep.systems.model.orbit import (
 )
 
 
-TimeSystem: TypeAlias = Literal["UTC", "TAI", "TT", "GPS", "TDB"]
 _KM = 1000.0
 _FORMS = ("altitude_km", "perigee_altitude_km", "position_km")
 _OF_PLANE = ("inclination_deg", "ascending_node_deg", "argument_of_latitude_deg")

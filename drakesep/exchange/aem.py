@@ -53,7 +53,7 @@ def attitudes_of(message: Message) -> AttitudeHistory:
         object_name=message.value("OBJECT_NAME"),
         frame=frame,
         body_frame=body,
-        time_system=message.value("TIME_SYSTEM"),
+        time_system=message.time_system,
         epochs=[parse_epoch(f"{message.source}: an epoch", text) for text in epochs],
         orientation=q,
         rate=_rates(message, q, numbers[:, 4:]) if kind == _WITH_RATE else None,

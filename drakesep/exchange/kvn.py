@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from pathlib import Path
 
-from drakesep.exchange.epochs import epoch_text
+from drakesep.exchange.epochs import check_time_system, epoch_text
+from drakesep.files import check_readable
 from drakesep.systems.checks import InputError
 
 
@@ -44,6 +45,21 @@ class Message:
             raise InputError(f"{self.source}: {key} must be one, got {got}")
         return str(values.pop())
 
+    @property
+    def time_system(self) -> str:
+        """Of its epochs.
+
+        Raises:
+            ValueError: it is none that is known.
+        """
+        return check_time_system(
+            f"{self.source}: TIME_SYSTEM", self.value("TIME_SYSTEM")
+        )
+
+
+_BLOCKS = ("META", "DATA", "COVARIANCE")
+"""That stand between ``..._START`` and ``..._STOP``, none within another."""
+
 
 def read_message(file: Path) -> Message:
     """Return the message that a file holds.
@@ -52,8 +68,7 @@ def read_message(file: Path) -> Message:
         ValueError: it cannot be read, or is none in KVN.
     """
     try:
-        if file.stat().st_size > _LONGEST:
-            raise InputError(f"{file}: must be at most {_LONGEST // 1_000_000} MB")
+        check_readable(file, _LONGEST)
         text = file.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "not a text file"
@@ -75,25 +90,48 @@ def _parted(line: str) -> tuple[str, str, str]:
 
 def _segments(source: str, lines: Iterable[str]) -> list[Segment]:
     segments: list[Segment] = []
-    in_metadata = in_covariance = False
+    inside = ""
     for line in lines:
-        if line.startswith("COMMENT") or line in ("DATA_START", "DATA_STOP"):
+        block, _, edge = line.partition("_")
+        if line.startswith("COMMENT"):
             continue
-        if line == "META_START":
-            segments.append(Segment())
-            in_metadata = True
-        elif line == "META_STOP":
-            in_metadata = False
-        elif line in ("COVARIANCE_START", "COVARIANCE_STOP"):
-            in_covariance = line == "COVARIANCE_START"
-        elif in_metadata:
-            key, _, value = (part.strip() for part in _parted(line))
+        if block in _BLOCKS and edge in ("START", "STOP"):
+            _check_edge(source, inside, line)
+            inside = block if edge == "START" else ""
+            if line == "META_START":
+                segments.append(Segment())
+        elif inside == "META":
+            key, equals, value = (part.strip() for part in _parted(line))
+            if not equals:
+                raise InputError(
+                    f"{source}: a line of metadata must be a key, = and its value, got "
+                    f"{line[:80]!r}"
+                )
             segments[-1].metadata[key] = value
-        elif segments and not in_covariance:
+        elif segments and inside != "COVARIANCE":
             segments[-1].lines.append(line)
+    _check_edge(source, inside, "")
     if not any(segment.lines for segment in segments):
         raise InputError(f"{source}: must have lines of data after META_STOP, got none")
     return segments
+
+
+def _check_edge(source: str, inside: str, line: str) -> None:
+    """Raise InputError unless a block may begin or end at a line.
+
+    Args:
+        source: the file, for errors.
+        inside: the block that the line stands in; empty: in none.
+        line: that begins or ends one; empty: the end of the message.
+    """
+    wanted = f"{inside}_STOP" if inside else ""
+    if inside and line != wanted:
+        raise InputError(
+            f"{source}: {inside}_START must be followed by {wanted}, got "
+            f"{line or 'the end of the message'}"
+        )
+    if not inside and line.endswith("_STOP"):
+        raise InputError(f"{source}: {line} must follow its START, got it without")
 
 
 def rows_of(

@@ -34,7 +34,7 @@ def ephemeris_of(message: Message) -> Ephemeris:
     return Ephemeris(
         object_name=message.value("OBJECT_NAME"),
         frame=frame,
-        time_system=message.value("TIME_SYSTEM"),
+        time_system=message.time_system,
         epochs=[parse_epoch(f"{message.source}: an epoch", text) for text in epochs],
         position=states[:, :3],
         velocity=states[:, 3:],

@@ -9,10 +9,11 @@ import numpy as np
 import pandas as pd
 
 from drakesep.exchange.aem import attitudes_of, unit_length
-from drakesep.exchange.epochs import epoch_text, parse_epoch
+from drakesep.exchange.epochs import check_time_system, epoch_text, parse_epoch
 from drakesep.exchange.histories import AttitudeHistory, index_at
 from drakesep.exchange.kvn import read_message
 from drakesep.exchange.oem import check_inertial, ephemeris_of
+from drakesep.files import check_readable
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 
@@ -44,6 +45,8 @@ ORIENTATION = [f"orientation_{q}" for q in "wxyz"]
 RATE = [f"rate_{axis}_rad_s" for axis in "xyz"]
 """In these."""
 _NAMES = ("label", "body", "epoch", "time_system", "frame")
+_LARGEST = 100_000_000
+"""Bytes of a table."""
 _COLUMNS = (*_NAMES, *POSITION, *VELOCITY, *ORIENTATION, *RATE)
 
 
@@ -122,7 +125,10 @@ def _turned(history: AttitudeHistory) -> Array:
 def _of_table(file: Path, at: Decimal, run: str | None, body: str | None) -> TakenState:
     """Return what a table of ours says."""
     try:
+        check_readable(file, _LARGEST)
         table = pd.read_csv(file, dtype=dict.fromkeys(_NAMES, str), na_filter=False)
+    except InputError:
+        raise
     except (OSError, ValueError) as error:
         raise InputError(f"{file}: must be a table, got: {error}") from error
     for name in _COLUMNS:
@@ -145,12 +151,11 @@ def _of_table(file: Path, at: Decimal, run: str | None, body: str | None) -> Tak
         )
     row = table.iloc[index]
     check_inertial(str(file), "frame", str(row["frame"]))
-    if not row["time_system"]:
-        raise InputError(f"{file}: time_system must be that of the epoch, got none")
+    system = check_time_system(f"{file}: time_system", str(row["time_system"]))
     quaternion = _numbers(file, row, ORIENTATION)
     return TakenState(
         frame=str(row["frame"]),
-        time_system=str(row["time_system"]),
+        time_system=system,
         epoch=epoch_text(at),
         position=_numbers(file, row, POSITION),
         velocity=_numbers(file, row, VELOCITY),

@@ -2,6 +2,7 @@
 
 import itertools
 import os
+import textwrap
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
@@ -15,12 +16,14 @@ from drakesep.exchange.histories import AttitudeHistory, Ephemeris
 from drakesep.exchange.oem import check_inertial, oem_text
 from drakesep.files import write_text
 from drakesep.reports.body_states import BodyStates
-from drakesep.reports.handed_run import HandedRun
+from drakesep.reports.handed_run import HandedRun, given_words
 from drakesep.version import __version__
 
 
 _BODY_FRAME = "SC_BODY_1"
 _ORIGINATOR = "DRAKESEP"
+_COMMENT = 76
+"""Letters of a line of comment."""
 
 
 def save_oem(handed: HandedRun, folder: Path) -> list[Path]:
@@ -97,10 +100,14 @@ def _common(
 
 
 def _comments(handed: HandedRun, body: str) -> list[str]:
-    return [
+    told = [
         f"Case {handed.case}, run {handed.label}, body {body}",
         f"by drakesep {__version__}.",
     ]
+    if handed.inertial is not None and handed.inertial.given:
+        words = f"Not of the case, but given: {given_words(handed.inertial.given)}."
+        told += textwrap.wrap(words, _COMMENT)
+    return told
 
 
 def _created() -> str:

@@ -8,6 +8,7 @@ from drakesep.reports.ccsds_files import save_aem, save_oem
 from drakesep.reports.data_files import save_json, save_mat, save_parquet
 from drakesep.reports.frames import InertialFrame
 from drakesep.reports.handed_run import HandedRun
+from drakesep.reports.handover_provenance import save_provenance
 from drakesep.reports.handover_tables import handover_table, statistics_table
 from drakesep.results.catalogue import CAMPAIGN
 from drakesep.results.folder import writable_folder
@@ -41,6 +42,8 @@ def export(
     ``handover.csv`` is written with every format: the state of every body after
     separation, in every run that the folder keeps. Of a campaign, which keeps none,
     ``csv`` writes ``handover_statistics.csv``: mean and covariance of its metrics.
+    ``RUN_FORMAT_provenance.json`` says where these come from, and what was said here
+    alone.
 
     Args:
         results: a folder, or what `read_results` returns of it.
@@ -89,7 +92,9 @@ def export(
     kept = [one for one in read.runs if one.run.trajectory is not None]
     table = handover_table(kept, read.case.separation, inertial)
     write_csv(table, folder / HANDOVER)
-    return [*files, folder / HANDOVER]
+    files.append(folder / HANDOVER)
+    given = {} if inertial is None else inertial.given
+    return [*files, save_provenance(read, files, format, chosen.label, given)]
 
 
 def _export_campaign(results: Results, format: str, output: Path) -> list[Path]:
@@ -101,7 +106,7 @@ def _export_campaign(results: Results, format: str, output: Path) -> list[Path]:
     table = statistics_table(results.folder)
     file = writable_folder(output) / STATISTICS
     write_csv(table, file)
-    return [file]
+    return [file, save_provenance(results, [file], format)]
 
 
 def _chosen(results: Results, label: str | None) -> LabelledRun:

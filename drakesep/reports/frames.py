@@ -2,12 +2,12 @@
 
 import dataclasses
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import Self
 
-from drakesep.exchange.epochs import parse_epoch
+from drakesep.exchange.epochs import check_time_system, parse_epoch
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.orbit import Orbit, axes_of_plane
 
@@ -20,6 +20,8 @@ class InertialFrame:
     """With axes."""
     epoch: Decimal
     """Of t = 0, as `exchange.epochs` has it."""
+    given: Mapping[str, str] = field(default_factory=dict)
+    """What was said at the export of it, since the case does not, by its name."""
 
     @property
     def name(self) -> str:
@@ -68,6 +70,7 @@ class InertialFrame:
         name = _one("frame", orbit.frame or None, frame)
         start = _one("epoch", orbit.epoch or None, epoch)
         system = _one("time_system", of_case, time_system or of_case or "UTC")
+        check_time_system("time_system", system)
         if plane is not None and orbit.axes is not None:
             raise InputError("plane: must not be given, the case says how it lies")
         axes = orbit.axes
@@ -83,7 +86,14 @@ class InertialFrame:
         placed = dataclasses.replace(
             orbit, axes=axes, frame=name, epoch=start, time_system=system
         )
-        return cls(orbit=placed, epoch=parse_epoch("epoch", start))
+        said = {
+            "frame": "" if orbit.frame else name,
+            "epoch": "" if orbit.epoch else start,
+            "time_system": "" if orbit.epoch else system,
+            "plane": "" if plane is None else ", ".join(f"{x:.17g}" for x in plane),
+        }
+        given = {key: value for key, value in said.items() if value}
+        return cls(orbit=placed, epoch=parse_epoch("epoch", start), given=given)
 
 
 def _one(name: str, of_case: str | None, given: str | None) -> str:

@@ -1,5 +1,6 @@
 """A run that is handed over: its bodies, their states, and what these mean."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from drakesep.reports.body_states import BodyStates, in_inertial_frame, states_in_W
@@ -7,6 +8,21 @@ from drakesep.reports.frames import InertialFrame
 from drakesep.systems.arrays import Array
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.version import __version__
+
+
+def given_words(given: Mapping[str, str]) -> str:
+    """Return what was said at the export, such as ``epoch 2026-03-01T12:00:00``.
+
+    Args:
+        given: as `InertialFrame` has it.
+    """
+    said = [f"{name} {value}" for name, value in given.items() if name != "plane"]
+    if "plane" in given:
+        said.append(
+            "inclination, ascending node and argument of latitude at t = 0 "
+            f"{given['plane']} deg"
+        )
+    return "; ".join(said)
 
 
 @dataclass(frozen=True)
@@ -65,4 +81,6 @@ class HandedRun:
                 "time_system": self.inertial.time_system,
                 "frame": self.inertial.name,
             }
+            if self.inertial.given:
+                notes["given_at_the_export"] = given_words(self.inertial.given)
         return notes

@@ -4,6 +4,7 @@ What is wanted is computed by hand, by scipy's rotations, or is what was handed 
 """
 
 import math
+import os
 
 import numpy as np
 import pandas as pd
@@ -305,6 +306,19 @@ def test_what_does_not_fit(names, orbit, more, message, files):
             "= TAI",
             "from: files must have one time_system, got UTC and TAI",
         ),
+        ("oem", "= UTC", "= UT1", "TIME_SYSTEM must be one of UTC, TAI, .*got 'UT1'"),
+        ("aem", "= UTC", "= SCLK", "TIME_SYSTEM must be one of UTC, TAI"),
+        ("oem", "COVARIANCE_STOP\n", "", "COVARIANCE_STOP, got the end of the message"),
+        ("oem", "COVARIANCE_START\n", "", "COVARIANCE_STOP must follow its START"),
+        ("oem", "META_STOP\n", "", "a line of metadata must be a key, = and its"),
+        (
+            "aem",
+            "META_STOP\n",
+            "",
+            "META_START must be followed by META_STOP, got",
+        ),
+        ("aem", "DATA_STOP\n", "", "DATA_STOP, got the end of the message"),
+        ("oem", "12:00:00.5 ", "23:59:60.0 ", "must not be within a leap second"),
         ("oem", "6.618 2.533", "", "a line of data must be an epoch and 6 numbers"),
         ("oem", "6.618", "six", "a line of data must be an epoch and 6 numbers"),
         ("oem", "6.618", "nan", "an epoch and 6 numbers, all finite"),
@@ -367,7 +381,8 @@ def test_an_attitude_is_the_same_by_both_of_its_quaternions(files):
         ("orientation_w", "3", "quaternions must be of length 1"),
         ("position_x_m", "inf", "position_x_m must be a finite number, got 'inf'"),
         ("rate_z_rad_s", "slow", "rate_z_rad_s must be a finite number, got 'slow'"),
-        ("time_system", "", "time_system must be that of the epoch, got none"),
+        ("time_system", "", "time_system must be one of UTC, TAI, TT, GPS, TDB"),
+        ("time_system", "LOCAL", "time_system must be one of UTC, .*got 'LOCAL'"),
     ],
 )
 def test_faulty_tables(column, value, message, tmp_path):
@@ -389,10 +404,29 @@ def test_faulty_tables(column, value, message, tmp_path):
         case_from(tmp_path, "handover.csv", **labels)
 
 
-@pytest.mark.parametrize("at", ["9999-12-31T23:59:60", "0001-01-01T00:00:00"])
+@pytest.mark.parametrize("at", ["9999-12-31T23:59:59", "0001-01-01T00:00:00"])
 def test_epochs_beyond_all_dates(at, files):
     with pytest.raises(drakesep.InputError, match="at must be an epoch such as"):
         case_from(files, "traj.aem", "traj.oem", at=at)
+
+
+@pytest.mark.parametrize("name", ["pipe", "pipe.csv", "folder", "/dev/zero"])
+def test_what_does_not_end_is_not_read(name, tmp_path):
+    """A pipe waits for a writer that never comes; a device has no end."""
+    if name.startswith("pipe"):
+        os.mkfifo(tmp_path / name)
+    elif name == "folder":
+        (tmp_path / name).mkdir()
+    with pytest.raises(drakesep.InputError, match=r"must be a file, got a folder, a p"):
+        case_from(tmp_path, name)
+
+
+@pytest.mark.parametrize("name", ["large.oem", "large.csv"])
+def test_what_is_far_too_large_is_not_read(name, tmp_path):
+    with (tmp_path / name).open("wb") as file:
+        file.truncate(100_000_001)  # with no byte on the disk
+    with pytest.raises(drakesep.InputError, match="must be at most 100 MB"):
+        case_from(tmp_path, name)
 
 
 def test_no_file_at_all(tmp_path):

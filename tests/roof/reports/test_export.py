@@ -3,6 +3,7 @@
 The orbit is added by hand, from a two-body integration, and attitudes by scipy.
 """
 
+import hashlib
 import json
 import math
 import sys
@@ -117,7 +118,7 @@ def check_rotations(got, wanted):
 
 def test_orbits_by_a_second_library(flown, wanted, tmp_path):
     time, bodies = wanted
-    *files, last = drakesep.export(flown, "oem", output=tmp_path)
+    *files, last, _ = drakesep.export(flown, "oem", output=tmp_path)
     assert last.name == "handover.csv"
     assert [file.name for file in files] == ["nominal_lower.oem", "nominal_upper.oem"]
     for file, (body, state) in zip(files, bodies.items(), strict=True):
@@ -137,7 +138,7 @@ def test_orbits_by_a_second_library(flown, wanted, tmp_path):
 
 def test_attitudes_by_a_second_library(flown, wanted, tmp_path):
     time, bodies = wanted
-    *files, _ = drakesep.export(flown, "aem", output=tmp_path)
+    *files, _, _ = drakesep.export(flown, "aem", output=tmp_path)
     for file, (body, state) in zip(files, bodies.items(), strict=True):
         message = ccsds_ndm.Aem.from_file(str(file))
         message.validate()
@@ -164,7 +165,7 @@ def test_arrays_of_other_programs(flown, wanted, tmp_path):
     """A MAT-file and JSON hold the same numbers, to the last digit."""
     time, bodies = wanted
     for kind in ("mat", "json"):
-        [file, _] = drakesep.export(flown, kind, output=tmp_path)
+        [file, *_] = drakesep.export(flown, kind, output=tmp_path)
         assert file == tmp_path / f"nominal.{kind}"
     told = json.loads((tmp_path / "nominal.json").read_text())
     mat = scipy.io.loadmat(tmp_path / "nominal.mat", simplify_cells=True)
@@ -227,7 +228,7 @@ def test_parquet_needs_a_package(flown, tmp_path, monkeypatch):
 def test_states_after_separation(flown, wanted, tmp_path):
     """A row for each run and body: at the sample when the last spring has ended."""
     time, bodies = wanted
-    [file] = drakesep.export(flown, "csv", output=tmp_path)
+    [file, _] = drakesep.export(flown, "csv", output=tmp_path)
     table = pd.read_csv(file)
     assert table["label"].tolist() == ["nominal", "nominal"]
     ends = drakesep.read_results(flown).run("nominal").run.stroke_ends
@@ -314,12 +315,52 @@ def test_what_the_case_does_not_say_is_given(without_plane, tmp_path):
             "epoch must be an epoch such as",
         ),
         ({"plane": [1, 2]}, "plane must have 3 entries"),
+        (
+            {
+                **{"epoch": EPOCH, "frame": "EME2000", "plane": [1, 2, 3]},
+                **{"time_system": "UT1"},
+            },
+            "time_system must be one of UTC, TAI, TT, GPS, TDB, got 'UT1'",
+        ),
     ],
 )
 def test_what_is_missing(given, message, without_plane, tmp_path):
     with pytest.raises(drakesep.InputError, match=message):
         drakesep.export(without_plane, "oem", output=tmp_path / "out", **given)
     assert not (tmp_path / "out").exists() or not [*(tmp_path / "out").iterdir()]
+
+
+def test_what_is_given_at_the_export_stands_in_what_is_exported(
+    without_plane, flown, tmp_path
+):
+    """In messages, in notes of arrays, and in the provenance; else nothing is said."""
+    given = {"epoch": EPOCH, "frame": "GCRF", "plane": [97.5, 10.0, 30.0]}
+    for format in ("oem", "json"):
+        drakesep.export(without_plane, format, output=tmp_path, **given)
+        drakesep.export(flown, format, output=tmp_path / "whole")
+    message = " ".join((tmp_path / "nominal_lower.oem").read_text().split())
+    notes = json.loads((tmp_path / "nominal.json").read_text())["notes"]
+    for words in (
+        f"epoch {EPOCH}",
+        "frame GCRF",
+        "time_system UTC",
+        "97.5, 10, 30 deg",
+    ):
+        assert words in message.replace(" COMMENT ", " ")
+        assert words in notes["given_at_the_export"]
+    told = json.loads((tmp_path / "nominal_oem_provenance.json").read_text())
+    plane = {"plane": "97.5, 10, 30", "time_system": "UTC"}
+    assert told["given"] == {**given, **plane}
+    record = drakesep.read_results(without_plane).record
+    assert told["case_sha256"] == record.case["sha256"]
+    for name, digest in told["files"].items():
+        assert hashlib.sha256((tmp_path / name).read_bytes()).hexdigest() == digest
+    assert "nominal_lower.oem" in told["files"]
+    whole = tmp_path / "whole"
+    assert "given" not in (whole / "nominal_lower.oem").read_text()
+    assert "given" not in (whole / "nominal.json").read_text()
+    told = json.loads((whole / "nominal_oem_provenance.json").read_text())
+    assert told["given"] == {}
 
 
 @pytest.mark.parametrize(
@@ -352,7 +393,9 @@ def test_command(without_plane, tmp_path, capsys, monkeypatch):
     assert code == 0
     assert "nominal_upper.aem" in out
     files = [file.name for file in sorted((tmp_path / "called").iterdir())]
-    assert files == ["handover.csv", "nominal_lower.aem", "nominal_upper.aem"]
+    messages = ["nominal_lower.aem", "nominal_upper.aem"]
+    told = "nominal_aem_provenance.json"
+    assert files == ["handover.csv", told, *messages]
     for name in files:
         called, typed = ((tmp_path / x / name).read_text() for x in ("called", "typed"))
         assert called == typed
@@ -382,7 +425,7 @@ def test_mean_and_covariance_of_a_campaign(tmp_path):
     }
     (tmp_path / "study.json").write_text(json.dumps(record))
     np.savez(tmp_path / DRAWS, metrics=metrics, metric_names=np.array(names))
-    [file] = drakesep.export(tmp_path, "csv", output=tmp_path / "out")
+    [file, _] = drakesep.export(tmp_path, "csv", output=tmp_path / "out")
     table = pd.read_csv(file)
     columns = table["metric"].tolist()
     assert columns == ["final_rate_x_deg_s", "longitudinal_speed_max_m_s", "G_L1_deg"]
@@ -417,8 +460,16 @@ def test_epochs_keep_their_digits(text):
         *("2026-13-01T00:00:00", "2026-02-30T00:00:00", "2026-366T00:00:00"),
         *("2026-000T00:00:00", "2026-03-01T24:00:00", "2026-03-01T00:60:00"),
         *("2026-03-01T00:00:61", "2026-03-01 00:00:00", "2026-03-01", "", "nan"),
+        *("2026-03-01T00:00:60", "2026-03-01T23:58:60"),
     ],
 )
 def test_what_is_no_epoch(text):
     with pytest.raises(ValueError, match="epoch must be an epoch such as"):
+        parse_epoch("epoch", text)
+
+
+@pytest.mark.parametrize("text", ["2016-12-31T23:59:60", "2016-366T23:59:60.999Z"])
+def test_a_leap_second_is_refused_by_its_name(text):
+    """As the next day it would be another epoch."""
+    with pytest.raises(ValueError, match="epoch must not be within a leap second"):
         parse_epoch("epoch", text)
