@@ -56,7 +56,13 @@ from drakesep.systems.batch.lanes import Lanes
 from drakesep.systems.batch.motion import MotionFold
 from drakesep.systems.batch.relative_places import CURVED, PLACE, PlacesFold
 from drakesep.systems.batch.row_checks import RowChecks
-from drakesep.systems.checks import InputError, check_finite, check_positive, unknown
+from drakesep.systems.checks import (
+    InputError,
+    check_distinct,
+    check_finite,
+    check_positive,
+    unknown,
+)
 from drakesep.systems.model.parameters import (
     check_read,
     declarations,
@@ -159,8 +165,10 @@ class Batch:
 
         Raises:
             ValueError: a parameter is unknown, named twice or none that the equations
-                read, a metric is unknown, or a number is not positive.
+                read, a metric is unknown or named twice, or a number is not positive.
         """
+        metrics = list(metrics)
+        check_distinct("metrics", metrics)
         nominal = parameters(separation)
         check_names(names, nominal)
         check_limits(deviation_limits, separation.pairs)
