@@ -18,7 +18,6 @@ from collections.abc import (
     Mapping,
     Sequence,
 )
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -38,6 +37,7 @@ from drakesep.analysis.engines.jax.compiled import (
     compiler_options,
     keep_programs,
 )
+from drakesep.analysis.engines.jax.compiling_threads import compiling_threads
 from drakesep.analysis.engines.jax.flights import Flown, MetricsFlight, SlopesFlight
 from drakesep.analysis.engines.jax.metrics_fold import MetricsFold
 from drakesep.analysis.engines.jax.sampled_runs import SampledRun
@@ -121,7 +121,7 @@ class Batch:
     disk across processes: in JAX's cache, which is put into the user's cache folder
     unless JAX has been told of another. Rows are flown in chunks, on all cores: memory
     does not grow with their number, and no result depends on the number of workers. An
-    interrupt is raised at once, but the process ends only when its compiler has.
+    interrupt is raised at once; see `compiling_threads` for when the process ends.
 
     Attributes:
         separation: that is flown.
@@ -429,7 +429,7 @@ class Batch:
             lanes[:, list(unflown)] = self._lane[:, None]
             return part, program(lanes, len(mine), lambda: not over.is_set()), unflown
 
-        pool = ThreadPoolExecutor(self.workers)
+        pool = compiling_threads(self.workers)
         try:
             for part, flown, unflown in pool.map(fly, parts):
                 yield part, _without(flown, unflown), self._why_not(flown) | unflown
