@@ -1,6 +1,7 @@
 """Files: read where they end, and never half written."""
 
 import contextlib
+import itertools
 import os
 import stat
 from collections.abc import Iterator
@@ -11,6 +12,25 @@ from drakesep.systems.checks import InputError
 
 PREFIX = ".writing-"
 """Of the name of a file until it is whole; its suffix is kept."""
+
+
+_numbers = itertools.count()
+"""Of the files that this process has written."""
+
+
+def path_of(what: str, path: str | Path) -> Path:
+    """Return the path of what is to be written.
+
+    Args:
+        what: the argument that names it.
+        path: as it was given.
+
+    Raises:
+        ValueError: it is empty, which elsewhere is the working directory.
+    """
+    if path == "":
+        raise InputError(f"{what}: must be a path, got ''; '.' is this folder")
+    return Path(path)
 
 
 @contextlib.contextmanager
@@ -24,7 +44,7 @@ def written(path: Path, *, synced: bool = False) -> Iterator[Path]:
     Raises:
         OSError: it cannot be written; the error names it.
     """
-    beside = path.with_name(f"{PREFIX}{os.getpid()}-{path.name}")
+    beside = path.with_name(f"{PREFIX}{os.getpid()}-{next(_numbers)}-{path.name}")
     try:
         yield beside
         if synced:

@@ -62,6 +62,13 @@ def check_entries(name: str, entries: Sequence[float], count: int) -> None:
     check_finite(name, *entries)
 
 
+def check_distinct(name: str, entries: Sequence[str]) -> None:
+    """Raise InputError unless each entry stands once."""
+    for entry in entries:
+        if entries.count(entry) > 1:
+            raise InputError(f"{name}: {entry} must stand once")
+
+
 def check_unit(name: str, vector: Sequence[float]) -> None:
     """Raise InputError unless the vector has three entries and length one."""
     check_entries(name, vector, 3)

@@ -257,6 +257,7 @@ run:
   integrator: bogacki_shampine3
   accuracy: 3.0e-4
   max_step_s: 0.0175
+  time_limit_s: 877.5
 published:
   - label: theirs
     objectives: [L2, PM]

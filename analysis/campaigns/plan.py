@@ -12,7 +12,7 @@ from drakesep.analysis.clearance.screen import can_be_screened
 from drakesep.analysis.engines.jax.batch import TOLERANCE
 from drakesep.analysis.metrics.of_run import metric_named
 from drakesep.systems.argument_types import typed
-from drakesep.systems.checks import InputError, check_positive
+from drakesep.systems.checks import InputError, check_distinct, check_positive
 
 
 Keep: TypeAlias = Literal["rows", "worst"]
@@ -78,11 +78,10 @@ class CampaignPlan:
                 f"{len(self.spans)}"
             )
         check_positive("tolerance", self.tolerance)
+        check_distinct("metrics", self.metrics)
         for name in self.metrics:
             if not metric_named(name).told_by(self.case.separation):
                 raise InputError(f"metrics: {name}: no run of the case tells it")
-            if self.metrics.count(name) > 1:
-                raise InputError(f"metrics: {name} must stand once")
         for name in self.clearances:
             required = [r for r in self.case.requirements if r.metric == name]
             if not any(one.measured_apart for one in required):

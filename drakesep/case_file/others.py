@@ -352,11 +352,16 @@ class RunSection(Section):
     """Of the error control, in m, rad, m/s and rad/s a step: 1e-12 to 1e-3."""
     max_step_s: Positive = Integration().max_step
     """Longest step."""
+    time_limit_s: Positive = Integration().time_limit
+    """Of a processor's time, after which a run in Drake fails: the last resort."""
 
     def in_si(self) -> Integration:
         """Return how runs are integrated."""
         return Integration(
-            scheme=self.integrator, accuracy=self.accuracy, max_step=self.max_step_s
+            scheme=self.integrator,
+            accuracy=self.accuracy,
+            max_step=self.max_step_s,
+            time_limit=self.time_limit_s,
         )
 
 

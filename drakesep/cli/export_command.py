@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from drakesep.cli.answer import Answer
-from drakesep.cli.options import JsonOption, QuietOption, number
+from drakesep.cli.options import JsonOption, QuietOption, number, path_argument
 from drakesep.systems.checks import InputError
 
 
@@ -49,7 +49,11 @@ def export(
     output: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", help="Folder for the files; FOLDER_handover if not given."
+            "--output",
+            "-o",
+            parser=path_argument,
+            metavar="PATH",
+            help="Folder for the files; FOLDER_handover if not given.",
         ),
     ] = None,
     quiet: QuietOption = False,

@@ -6,17 +6,30 @@ from typing import Annotated
 
 import typer
 
+from drakesep.files import path_of
 from drakesep.systems.checks import InputError
 
 
 CaseArgument = Annotated[
     str, typer.Argument(help="A case file, or the name of a built-in case.")
 ]
+
+
+def path_argument(text: str) -> Path:
+    """Return a path; an empty one would be the working directory."""
+    try:
+        return path_of("output", text)
+    except InputError as error:
+        raise typer.BadParameter(str(error)) from error
+
+
 OutputOption = Annotated[
     Path | None,
     typer.Option(
         "--output",
         "-o",
+        parser=path_argument,
+        metavar="PATH",
         help="Folder for the results; results/CASE/COMMAND if not given.",
     ),
 ]

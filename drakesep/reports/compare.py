@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from drakesep.case_file.yaml_text import read_yaml
-from drakesep.files import written
+from drakesep.files import path_of, written
 from drakesep.reports.differences import (
     ABSENT,
     PRESENT,
@@ -73,7 +73,7 @@ class Comparison:
         Args:
             file: its path.
         """
-        with written(Path(file)) as beside:
+        with written(path_of("file", file)) as beside:
             self.table.to_csv(beside, index=False)
 
 

@@ -70,7 +70,7 @@ def export(
         raise InputError(unknown("format", format, (*_WRITERS, _TABLES)))
     read = results if isinstance(results, Results) else read_results(results)
     if read.record.study == CAMPAIGN:
-        return _export_campaign(read, format, Path(output))
+        return _export_campaign(read, format, output)
     if plane is not None:
         check_entries("plane", plane, 3)
     inertial = InertialFrame.of(
@@ -97,7 +97,7 @@ def export(
     return [*files, save_provenance(read, files, format, chosen.label, given)]
 
 
-def _export_campaign(results: Results, format: str, output: Path) -> list[Path]:
+def _export_campaign(results: Results, format: str, output: str | Path) -> list[Path]:
     if format != _TABLES:
         raise InputError(
             f"format: must be csv of a campaign, which keeps no runs, got {format}; "

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import jinja2
 from markupsafe import Markup, escape
 
-from drakesep.files import write_text
+from drakesep.files import path_of, write_text
 from drakesep.reports import (
     campaign_part,
     clearance_part,
@@ -85,7 +85,7 @@ def write_report(
 ) -> Written:
     """Write the page of some studies; how and where, `report` says."""
     beside = page_beside(studies.first.results.folder)
-    file = (beside if output is None else Path(output)).absolute()
+    file = (beside if output is None else path_of("output", output)).absolute()
     page, verdict = page_of(studies, file)
     writable_folder(file.parent)
     write_text(file, page)

@@ -255,6 +255,7 @@ class SeparationPart:
             ("integrator", self._at("integration.scheme", how.scheme), ""),
             ("accuracy", self._at("integration.accuracy", how.accuracy), ""),
             ("largest step", self._at("integration.max_step", how.max_step), "s"),
+            ("time limit", self._at("integration.time_limit", how.time_limit), "s"),
         ]
         return rows
 

@@ -3,6 +3,7 @@
 import contextlib
 import fcntl
 import os
+import tempfile
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -10,7 +11,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeAlias, TypeVar
 
-from drakesep.files import PREFIX
+from drakesep.files import PREFIX, path_of
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue import CASE, GEOMETRY, RUNS, STUDY
 from drakesep.results.listing import files_in, names_of
@@ -36,12 +37,10 @@ def writable_folder(directory: str | Path) -> Path:
     Raises:
         ValueError: it cannot be made or written.
     """
-    folder = Path(directory)
-    probe = folder / f"{PREFIX}{os.getpid()}"
+    folder = path_of("output", directory)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        probe.touch()
-        probe.unlink(missing_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
     except (OSError, ValueError) as error:  # of names that no file may have
         reason = error.strerror if isinstance(error, OSError) else error
         raise InputError(
@@ -78,7 +77,7 @@ class ResultsFolder:
             study: that will write it, one of `catalogue.STUDIES`.
             command: arguments of the command line that asks for it; None: Python does.
         """
-        self.directory = Path(directory)
+        self.directory = path_of("output", directory)
         self.path = self.directory.absolute()
         self._study = study
         self._command = command

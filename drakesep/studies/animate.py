@@ -7,7 +7,7 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.case_file.case import Case
 from drakesep.case_file.reader import analysis_case_of
 from drakesep.case_file.values import values_in_si
-from drakesep.files import write_text
+from drakesep.files import path_of, write_text
 from drakesep.results.folder import writable_folder
 from drakesep.results.reading import Results
 from drakesep.studies.clearance import check_geometry
@@ -47,6 +47,7 @@ def animate(
         ValueError: the case or a value is wrong, or no two bodies have geometry.
         RuntimeError: a run fails.
     """
+    file = path_of("output", output)
     case = analysis_case_of(case)
     check_geometry(case.separation)
     values: dict[str, Mapping[str, float]] = {label_of(Nominal()): {}}
@@ -57,7 +58,7 @@ def animate(
             values[label] = values_in_si(case.separation, changed)
     simulation = shared_simulation(case.separation, case.integration)
     flown = {label: simulation.run(changed) for label, changed in values.items()}
-    return _write(case, flown, Path(output))
+    return _write(case, flown, file)
 
 
 @typed
@@ -81,12 +82,13 @@ def animate_results(
         ValueError: the folder has no such run, or no two bodies have geometry.
         RuntimeError: a run has failed.
     """
+    file = path_of("output", output)
     check_geometry(results.case.separation)
     chosen = labels or _shown_unasked(results)
     if not chosen:
         raise InputError(f"{results.folder}: must keep a completed run, got none")
     flown = {label: results.run(label).run for label in chosen}
-    return _write(results.case, flown, Path(output))
+    return _write(results.case, flown, file)
 
 
 def _shown_unasked(results: Results) -> list[str]:

@@ -26,7 +26,7 @@ from drakesep.studies.one_table import OneTable
 from drakesep.studies.runs_progress import OnRuns, TellingRuns
 from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
-from drakesep.systems.checks import InputError
+from drakesep.systems.checks import InputError, check_distinct
 from drakesep.tables.sobol_table import sobol_table
 
 
@@ -81,6 +81,7 @@ def sensitivity(
             run fails, the batch engine cannot fly the case, or the folder cannot be
             written.
     """
+    check_distinct("metrics", metrics)
     how = {"base": base, "replicates": replicates, "confidence": confidence}
     arguments = {"metrics": list(metrics), **how, "seed": seed}
     asked = Asked.of(SENSITIVITY, case, arguments, seed=seed)

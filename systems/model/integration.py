@@ -27,7 +27,7 @@ class Integration:
 
     Raises:
         ValueError: the scheme is unknown, the accuracy is out of bounds, or the
-            largest step is not positive.
+            largest step or the time limit is not positive.
     """
 
     scheme: Scheme = "runge_kutta3"
@@ -36,6 +36,12 @@ class Integration:
     """Of Drake's error control, in m, rad, m/s and rad/s a step."""
     max_step: float = 1.0
     """Largest step, s."""
+    time_limit: float = 600.0
+    """After so much time of a processor a run fails, s.
+
+    The last resort, which depends on the machine: how many steps a run may take, and
+    how often its forces may be evaluated, does not.
+    """
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -48,3 +54,4 @@ class Integration:
                 f"got {self.accuracy:g}"
             )
         check_size("time", "max_step", self.max_step)
+        check_size("time", "time_limit", self.time_limit)

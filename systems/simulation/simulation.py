@@ -2,7 +2,8 @@
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
@@ -34,9 +35,9 @@ from drakesep.systems.simulation.contact_log import ContactLog
 from drakesep.systems.simulation.recorder import Recorder
 
 
-_MOST_STEPS = 100_000
-"""Of a run, which takes hundreds to thousands: with gains or forces that no launcher
-has it would take days."""
+_MOST_STEPS, _MOST_EVALUATIONS = 100_000, 3_000_000
+"""Of a run, which takes hundreds to thousands, and of its forces: with gains or forces
+that no launcher has it would take days. What is counted is the same on any machine."""
 _FIRST_STEP = 1e-3
 """Tried at the start, s."""
 _LEFT = 1e-7
@@ -108,6 +109,9 @@ class Simulation:
                 status=RunStatus.FAILED,
                 message=f"{error} (at t = {context.get_time():g} s)",
             )
+        finally:
+            # It knows the simulator: a circle through C++, which is never freed.
+            simulator.clear_monitor()
         integrator = simulator.get_mutable_integrator()
         return Run(
             separation=separation,
@@ -161,16 +165,14 @@ class Simulation:
             kinks_within_steps=separation.recontact is not None
             or any(not law_of(spring).by_time for spring in separation.springs),
         )
-        steps = itertools.count(1)
+        check_effort = _effort_check(simulator, self.integration.time_limit)
         by_motion = any(a.released_by_motion for a in separation.attachments)
         approach = _Approach(self.integration.accuracy)
 
         def monitor(_: Context) -> EventStatus:
             recorder.note()
             contacts.note()
-            if next(steps) > _MOST_STEPS:
-                # Not EventStatus.Failed, which ends the process with a crash.
-                raise RuntimeError(f"it takes more than {_MOST_STEPS} steps")
+            check_effort()
             if by_motion:
                 if system.is_release_due(context):
                     return EventStatus.ReachedTermination(system, "release by motion")
@@ -199,6 +201,41 @@ class Simulation:
         releases = _releases(separation, released.Eval(context))
         names = [attachment.name for attachment in separation.attachments]
         return recorder, dict.fromkeys(names, math.inf) | releases
+
+
+def _effort_check(simulator: Simulator, time_limit: float) -> Callable[[], None]:
+    """Return what is to be called at each step, and raises once a run takes too many.
+
+    Not EventStatus.Failed, which ends the process with a crash.
+
+    Args:
+        simulator: of the run.
+        time_limit: of this thread, which flies it, s.
+    """
+    integrator = simulator.get_integrator()
+    steps = itertools.count(1)
+    begun = time.thread_time()
+    # It takes 20 us to ask for a thread's own time, which is no more than has passed.
+    ask = time.monotonic() + time_limit
+
+    def check() -> None:
+        nonlocal ask
+        if next(steps) > _MOST_STEPS:
+            raise RuntimeError(f"it takes more than {_MOST_STEPS} steps")
+        if integrator.get_num_derivative_evaluations() > _MOST_EVALUATIONS:
+            raise RuntimeError(
+                f"it takes more than {_MOST_EVALUATIONS} evaluations of its forces"
+            )
+        if time.monotonic() > ask:
+            left = begun + time_limit - time.thread_time()
+            if left < 0.0:
+                raise RuntimeError(
+                    "it takes more than its time limit on this machine, "
+                    f"{time_limit:g} s"
+                )
+            ask = time.monotonic() + left
+
+    return check
 
 
 class _Approach:

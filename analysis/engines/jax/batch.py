@@ -18,7 +18,6 @@ from collections.abc import (
     Mapping,
     Sequence,
 )
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -38,6 +37,7 @@ from drakesep.analysis.engines.jax.compiled import (
     compiler_options,
     keep_programs,
 )
+from drakesep.analysis.engines.jax.compiling_threads import compiling_threads
 from drakesep.analysis.engines.jax.flights import Flown, MetricsFlight, SlopesFlight
 from drakesep.analysis.engines.jax.metrics_fold import MetricsFold
 from drakesep.analysis.engines.jax.sampled_runs import SampledRun
@@ -56,7 +56,13 @@ from drakesep.systems.batch.lanes import Lanes
 from drakesep.systems.batch.motion import MotionFold
 from drakesep.systems.batch.relative_places import CURVED, PLACE, PlacesFold
 from drakesep.systems.batch.row_checks import RowChecks
-from drakesep.systems.checks import InputError, check_finite, check_positive, unknown
+from drakesep.systems.checks import (
+    InputError,
+    check_distinct,
+    check_finite,
+    check_positive,
+    unknown,
+)
 from drakesep.systems.model.parameters import (
     check_read,
     declarations,
@@ -115,7 +121,7 @@ class Batch:
     disk across processes: in JAX's cache, which is put into the user's cache folder
     unless JAX has been told of another. Rows are flown in chunks, on all cores: memory
     does not grow with their number, and no result depends on the number of workers. An
-    interrupt is raised at once, but the process ends only when its compiler has.
+    interrupt is raised at once; see `compiling_threads` for when the process ends.
 
     Attributes:
         separation: that is flown.
@@ -159,8 +165,10 @@ class Batch:
 
         Raises:
             ValueError: a parameter is unknown, named twice or none that the equations
-                read, a metric is unknown, or a number is not positive.
+                read, a metric is unknown or named twice, or a number is not positive.
         """
+        metrics = list(metrics)
+        check_distinct("metrics", metrics)
         nominal = parameters(separation)
         check_names(names, nominal)
         check_limits(deviation_limits, separation.pairs)
@@ -421,7 +429,7 @@ class Batch:
             lanes[:, list(unflown)] = self._lane[:, None]
             return part, program(lanes, len(mine), lambda: not over.is_set()), unflown
 
-        pool = ThreadPoolExecutor(self.workers)
+        pool = compiling_threads(self.workers)
         try:
             for part, flown, unflown in pool.map(fly, parts):
                 yield part, _without(flown, unflown), self._why_not(flown) | unflown

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from drakesep.analysis.engines.evaluator import Evaluated, Progress
 from drakesep.analysis.engines.jax.batch import Batch, BatchResult
+from drakesep.analysis.engines.jax.compiling_threads import compiling_threads
 from drakesep.analysis.engines.run_evaluator import RunEvaluator
 from drakesep.analysis.metrics.objectives import Limits, MetricObjective, Objective
 from drakesep.systems.arrays import Array
@@ -145,7 +146,7 @@ class BatchEvaluator:
         nominal = self._batch.nominal[None]
         # What goes wrong here goes wrong again where it is told of. No daemons: a
         # process that ends within the compiler does so with a crash.
-        pool = futures.ThreadPoolExecutor(_COMPILERS)
+        pool = compiling_threads(_COMPILERS)
         if self._by_metrics:
             self._preparing.append(pool.submit(self._batch.run, nominal))
         if any(map(self.exact, range(len(self.objectives)))):

@@ -6,7 +6,6 @@ import tempfile
 import time
 import warnings
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -15,6 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
+from drakesep.analysis.engines.jax.compiling_threads import compiling_threads
 from drakesep.systems.arrays import Array
 from drakesep.systems.batch.lanes import Lanes
 from drakesep.systems.checks import DrakesepWarning
@@ -191,7 +191,7 @@ def call(program: Callable[..., Any], *arrays: Array) -> Any:
         with jax.enable_x64(True):
             return jax.tree.map(np.asarray, program(*map(jnp.asarray, arrays)))
 
-    pool = ThreadPoolExecutor(1)
+    pool = compiling_threads(1)
     try:
         return pool.submit(called).result()
     finally:

@@ -12,7 +12,7 @@ from drakesep.case_file.case import Case
 from drakesep.results.asked import Asked, is_given
 from drakesep.results.catalogue import CAMPAIGN
 from drakesep.systems.argument_types import typed
-from drakesep.systems.checks import InputError
+from drakesep.systems.checks import InputError, check_distinct
 
 
 RUNS = 100_000
@@ -36,7 +36,7 @@ class CampaignSettings:
     """What is drawn, and what of it is kept and asked.
 
     Raises:
-        ValueError: a confidence stands without a share.
+        ValueError: a confidence stands without a share, or a metric twice.
     """
 
     runs: int = RUNS
@@ -57,7 +57,8 @@ class CampaignSettings:
     sums, histograms and the worst. None: rows, of ten million draws at most."""
 
     def __post_init__(self) -> None:
-        """Check that the confidence is of something."""
+        """Check that the confidence is of something, and metrics are several."""
+        check_distinct("metrics", self.metrics)
         if self.confidence is not None and self.share is None:
             raise InputError("confidence: must stand with a share, got no share")
 

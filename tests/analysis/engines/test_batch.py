@@ -594,6 +594,7 @@ def test_a_deviation_limit_of_zero(roll):
         ({"deviation_limits": (0.1,)}, "deviation limits must be three"),
         ({"deviation_limits": (0.1, math.nan, 0.1)}, "deviation limits must be three"),
         ({"deviation_limits": (0.1, -0.1, 0.1)}, "limits must be three, >= 0, in rad"),
+        ({"metrics": ["rate_x_at_1_s"] * 2}, "metrics: rate_x_at_1_s must stand once"),
         ({"tolerance": 0.0}, "tolerance must be > 0"),
         ({"deviation_limits": 0.1}, "deviation_limits must be a sequence"),
         ({"chunk": 0}, "chunk must be a whole number >= 1"),

@@ -304,7 +304,10 @@ def record_of_main(folder) -> AnalysisCase:
         name="every_leaf",
         separation=separation_of_main(folder),
         integration=Integration(
-            scheme="bogacki_shampine3", accuracy=3e-4, max_step=0.0175
+            scheme="bogacki_shampine3",
+            accuracy=3e-4,
+            max_step=0.0175,
+            time_limit=877.5,
         ),
         tolerances={
             "craft.mass": 33.25,

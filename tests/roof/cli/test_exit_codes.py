@@ -95,3 +95,11 @@ def test_no_command_and_no_such_command(capsys, monkeypatch):
     assert run(capsys, monkeypatch)[0] == 2
     assert run(capsys, monkeypatch, "--help")[0] == 0
     assert run(capsys, monkeypatch, "--version")[0] == 0
+
+
+def test_no_path_is_not_the_working_directory(tmp_path, capsys, monkeypatch):
+    """As of a shell's variable that is not set."""
+    monkeypatch.chdir(tmp_path)
+    code, _, err = run(capsys, monkeypatch, "simulate", "vega", "-o", "")
+    assert code == 2 and "output: must be a path, got ''" in err
+    assert not [*tmp_path.iterdir()]

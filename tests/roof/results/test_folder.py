@@ -78,6 +78,31 @@ def test_a_failed_run_leaves_nothing_of_the_run_before(tmp_path):
 def test_names_that_no_file_may_have():
     with pytest.raises(InputError, match=r"output: must be a folder .*null"):
         drakesep.simulate("vega", output="a\0b")
+
+
+@pytest.mark.parametrize(
+    "study",
+    [
+        lambda: drakesep.simulate("vega", output=""),
+        lambda: drakesep.worst_case("vega", output=""),
+        lambda: drakesep.animate("vega", output=""),
+        lambda: drakesep.sweep("vega", {"payload.mass_kg": [1870.0]}, output=""),
+    ],
+)
+def test_an_empty_path_is_not_the_working_directory(study, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match="output: must be a path, got ''"):
+        study()
+    assert not [*tmp_path.iterdir()]
+
+
+def test_threads_write_files_of_their_own(tmp_path):
+    """Of one name at once, the last that is whole stays."""
+    file = tmp_path / "table.csv"
+    with written(file) as one, written(file) as other:
+        one.write_text("one")
+        other.write_text("other")
+    assert file.read_text() == "one" and names(tmp_path) == {"table.csv"}
     with pytest.raises(InputError, match=r"must be a readable case file .*null"):
         drakesep.load_case("a\0b")
     with pytest.raises(InputError, match=r"mesh: file must be a path"):

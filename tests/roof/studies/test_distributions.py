@@ -108,6 +108,9 @@ def test_what_is_refused(tmp_path):
         drakesep.sensitivity(case(), base=3, output=tmp_path)
     with pytest.raises(InputError, match=r"^unknown metric 'rat'"):
         drakesep.sensitivity(case(), ["rat"], output=tmp_path)
+    for study in (drakesep.sensitivity, drakesep.campaign):
+        with pytest.raises(InputError, match=r"^metrics: rate_x must stand once"):
+            study(case(), metrics=["rate_x", "rate_x"], output=tmp_path)
     with pytest.raises(InputError, match=r"^unknown requirement 'fast'"):
         drakesep.rare_events(case(), ["fast"], output=tmp_path)
     with pytest.raises(InputError, match=r"^replicates must be >= 2, got 1"):

@@ -86,7 +86,7 @@ def test_every_setting_of_an_integration_has_an_effect():
     assert told["runge_kutta3"] == (steps, evaluations)
     assert len(set(told.values())) == len(SCHEMES)
     settings = {field.name for field in dataclasses.fields(Integration)}
-    assert settings == {"scheme", "accuracy", "max_step"}
+    assert settings == {"scheme", "accuracy", "max_step", "time_limit"}
 
 
 def test_same_run_bit_for_bit_whatever_ran_before():
@@ -160,6 +160,28 @@ def test_failed_run_says_why(monkeypatch):
     assert run.message.startswith("it takes more than 1000 steps (at t = 0.0")
     with pytest.raises(RuntimeError, match="the run failed"):
         _ = run.completed_motion
+
+
+def test_evaluations_are_limited(monkeypatch):
+    """As steps are: one of an implicit scheme may take hundreds."""
+    module = "drakesep.systems.simulation.simulation"
+    needed = Simulation(generic_pair()).run().evaluations
+    monkeypatch.setattr(f"{module}._MOST_EVALUATIONS", needed)
+    assert Simulation(generic_pair()).run().status is RunStatus.COMPLETED
+    monkeypatch.setattr(f"{module}._MOST_EVALUATIONS", needed // 2)
+    run = Simulation(generic_pair()).run()
+    assert run.status is RunStatus.FAILED
+    wanted = f"it takes more than {needed // 2} evaluations of its forces (at t = "
+    assert run.message.startswith(wanted)
+
+
+def test_time_is_limited():
+    """A microsecond is over by the first step."""
+    short = Integration(time_limit=1e-6)
+    run = Simulation(generic_pair(), short).run()
+    assert run.status is RunStatus.FAILED
+    wanted = "it takes more than its time limit on this machine, 1e-06 s (at t = 0"
+    assert run.message.startswith(wanted)
 
 
 def test_runs_do_not_pile_up_memory():
