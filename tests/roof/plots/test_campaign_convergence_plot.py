@@ -2,7 +2,6 @@
 
 import numpy as np
 import pandas as pd
-import pytest
 
 from drakesep.plots.campaign_convergence import convergence_figure
 
