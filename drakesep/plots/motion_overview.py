@@ -4,6 +4,7 @@ Rates and angles, after the paper's Fig. 7, and the relative velocity of its Fig
 """
 
 import math
+from typing import Any
 
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
@@ -74,8 +75,9 @@ def overview_figure(shown: ShownRuns, pair: Pair, width: float) -> Figure:
             grid.flat[k].set_xlabel("time (s)", fontsize=_LETTERS)
     for axes in grid.flat[len(panels) :]:
         axes.set_visible(False)
+    handles: list[Any] = [tuple(several) for several in lines]
     figure.legend(
-        [tuple(several) for several in lines],
+        handles,
         labels,
         handler_map={tuple: HandlerTuple(ndivide=None)},
         handlelength=2.5,
