@@ -332,8 +332,13 @@ def _find_stroke_end(
     if beyond[0] == 0:
         return release  # it was past its stroke when it was let go
     t0, t1 = times[beyond[0] - 1 : beyond[0] + 1]
-    end = brentq(lambda t: left(np.array([t]))[0], t0, t1, xtol=NANOSECOND)
+    # What it is given as arguments is free at once; what a closure holds, much later.
+    end = brentq(_first, t0, t1, args=(left,), xtol=NANOSECOND)
     return float(end)
+
+
+def _first(t: float, function: Callable[[Array], Array]) -> float:
+    return float(function(np.array([t]))[0])
 
 
 def _with_contacts(
