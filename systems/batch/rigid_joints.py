@@ -254,8 +254,8 @@ class _LaneRows(Settler):
         """Return what inboard bodies have, for each outboard body of a branch."""
         return _outward(values, branch)
 
-    def inward(self, values: Any, branch: Branch, count: int) -> Any:
-        """Return what outboard bodies give to each of so many inboard ones, summed."""
+    def inward(self, branch: Branch, count: int) -> Callable[[Any], Any]:
+        """Return how outboard bodies give something to so many inboard ones."""
         of_each = [
             [k for k, row in enumerate(branch.rows) if row == inboard]
             for inboard in range(count)
@@ -269,7 +269,7 @@ class _LaneRows(Settler):
             ]
             return sums[0] if count == 1 else jnp.concatenate(sums)
 
-        return jax.tree.map(total, values)
+        return lambda values: jax.tree.map(total, self.held(values, branch))
 
     def law(self, law: Callable[..., Any], *fixed: Any) -> Callable[..., Any]:
         """Return a law, some of whose first arguments are fixed."""

@@ -10,7 +10,7 @@ Bodies of one kind are a group, so that an engine of lanes computes them at once
 roots, and the outboard bodies of each branch.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
 from drakesep.systems.equations.articulated_inertia import (
@@ -139,8 +139,11 @@ class Rows(Protocol):
     def outward(self, values: Any, branch: Branch) -> Any:
         """Return what inboard bodies have, for each outboard body of a branch."""
 
-    def inward(self, values: Any, branch: Branch, count: int) -> Any:
-        """Return what outboard bodies give to each of so many inboard ones, summed."""
+    def inward(self, branch: Branch, count: int) -> Callable[[Any], Any]:
+        """Return how outboard bodies give something to so many inboard ones.
+
+        Summed for each, where the joints of the branch hold.
+        """
 
     def held(self, values: Any, branch: Branch) -> Any:
         """Return values where a joint of a branch holds, and zero elsewhere."""
@@ -163,9 +166,9 @@ class Alone:
         """Return them."""
         return values
 
-    def inward(self, values: Any, branch: Branch, count: int) -> Any:
-        """Return them."""
-        return values
+    def inward(self, branch: Branch, count: int) -> Callable[[Any], Any]:
+        """Return that they give it as it is."""
+        return _as_they_are
 
     def held(self, values: Any, branch: Branch) -> Any:
         """Return them."""
@@ -216,14 +219,15 @@ def hold_tree(
     Returns:
         Beside them, what `hold_loops` does.
     """
+    carrying = {*range(tree.roots), *(branch.inboard for branch in tree.branches)}
     alone = rows.law(_alone)
-    carried = [rows.settled(alone(group)) for group in groups]
+    carried = {k: rows.settled(alone(groups[k])) for k in carrying}
     links = []
     for branch in tree.branches:
         inboard = rows.outward(groups[branch.inboard].bodies, branch)
-        links.append(_Link(branch, inboard, groups[branch.group].bodies))
+        links.append(_Link(branch, inboard, groups[branch.group]))
     transmitted = _towards_roots(tree, links, places, carried, rows)
-    on_roots, loops = hold_loops(carried[: tree.roots])
+    on_roots, loops = hold_loops([carried[k] for k in range(tree.roots)])
     for k, wrench in enumerate(on_roots):
         carried[k] = Carried(
             carried[k].inertia, add_wrenches(carried[k].wrench, wrench)
@@ -236,51 +240,50 @@ class _Link(NamedTuple):
 
     branch: Branch
     inboard: BodyState
-    outboard: BodyState
+    outboard: Group
 
 
 def _towards_roots(
     tree: JointTree,
     links: Sequence[_Link],
     places: Sequence[JointPlace],
-    carried: list[Carried],
+    carried: dict[int, Carried],
     rows: Rows,
 ) -> list[Carried]:
     """Give to each inboard body what its branches transmit, and return that of each."""
     transmitted = []
-    together = rows.law(_together)
     for (branch, *ends), place in reversed(list(zip(links, places, strict=True))):
-        type, inboard = branch.joints[0].type, branch.inboard
-        through = rows.law(_through, rows.settled, type, branch.to_B)
-        own, given = through(*ends, place, carried[branch.group])
+        inward = rows.inward(branch, len(tree.groups[branch.inboard]))
+        fixed = rows.settled, inward, branch.joints[0].type, branch.to_B
+        more = [carried[branch.group]] if branch.group in carried else []
+        law = rows.law(_with_more if more else _with_one, *fixed)
+        own, carried[branch.inboard] = law(*ends, place, carried[branch.inboard], *more)
         transmitted.append(own)
-        given = rows.held(given, branch)
-        given = rows.inward(given, branch, len(tree.groups[inboard]))
-        carried[inboard] = rows.settled(together(carried[inboard], given))
     return transmitted[::-1]
 
 
 def _from_roots(
     links: Sequence[_Link],
     transmitted: Sequence[Carried],
-    carried: Sequence[Carried],
+    carried: Mapping[int, Carried],
     rows: Rows,
 ) -> list[Wrench]:
     """Return the wrenches on outboard bodies that accelerate them with inboard ones."""
-    wrenches = [each.wrench for each in carried]
+    wrenches = {k: each.wrench for k, each in carried.items()}
     accelerations: dict[int, Acceleration] = {}
     found = []
     accelerated, needed = rows.law(acceleration_by), rows.law(_needed)
-    for (branch, *ends), own in zip(links, transmitted, strict=True):
-        inboard = branch.inboard
-        if inboard not in accelerations:
-            accelerations[inboard] = rows.settled(
-                accelerated(carried[inboard].inertia, wrenches[inboard])
+    for (branch, inboard, outboard), own in zip(links, transmitted, strict=True):
+        k, group = branch.inboard, branch.group
+        if k not in accelerations:
+            accelerations[k] = rows.settled(
+                accelerated(carried[k].inertia, wrenches[k])
             )
-        V = rows.outward(accelerations[inboard], branch)
-        on_outboard = rows.held(needed(*ends, own, V), branch)
-        wrenches[branch.group] = add_wrenches(wrenches[branch.group], on_outboard)
-        found.append(on_outboard)
+        V = rows.outward(accelerations[k], branch)
+        wrench = rows.held(needed(inboard, outboard.bodies, own, V), branch)
+        if group in wrenches:
+            wrenches[group] = add_wrenches(wrenches[group], wrench)
+        found.append(wrench)
     return found
 
 
@@ -288,6 +291,41 @@ def _alone(group: Group) -> Carried:
     """Return bodies that carry nothing."""
     D, of_rates = inertia_of_body(group.bodies, group.massive)
     return Carried(D, subtract_wrenches(group.others, of_rates))
+
+
+def _with_one(
+    settled: Callable[[Any], Any],
+    inward: Callable[[Any], Any],
+    type: JointType,
+    to_B: bool,
+    inboard: BodyState,
+    outboard: Group,
+    place: JointPlace,
+    carried: Carried,
+) -> tuple[Carried, Carried]:
+    """Return what the joint of an outboard body transmits that carries nothing.
+
+    And what its inboard body carries with it.
+    """
+    fixed = settled, inward, type, to_B
+    alone = settled(_alone(outboard))
+    return _with_more(*fixed, inboard, outboard, place, carried, alone)
+
+
+def _with_more(
+    settled: Callable[[Any], Any],
+    inward: Callable[[Any], Any],
+    type: JointType,
+    to_B: bool,
+    inboard: BodyState,
+    outboard: Group,
+    place: JointPlace,
+    carried: Carried,
+    more: Carried,
+) -> tuple[Carried, Carried]:
+    """Return the same of one that carries more than itself."""
+    own, given = _through(settled, type, to_B, inboard, outboard.bodies, place, more)
+    return own, settled(_together(carried, inward(given)))
 
 
 def _through(
