@@ -127,8 +127,16 @@ class Loads(LatchingSystem):
             n < len(load.times) for n, load in zip(latched, self._loads, strict=True)
         )
 
-    def _due(self, context: Context, t: float) -> list[float]:
-        passed = self._get_latched(context)
+    def _needs_age(self, context: Context) -> bool:
+        # Until it has begun, a load after a release may be due with that.
+        begun = self._get_latched(context)
+        return any(
+            after is not None and not n
+            for n, after in zip(begun, self._after, strict=True)
+        )
+
+    def _due(self, context: Context, latched: list[float], t: float) -> list[float]:
+        passed = [*latched]
         for k, (load, begin) in enumerate(
             zip(self._loads, self._begins(context), strict=True)
         ):

@@ -285,22 +285,12 @@ class SeparationForces(Diagram):
     def time_to_release(self, context: Context) -> float:
         """Return in which time the next attachment lets go by its joint's motion, s.
 
-        As fast as that moves now.
+        As fast as that moves now; 0 if it has moved far enough.
 
         Args:
             context: of this diagram.
         """
         return self._release.time_left(self.GetSubsystemContext(self._release, context))
-
-    def is_release_due(self, context: Context) -> bool:
-        """Return whether an attachment holds that has turned or slid far enough.
-
-        Args:
-            context: of this diagram.
-        """
-        return self._release.is_due_by_motion(
-            self.GetSubsystemContext(self._release, context)
-        )
 
 
 def _structure(separation: Separation) -> dict[str, object]:

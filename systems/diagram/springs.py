@@ -237,9 +237,9 @@ class Springs(LatchingSystem):
         witnesses = super().DoGetWitnessFunctions(context)
         return witnesses if self._needs_age(context) else []
 
-    def _due(self, context: Context, t: float) -> list[float]:
+    def _due(self, context: Context, latched: list[float], t: float) -> list[float]:
         """Return 1 for each spring whose stroke has been reached."""
-        spent = self._get_latched(context)
+        spent = [*latched]
         pushing, bodies = self._pushing(context)
         for push in pushing:
             spent[push.number] = float(push.is_over(bodies, t))

@@ -172,11 +172,10 @@ class Simulation:
                 # Not EventStatus.Failed, which ends the process with a crash.
                 raise RuntimeError(f"it takes more than {_MOST_STEPS} steps")
             if by_motion:
-                if system.is_release_due(context):
+                left = system.time_to_release(context)
+                if left <= 0.0:
                     return EventStatus.ReachedTermination(system, "release by motion")
-                if approach.is_near(
-                    context.get_time(), system.time_to_release(context)
-                ):
+                if approach.is_near(context.get_time(), left):
                     return EventStatus.ReachedTermination(system, "near a release")
             return EventStatus.DidNothing()
 
