@@ -3,6 +3,7 @@
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
@@ -254,11 +255,13 @@ def _find_stroke_ends(
     """
     held = [name for name, release in releases.items() if math.isinf(release)]
     ends = separation.timed_stroke_ends(releases)
+    times = recorder.step_times()
+    steps = times, recorder.bodies(times)
     for attachment, spring in separation.pushing:
         release = releases[attachment.name]
         if not law_of(spring).by_time and math.isfinite(release):
             ends[spring.name] = _find_stroke_end(
-                separation, recorder, attachment, spring, release
+                separation, recorder, steps, attachment, spring, release
             )
         # The model knows when scheduled releases are; not those at an angle.
         if ends.get(spring.name, math.inf) >= separation.duration:
@@ -272,29 +275,39 @@ def _find_stroke_ends(
 def _find_stroke_end(
     separation: Separation,
     recorder: Recorder,
+    steps: tuple[Array, list[BodyState]],
     attachment: Attachment,
     spring: Pusher,
     release: float,
 ) -> float:
-    """Return when a spring by displacement reached its stroke, s, or infinity."""
+    """Return when a spring by displacement reached its stroke, s, or infinity.
+
+    Args:
+        separation: as it was flown.
+        recorder: of its run.
+        steps: times at which steps ended, and the bodies' motion at these.
+        attachment: of the spring.
+        spring: the spring.
+        release: when the attachment let go, s.
+    """
     a, b = separation.ends(attachment)
     place = push_place(separation, attachment, spring)
     stroke = law_of(spring).end(spring, math)
 
-    def left(times: Array) -> Array:
-        bodies = recorder.bodies(times)
+    def left(bodies: Any) -> Any:
         displacement, _ = push_displacement(bodies[a], bodies[b], *place)
-        return stroke - np.asarray(displacement)
+        return stroke - displacement
 
-    times = recorder.step_times()
-    times = times[times >= release]
-    beyond = np.flatnonzero(left(times) <= 0.0)
+    times, bodies = steps
+    first = np.searchsorted(times, release)
+    times = times[first:]
+    beyond = np.flatnonzero(left(bodies)[first:] <= 0.0)
     if not beyond.size:
         return math.inf
     if beyond[0] == 0:
         return release  # it was past its stroke when it was let go
     t0, t1 = times[beyond[0] - 1 : beyond[0] + 1]
-    end = brentq(lambda t: left(np.array([t]))[0], t0, t1, xtol=NANOSECOND)
+    end = brentq(lambda t: left(recorder.bodies_at(t)), t0, t1, xtol=NANOSECOND)
     return float(end)
 
 
