@@ -17,11 +17,7 @@ from drakesep.systems.diagram.state_layout import BodyStates, StateLayout
 from drakesep.systems.diagram.wrenches import WrenchSum
 from drakesep.systems.equations import rigid_joints as rigid_joint_laws
 from drakesep.systems.equations.articulated_inertia import Massive
-from drakesep.systems.equations.holding_joints import (
-    HoldingJoints,
-    joints_that_hold,
-    wrenches_on_bodies,
-)
+from drakesep.systems.equations.holding_joints import HoldingJoints, joints_that_hold
 from drakesep.systems.equations.load_sharing import joint_shares
 from drakesep.systems.equations.relative_motion import BodyState, Wrench
 from drakesep.systems.equations.rigid_joints import (
@@ -46,8 +42,8 @@ class _Holds(NamedTuple):
 
     def solve(
         self, bodies: BodyStates, others: WrenchSum
-    ) -> tuple[dict[int, BodyState], dict[int, Wrench]]:
-        """Return the bodies that they hold, and the wrench on B of each edge.
+    ) -> tuple[dict[int, BodyState], dict[int, tuple[Wrench, Wrench]]]:
+        """Return the bodies that they hold, and the wrenches on A and B of each edge.
 
         Args:
             bodies: of the separation.
@@ -59,9 +55,10 @@ class _Holds(NamedTuple):
         return held, self.holding.wrenches(held, wrenches)
 
     def __call__(self, bodies: BodyStates, t: float, total: WrenchSum) -> None:
-        held, edges = self.solve(bodies, total)
-        for body, wrench in wrenches_on_bodies(self.joints, edges, held).items():
-            total.add(self.joints.bodies[body], wrench)
+        _, edges = self.solve(bodies, total)
+        for edge, on_ends in edges.items():
+            for body, wrench in zip(self.joints.edges[edge], on_ends, strict=True):
+                total.add(self.joints.bodies[body], wrench)
 
 
 class RigidJoints(LeafSystem):

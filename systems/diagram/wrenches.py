@@ -119,17 +119,24 @@ class Forces(Generic[Acting]):
             output.SetZero()  # much cheaper
             return
         moment = context.get_time(), self._state.Eval(context).tolist(), given
-        # A step begins where the last one has ended, and what was there to be recorded:
-        # Drake does not know.
+        # Asked for twice where a step ends to be recorded, and the next one begins.
         last_acting, last_moment, entries = self._last
         if acting is not last_acting or moment != last_moment:
-            entries = self._wrenches(acting, *moment)
+            entries = self.wrenches_at(acting, *moment)
             self._last = acting, moment, entries
         output.SetFromVector(entries)
 
-    def _wrenches(
+    def wrenches_at(
         self, acting: list[Acting], t: float, x: list[float], given: list[float]
     ) -> list[float]:
+        """Return the wrenches on the bodies.
+
+        Args:
+            acting: what acts.
+            t: time, s.
+            x: state of the plant.
+            given: wrenches that act beside; none if empty.
+        """
         total = WrenchSum(len(self._layout.starts))
         if given:
             total.add_entries(given)

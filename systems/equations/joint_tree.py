@@ -30,6 +30,7 @@ from drakesep.systems.equations.relative_motion import (
     BodyState,
     Wrench,
     add_wrenches,
+    reaction,
     subtract_wrenches,
 )
 from drakesep.systems.equations.rigid_joints import (
@@ -195,6 +196,8 @@ class Carried(NamedTuple):
     """That acts, less what their rates take."""
 
 
+Ends: TypeAlias = tuple[Wrench, Wrench]
+"""On the outboard and on the inboard body of a joint, each about its origin."""
 LoopsLaw: TypeAlias = Callable[[list[Carried]], tuple[list[Wrench], Any]]
 """From each group of roots to the wrenches that joints of loops give it, and whatever
 an engine wants to know of them beside."""
@@ -206,8 +209,8 @@ def hold_tree(
     places: Sequence[JointPlace],
     rows: Rows,
     hold_loops: LoopsLaw,
-) -> tuple[list[Wrench], Any]:
-    """Return the wrenches on the outboard bodies of each branch, about their origins.
+) -> tuple[list[Ends], Any]:
+    """Return the wrenches of each branch on its bodies.
 
     Args:
         tree: of the joints.
@@ -267,8 +270,8 @@ def _from_roots(
     transmitted: Sequence[Carried],
     carried: Mapping[int, Carried],
     rows: Rows,
-) -> list[Wrench]:
-    """Return the wrenches on outboard bodies that accelerate them with inboard ones."""
+) -> list[Ends]:
+    """Return the wrenches that accelerate outboard bodies with inboard ones."""
     wrenches = {k: each.wrench for k, each in carried.items()}
     accelerations: dict[int, Acceleration] = {}
     found = []
@@ -280,10 +283,10 @@ def _from_roots(
                 accelerated(carried[k].inertia, wrenches[k])
             )
         V = rows.outward(accelerations[k], branch)
-        wrench = rows.held(needed(inboard, outboard.bodies, own, V), branch)
+        ends = rows.held(needed(inboard, outboard.bodies, own, V), branch)
         if group in wrenches:
-            wrenches[group] = add_wrenches(wrenches[group], wrench)
-        found.append(wrench)
+            wrenches[group] = add_wrenches(wrenches[group], ends[0])
+        found.append(ends)
     return found
 
 
@@ -362,8 +365,8 @@ def _together(first: Carried, second: Carried) -> Carried:
 
 def _needed(
     inboard: BodyState, outboard: BodyState, own: Carried, V: Acceleration
-) -> Wrench:
-    """Return the wrench on an outboard body that accelerates it with the inboard one.
+) -> Ends:
+    """Return the wrenches that accelerate an outboard body with the inboard one.
 
     Args:
         inboard: the body that holds it.
@@ -373,7 +376,8 @@ def _needed(
     """
     arm = subtract(outboard.p_WBo, inboard.p_WBo)
     wrench = wrench_for(own.inertia, shifted_acceleration(V, arm))
-    return subtract_wrenches(wrench, own.wrench)
+    wrench = subtract_wrenches(wrench, own.wrench)
+    return wrench, reaction(shifted_wrench(wrench, arm))
 
 
 def _free_directions(type: JointType, motion: Joined, r: Vector) -> list[Acceleration]:

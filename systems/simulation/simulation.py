@@ -127,6 +127,12 @@ class Simulation:
     def _make_simulator(self, context: Context) -> Simulator:
         # New for every run: a used integrator remembers its last step size.
         context.SetAccuracy(self.integration.accuracy)
+        if self.integration.scheme == "bogacki_shampine3":
+            # It evaluates at the end of a step. If that is rejected, Drake sets time
+            # and state back, but tells caches of time alone (drake 1.51.1).
+            context.DisableCaching()
+            forces = self._system.forces  # of which all that moves depends on time
+            self._system.GetMutableSubsystemContext(forces, context).EnableCaching()
         max_step = self.integration.max_step
         if self.separation.recontact is not None:
             max_step = min(max_step, _RECONTACT_STEP)
