@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from drakesep.cli.report import Report
+from drakesep.cli.answer import Answer
 
 
 def ui(
@@ -27,11 +27,11 @@ def ui(
     The page is served to this machine alone, to who has the address with its token,
     until the command is interrupted.
     """
-    with Report("ui", quiet=False, as_json=False) as report:
+    with Answer("ui", quiet=False, as_json=False) as answer:
         from drakesep.page.server import serve
 
         def say(address: str) -> None:
-            report.console.print(
+            answer.console.print(
                 "The page is at", address, markup=False, soft_wrap=True
             )
 
