@@ -31,7 +31,7 @@ from drakesep.tables.evidence_tables import (
     sensitivities_table,
     worst_points_table,
 )
-from drakesep.tables.iterates_table import iterates_table
+from drakesep.tables.iterates_table import iterates_of, iterates_table
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.roles import Published
 from drakesep.tables.run_tables import motion_table, runs_table
@@ -79,7 +79,8 @@ class WorstCases:
     @property
     def iterates(self) -> pd.DataFrame:
         """A row for each iterate of each search by SQP."""
-        return iterates_table(self.searched, self.objectives, self.case.box)
+        iterates = iterates_of(self.searched)
+        return iterates_table(iterates, self.objectives, self.case.box)
 
     @property
     def from_nominal(self) -> list[Candidate]:
