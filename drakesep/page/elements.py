@@ -4,14 +4,15 @@ from collections.abc import Callable
 
 from nicegui import context, ui
 
-from drakesep.page.workspace import Workspace
+from drakesep.page.workspace import Listeners, Workspace
+from drakesep.systems.checks import InputError
 
 
-def follow(workspace: Workspace, show: Callable[[], None]) -> None:
-    """Show something now, and again after each change, as long as its page is there.
+def follow(listeners: Listeners, show: Callable[[], None]) -> None:
+    """Show something now, and again each time, as long as its page is there.
 
     Args:
-        workspace: what is followed.
+        listeners: such as a workspace's `changes`.
         show: called within the elements where it is followed.
     """
     slot, client = context.slot, context.client
@@ -20,8 +21,27 @@ def follow(workspace: Workspace, show: Callable[[], None]) -> None:
         with slot:
             show()
 
-    client.on_delete(workspace.on_change(again))
+    client.on_delete(listeners.add(again))
     show()
+
+
+def attempt(action: Callable[[], None]) -> bool:
+    """Do something; say what is wrong with it where it is refused.
+
+    Returns:
+        Whether it was done.
+    """
+    try:
+        action()
+    except InputError as error:
+        say_wrong(str(error))
+        return False
+    return True
+
+
+def say_wrong(words: str) -> None:
+    """Say what is wrong, until it is closed."""
+    ui.notify(words, type="negative", timeout=0, close_button="Close", multi_line=True)
 
 
 def title(workspace: Workspace) -> None:
@@ -29,10 +49,10 @@ def title(workspace: Workspace) -> None:
 
     def show() -> None:
         ui.page_title(
-            f"{'' if workspace.is_saved else '• '}{workspace.name} – drakesep"
+            f"{'' if workspace.is_saved else '• '}{workspace.name} - drakesep"
         )
 
-    follow(workspace, show)
+    follow(workspace.changes, show)
 
 
 def placeholder(text: str) -> None:

@@ -74,7 +74,7 @@ def _start(workspace: Workspace, case: str | None) -> None:
         workspace.open(case)
     except InputError as error:
         workspace.begin()
-        ui.notify(str(error), type="negative", timeout=0, close_button="Close")
+        elements.say_wrong(str(error))
 
 
 def _build(workspace: Workspace) -> None:
@@ -86,6 +86,7 @@ def _build(workspace: Workspace) -> None:
 
     def show(name: str) -> None:
         workspace.tab = name
+        workspace.looks.tell()
         for other, panel in panels.items():
             panel.set_visibility(other == name)
         if name not in built:
@@ -114,13 +115,15 @@ def _build(workspace: Workspace) -> None:
 def _theme_button(workspace: Workspace, dark: ui.dark_mode) -> None:
     """Let the page be light or dark; at first it is as the browser's user has it."""
 
-    async def turn() -> None:
-        now = workspace.dark
-        if now is None:
-            now = await ui.run_javascript("Quasar.Dark.isActive")
-        workspace.dark = not now
-        dark.set_value(workspace.dark)
+    def turn(is_dark: bool) -> None:
+        workspace.dark = is_dark
+        dark.set_value(is_dark)
+        workspace.looks.tell()
 
-    button = ui.button(icon="contrast", on_click=turn)
-    button.props("flat dense aria-label='Light or dark'")
-    button.tooltip("Light or dark")
+    async def ask() -> None:
+        turn(bool(await ui.run_javascript("Quasar.Dark.isActive")))
+
+    if workspace.dark is None:
+        ui.timer(0.0, ask, once=True)
+    button = ui.button(icon="contrast", on_click=lambda: turn(not workspace.dark))
+    button.props("flat dense round aria-label='Light or dark'").tooltip("Light or dark")

@@ -35,6 +35,28 @@ class _Opened:
     digest: str
 
 
+class Listeners:
+    """Who is told of something."""
+
+    def __init__(self) -> None:
+        self._all: list[Callable[[], None]] = []
+
+    def add(self, listener: Callable[[], None]) -> Callable[[], None]:
+        """Let something be called each time; return what ends that."""
+        self._all.append(listener)
+
+        def end() -> None:
+            if listener in self._all:
+                self._all.remove(listener)
+
+        return end
+
+    def tell(self) -> None:
+        """Call all of them."""
+        for listener in [*self._all]:
+            listener()
+
+
 class Workspace:
     """A case that is edited, and where results of it go.
 
@@ -47,7 +69,9 @@ class Workspace:
         path: its file; None if it has none yet, as a built-in or a new case.
         results: folder that holds results, one folder for each case.
         tab: that is shown.
-        dark: whether the page is; None: as the browser's user has it.
+        dark: whether the page is; None until the browser has told how its user has it.
+        changes: told of each change of the case.
+        looks: told when another tab is shown, and of light and dark.
     """
 
     def __init__(self, results: Path = Path("results")):
@@ -65,7 +89,8 @@ class Workspace:
         self._saved = ""
         self._undone: list[str] = []
         self._before: list[str] = []
-        self._listeners: list[Callable[[], None]] = []
+        self.changes = Listeners()
+        self.looks = Listeners()
 
     # What others see.
 
@@ -89,20 +114,6 @@ class Workspace:
         if self._builtin is not None:
             return builtin_cases()[self._builtin].parent
         return Path.cwd()
-
-    def on_change(self, listener: Callable[[], None]) -> Callable[[], None]:
-        """Let something be called after each change.
-
-        Returns:
-            What ends that.
-        """
-        self._listeners.append(listener)
-
-        def end() -> None:
-            if listener in self._listeners:
-                self._listeners.remove(listener)
-
-        return end
 
     # Files.
 
@@ -228,8 +239,7 @@ class Workspace:
 
     def _tell(self) -> None:
         self.revision += 1
-        for listener in [*self._listeners]:
-            listener()
+        self.changes.tell()
 
 
 def _digest(text: str) -> str:
