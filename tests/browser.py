@@ -88,9 +88,9 @@ class Browser:
             time.sleep(0.05)
 
     def wait(self, condition: str, seconds: float = 30.0) -> Any:
-        """Wait until an expression has a value that is true, and return it."""
+        """Wait until an expression has a value, such as an element, and return it."""
         end = time.monotonic() + seconds
-        while not (value := self.value(condition)):
+        while (value := self.value(condition)) in (None, False, ""):
             assert time.monotonic() < end, f"not within {seconds} s: {condition}"
             time.sleep(0.02)
         return value

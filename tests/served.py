@@ -15,6 +15,11 @@ from browser import Browser, browser
 _COMMAND = (sys.executable, "-c", "from drakesep.cli.entry import main; main()")
 
 
+READY = """window.did_handshake
+  && document.querySelector("[role=tabpanel]")?.textContent"""
+"""What is true once the page can be used."""
+
+
 class Served(NamedTuple):
     """A server that runs."""
 
@@ -59,5 +64,5 @@ def opened(folder: Path, *arguments: str) -> Iterator[Browser]:
     """Open the page of `drakesep ui` in a browser, and wait until it can be used."""
     with served(folder, *arguments) as server, browser() as page:
         page.open(server.address, 1280, 800)
-        page.wait("document.querySelector('[role=tabpanel]')?.textContent")
+        page.wait(READY)
         yield page

@@ -169,9 +169,9 @@ class _Maker:
         )
         yield self._of_mappings("springs", "Springs", "attachment", springs)
         yield self._of_mappings("loads", "Loads", "load", self._named("loads"))
-        yield self._of_mappings("parts", "Geometry", "part", parts)
         yield self._dispersions(case)
         yield self._requirements()
+        yield self._of_mappings("parts", "Geometry", "part", parts)
         yield self._settings()
 
     def _at(self, path: Path) -> Any:

@@ -43,7 +43,7 @@ def _where(workspace: Workspace) -> str:
 
 
 def _button(icon: str, words: str, action: Callable[[], None]) -> ui.button:
-    button = ui.button(icon=icon, on_click=action).props("flat dense round")
+    button = ui.button(icon=icon, on_click=action, color=None).props("flat dense round")
     button.props(f'aria-label="{words}"').tooltip(words)
     return button
 

@@ -7,11 +7,12 @@ fills.
 """
 
 import itertools
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
 from fastapi.responses import RedirectResponse
-from nicegui import ui
+from nicegui import context, ui
 
 from drakesep.page import (
     campaign_view,
@@ -34,6 +35,8 @@ TABS: dict[str, Callable[[Workspace], None]] = {
     "Results": results_view.build,
 }
 """What each tab shows."""
+_LATER = 1.0
+"""After which what flies is started, s: the page comes first."""
 _STYLE = Path(__file__).with_name("style.css")
 _COLOURS = {"primary": "#0b62a4", "positive": "#00835c", "negative": "#b3261e"}
 
@@ -46,6 +49,7 @@ def add_pages(case: str | None, results: Path) -> None:
         results: folder with results.
     """
     workspaces: dict[str, Workspace] = {}
+    shown: Counter[str] = Counter()
     numbers = itertools.count(1)
 
     def begin() -> RedirectResponse:
@@ -60,7 +64,14 @@ def add_pages(case: str | None, results: Path) -> None:
         if not workspace.text:
             _start(workspace, case)
         _build(workspace)
+        shown[key] += 1
+        context.client.on_delete(lambda: leave(key))
         return None
+
+    def leave(key: str) -> None:
+        shown[key] -= 1
+        if not shown[key]:
+            workspaces[key].rest()
 
     ui.page("/")(begin)
     ui.page("/{key}")(show)
@@ -110,6 +121,7 @@ def _build(workspace: Workspace) -> None:
             panels[name].set_visibility(False)
     elements.title(workspace)
     show(workspace.tab)
+    ui.timer(_LATER, workspace.flights.start, once=True)
 
 
 def _theme_button(workspace: Workspace, dark: ui.dark_mode) -> None:
@@ -125,5 +137,7 @@ def _theme_button(workspace: Workspace, dark: ui.dark_mode) -> None:
 
     if workspace.dark is None:
         ui.timer(0.0, ask, once=True)
-    button = ui.button(icon="contrast", on_click=lambda: turn(not workspace.dark))
+    button = ui.button(
+        icon="contrast", color=None, on_click=lambda: turn(not workspace.dark)
+    )
     button.props("flat dense round aria-label='Light or dark'").tooltip("Light or dark")

@@ -11,11 +11,13 @@ from drakesep.systems.checks import InputError
 from drakesep.systems.vectors import Vector, rotation_matrix
 
 
-_PAD, _SPRING, _CENTRE = "#c8102e", "#009e73", "#222222"
+_PAD, _SPRING, _CENTRE = "#d81e3a", "#00a878", "#d99000"
 _AXES = {"x": "#d0312d", "y": "#2e8b57", "z": "#2565ae"}
 _SIDES = 48
 """Of what is round."""
-_FROM = (-0.95, -1.05, 0.75)
+_THROUGH = 0.6
+"""Opacity of parts, at most: pads and springs are among them."""
+_FROM = (-0.66, -0.74, 0.52)
 """Where the camera stands, for what has a radius of a metre, m."""
 _SHOWN, _HIDDEN = 15, 1
 """Pictures in a second."""
@@ -91,7 +93,7 @@ def _draw(scene: Any, stack: Stack) -> None:
     _, radius = stack.extent()
     for solid in stack.solids:
         drawn = _solid(scene, solid)
-        drawn.material(solid.colour, solid.opacity, side="both")
+        drawn.material(solid.colour, min(solid.opacity, _THROUGH), side="both")
         drawn.move(*solid.place.p_SBo)
         R = rotation_matrix(solid.place.q_SB)
         drawn.rotate_R([list(R[:3]), list(R[3:6]), list(R[6:])])

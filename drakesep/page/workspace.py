@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drakesep.files import write_text
+from drakesep.page.flights import Flights
 from drakesep.systems.checks import InputError
 
 
@@ -72,6 +73,8 @@ class Workspace:
         dark: whether the page is; None until the browser has told how its user has it.
         changes: told of each change of the case.
         looks: told when another tab is shown, and of light and dark.
+        flights: flies what is played with.
+        measuring: flies what is measured, which takes longer.
     """
 
     def __init__(self, results: Path = Path("results")):
@@ -89,8 +92,15 @@ class Workspace:
         self._saved = ""
         self._undone: list[str] = []
         self._before: list[str] = []
+        self.flights = Flights()
+        self.measuring = Flights()
         self.changes = Listeners()
         self.looks = Listeners()
+
+    def rest(self) -> None:
+        """End processes that nobody looks at what they do."""
+        self.flights.end()
+        self.measuring.end()
 
     # What others see.
 
