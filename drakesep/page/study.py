@@ -10,8 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from weakref import WeakKeyDictionary
 
 from drakesep.page.study_process import StudyProcess
+from drakesep.page.workspace import Workspace
 
 
 class State(enum.Enum):
@@ -70,6 +72,7 @@ class Study:
         draws: what the draws of a campaign show, each time that was told.
         summary: what `--json` says of a study that has ended.
         exit_code: of one that has ended.
+        version: a number that grows with all that it tells.
     """
 
     arguments: tuple[str, ...]
@@ -85,6 +88,7 @@ class Study:
     draws: list[Mapping[str, Any]] = field(default_factory=list)
     summary: Mapping[str, Any] = field(default_factory=dict)
     exit_code: int | None = None
+    version: int = 0
     _process: StudyProcess | None = None
 
     @classmethod
@@ -103,6 +107,7 @@ class Study:
     def _run(self, more: Sequence[str]) -> None:
         said = ("--json", "--quiet")
         self.state, self.message, self.step = State.RUNNING, "", "preparing"
+        self.version += 1
         self._process = SPARE.take()
         self._process.run(
             (*self.arguments, *more, *said), where=self.where, folder=self.folder
@@ -132,14 +137,12 @@ class Study:
         """Go on from what is finished: what it tells again is the same."""
         self._run(("--resume",))
 
-    def heard(self) -> bool:
-        """Take in what it has told; return whether there was anything."""
-        if self._process is None:
-            return False
-        events = self._process.events()
-        for event in events:
-            getattr(self, f"_{event['event']}")(event)
-        return bool(events)
+    def hear(self) -> None:
+        """Take in what it has told."""
+        if self._process is not None:
+            for event in self._process.events():
+                getattr(self, f"_{event['event']}")(event)
+                self.version += 1
 
     def _ready(self, event: Mapping[str, Any]) -> None:
         pass
@@ -176,3 +179,11 @@ class Study:
     def _over(self, state: State) -> None:
         self.state, self._process = state, None
         SPARE.ready()  # warm until it is wanted
+
+
+_STUDIES: "WeakKeyDictionary[Workspace, dict[str, Study]]" = WeakKeyDictionary()
+
+
+def studies_of(workspace: Workspace) -> dict[str, Study]:
+    """Return the last study of each tab: a page that is loaded again shows it."""
+    return _STUDIES.setdefault(workspace, {})

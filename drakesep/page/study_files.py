@@ -99,8 +99,9 @@ def export(folder: Path, target: Path) -> str:
     for file in record.named_files:
         _copy(Path(file), source.absolute(), target)
     write_text(target / name, text)
-    write_text(target / "command.sh", f"#!/bin/sh\ncd \"$(dirname \"$0\")\"\n{command}\n")
-    (target / "command.sh").chmod(0o755)
+    script = target / "command.sh"
+    write_text(script, f'#!/bin/sh\ncd "$(dirname "$0")"\n{command}\n')
+    script.chmod(0o755)
     return command
 
 
