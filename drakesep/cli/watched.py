@@ -4,7 +4,8 @@
 of JSON on standard input ask of it:
 
 - ``{"warm": {"case": TEXT, "folder": DIR, "objectives": [...], "verifies": false}}``
-  makes what takes long in a study of a case, any number of times;
+  makes what takes long in a study of a case, any number of times; what is asked after
+  it takes the place of one that waits;
 - ``{"run": [...], "folder": DIR}`` runs a command as `drakesep` does with these
   arguments in that folder; the process ends with it, and exits as it does;
 - ``{"stop": true}``, or the end of the input as its program ends, leaves results in
@@ -46,7 +47,8 @@ def main() -> None:
     while True:
         request = asked.get()
         if "warm" in request:
-            events.tell("warm", error=_warmed(**request["warm"]))
+            if asked.empty():  # else it is not wanted any more
+                events.tell("warm", error=_warmed(**request["warm"]))
         else:
             os.chdir(request["folder"])
             sys.exit(_run(request["run"], events))

@@ -17,6 +17,8 @@ _KINDS = {
 }
 _SEARCHES = ["sqp", "multistart", "best", "samples", "vertices", "corners", "evolution"]
 _NUMBERS = ("starts", "samples", "seed", "minutes")
+_CHEAP = "highest_final_rate_x"
+"""What it takes, most objectives take that may be chosen then."""
 _PAUSE = 0.6
 """After the last change of a choice, before programs are made for it, s."""
 
@@ -184,11 +186,10 @@ class SearchForm:
         if workspace.case is None or workspace.tab != "Search":
             return
         with contextlib.suppress(OSError):
+            verifies = self.kind == "verify"
+            wanted = self._chosen() or [_CHEAP] * (not verifies)
             SPARE.ready().warm(
-                workspace.text,
-                workspace.folder,
-                self._chosen(),
-                verifies=self.kind == "verify",
+                workspace.text, workspace.folder, wanted, verifies=verifies
             )
 
 

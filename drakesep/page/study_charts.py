@@ -160,9 +160,9 @@ def bounds_options(bounds: Bounds, row: Row | None) -> dict[str, Any]:
         "tooltip": {"trigger": "axis", **_TOOLTIP},
         "xAxis": {
             **_AXIS,
-            "min": -1.35,
-            "max": 1.35,
-            "interval": 1,
+            "min": -2.0,
+            "max": 1.6,
+            "interval": 10,
             "axisLabel": {"show": False},
             "splitLine": {"show": False},
         },

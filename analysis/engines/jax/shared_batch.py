@@ -5,10 +5,11 @@ and loaded. No result depends on what a batch has flown before.
 """
 
 import functools
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from drakesep.analysis.engines.jax.batch import Batch
+from drakesep.analysis.metrics.of_run import metric_named
 from drakesep.analysis.metrics.registry import registered_metrics
 from drakesep.systems.equations.springs import PUSHERS
 from drakesep.systems.model.separation import Separation
@@ -24,7 +25,7 @@ def shared_batch(
     limits: Mapping[str, tuple[float, ...]],
     *,
     metrics: Iterable[str],
-    without: Iterable[str],
+    without: Collection[str],
 ) -> Batch:
     """Return what flies a separation, made unless one has been that flies the same.
 
@@ -38,9 +39,13 @@ def shared_batch(
     Raises:
         ValueError: as `Batch` does.
     """
-    registered = registered_metrics(), tuple(PUSHERS.items())
-    asked = tuple(names), tuple(limits.items()), tuple(metrics), frozenset(without)
-    return _made(separation, *asked, registered)
+    registered = registered_metrics()
+    usual = {m for m in registered if m.stem not in without}
+    # One name of each metric that is told beside these: which axis does not matter.
+    more = {metric_named(name): name for name in metrics}
+    others = tuple(name for metric, name in more.items() if metric not in usual)
+    asked = tuple(names), tuple(limits.items()), others, frozenset(without)
+    return _made(separation, *asked, (registered, tuple(PUSHERS.items())))
 
 
 @functools.lru_cache(maxsize=_MOST)
