@@ -58,7 +58,11 @@ class SearchForm:
         """Build what names an objective on any metric and window."""
         from drakesep.page import objective_choice as choice
 
-        with ui.expansion("Objective on any metric", icon="add").classes("form-metric"):
+        with (
+            ui.expansion("Objective on any metric", icon="add")
+            .classes("form-metric")
+            .props("duration=0")
+        ):
             with ui.element("div").classes("form-pair"):
                 self._sense = _select("sense", list(choice.SENSES), "highest")
                 self._axis = _select("axis", {a: a or "none" for a in choice.AXES}, "x")
