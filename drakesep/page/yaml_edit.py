@@ -20,6 +20,8 @@ from drakesep.systems.checks import InputError
 Path: TypeAlias = tuple[str | int, ...]
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+_ANY = "k"
+"""A key."""
 _INDENT = 2
 """Of a mapping within another, where there is none to follow."""
 
@@ -233,8 +235,9 @@ def in_one_line(value: Any) -> str:
     yaml.default_flow_style = True
     yaml.width = 1_000_000
     yaml.representer.sort_base_mapping_type_on_output = False
-    yaml.dump([value], stream)
-    return stream.getvalue().strip()[1:-1]
+    # In a list, a mapping of one key would be without its brackets.
+    yaml.dump({_ANY: value}, stream)
+    return stream.getvalue().strip().removeprefix(f"{{{_ANY}: ")[:-1]
 
 
 def typed_in(text: str) -> str:
