@@ -25,6 +25,7 @@ import queue
 import sys
 import threading
 import time
+from pathlib import Path
 from typing import Any
 
 from drakesep.cli import signals
@@ -81,7 +82,7 @@ def _warmed(
     from drakesep.studies.warm import warm_up
 
     try:
-        read = read_case(case, folder=folder)
+        read = read_case(case, folder=Path(folder))
         warm_up(read, objectives or None, verifies=verifies)
     except (ValueError, RuntimeError) as error:
         return str(error)

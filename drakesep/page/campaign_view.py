@@ -73,7 +73,8 @@ class CampaignView:
             if field.value is not None:
                 words += [f"--{name}", f"{field.value:g}"]
         words += ["--chunk", str(max(runs // _CHUNKS, 256)), "-o", str(folder)]
-        return Study.begin(words, Path.cwd(), folder)
+        assert self._workspace.case is not None  # which its argument has told
+        return Study.begin(words, Path.cwd(), folder, self._workspace.case)
 
     def _show(self, study: Study | None) -> None:
         self._nothing.set_visibility(study is None or not study.draws)

@@ -117,10 +117,10 @@ def _read(folder: Path) -> _Found | None:
         worst: dict[str, dict[str, float]] = {}
         if "evidence.csv" in tables:
             parameters = [with_unit(name) for name in results.case.box.names]
-            runs = results.table("worst_cases.csv").set_index("label")
+            runs = results.table("worst_cases.csv").set_index("label")[parameters]
             for objective in tables["evidence.csv"]["objective"]:
-                row = runs.loc[f"worst_{objective}"]
-                worst[objective] = {name: float(row[name]) for name in parameters}
+                row = runs.loc[f"worst_{objective}"].to_numpy(float)
+                worst[objective] = dict(zip(parameters, map(float, row), strict=True))
     except (InputError, OSError, KeyError):
         return None
     return tables, worst

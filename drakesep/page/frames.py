@@ -33,7 +33,8 @@ def show_frame(
             if on_row is not None:
                 _cell("th", "")
         with ui.element("tbody"):
-            for row in frame.to_dict("records"):
+            for each in frame.to_dict("records"):
+                row = {str(name): value for name, value in each.items()}
                 with ui.element("tr"):
                     for name in shown:
                         text = html.escape(_text(row[name]))
@@ -58,6 +59,8 @@ def _cell(tag: str, content: str, *, number: bool = False, says: Any = "") -> No
 
 def _text(value: Any) -> str:
     if isinstance(value, float):
+        if math.isinf(value):
+            return "none"
         return "" if math.isnan(value) else f"{value:.6g}"
     return "" if value is None else str(value)
 

@@ -12,6 +12,7 @@ from drakesep.page.workspace import Workspace
 
 
 if TYPE_CHECKING:  # imports Drake
+    from drakesep.case_file.case import Case
     from drakesep.page.flown import Flown
 
 _SHOWN = 3
@@ -23,19 +24,20 @@ class Response:
 
     def __init__(self, workspace: Workspace):
         self._workspace = workspace
-        self._nominal: tuple[int, Flown] | None = None
+        self._nominal: tuple[Case, Flown] | None = None
         self._note = ui.label().classes("study-words wrong").props('role="alert"')
         self._charts = ui.element("div").classes("response")
         self._built: list[tuple[charts.Chart, ui.echart]] = []
 
-    async def show(self, values: Mapping[str, float]) -> None:
+    async def show(self, case: "Case", values: Mapping[str, float]) -> None:
         """Fly a point and show its motion.
 
         Args:
+            case: that is flown.
             values: of parameters, by their names with units.
         """
-        nominal = await self._of_nominal()
-        flown = await self._fly(values)
+        nominal = await self._of_nominal(case)
+        flown = await self._fly(case, values)
         if nominal is None or flown is None:
             return
         self._note.set_text(flown.message and f"This run failed: {flown.message}")
@@ -50,14 +52,13 @@ class Response:
             shown.options.update(options)
             shown.update()
 
-    async def _of_nominal(self) -> "Flown | None":
-        revision = self._workspace.revision
-        if self._nominal is not None and self._nominal[0] == revision:
+    async def _of_nominal(self, case: "Case") -> "Flown | None":
+        if self._nominal is not None and self._nominal[0] is case:
             return self._nominal[1]
-        flown = await self._fly({})
+        flown = await self._fly(case, {})
         if flown is None or flown.message:
             return None
-        self._nominal = revision, flown
+        self._nominal = case, flown
         self._charts.clear()
         with self._charts:
             wanted = charts.charts_of(flown, next(iter(flown.times)))[:_SHOWN]
@@ -69,10 +70,7 @@ class Response:
         shown.props(f'role="img" aria-label="{chart.title}"')
         return shown
 
-    async def _fly(self, values: Mapping[str, float]) -> "Flown | None":
-        case = self._workspace.case
-        if case is None:
-            return None
+    async def _fly(self, case: "Case", values: Mapping[str, float]) -> "Flown | None":
         try:
             flying = self._workspace.flights.fly(case.in_si(), values)
             return await asyncio.wrap_future(flying)

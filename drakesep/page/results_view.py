@@ -106,9 +106,9 @@ class ResultsView:
             _file_button("Report", ("report",), one.folder)
             if one.study in _ANIMATED:
                 _file_button("Animation", ("animate",), one.folder)
-            quiet = ui.button("Export", on_click=lambda: self._export(one.folder, says))
-            quiet.props("flat dense no-caps")
+            quiet = ui.button("Export").props("flat dense no-caps")
         says = ui.label().classes("study-command")
+        quiet.on_click(lambda: self._export(one.folder, says))
         facts(
             [
                 ("case", one.case),
@@ -143,6 +143,8 @@ class ResultsView:
             changes = await run.io_bound(compared)
         except InputError as error:
             elements.say_wrong(str(error))
+            return
+        if changes is None:  # the page is gone
             return
         self._below.clear()
         with self._below:

@@ -41,7 +41,7 @@ class SearchForm:
             self._failures = ui.switch("Failure cases, too").props("dense")
             self._searches = ui.select(
                 _SEARCHES,
-                label="searches, in their order; what suits if empty",
+                label="searches; what suits if empty",
                 multiple=True,
                 value=["sqp", "multistart"],
             ).props("outlined dense use-chips")
@@ -105,15 +105,13 @@ class SearchForm:
         except InputError as error:
             self._wrong.set_text(str(error))
             return
+        if name is None:  # the page is gone
+            return
         self._wrong.set_text("")
-        options = {**self._options(), name: name}
-        self._objectives.set_options(options)
+        self._objectives.set_options({**dict(self._objectives.options), name: name})
         self._objectives.set_value([*self._chosen(), name])
 
     # What is chosen.
-
-    def _options(self) -> dict[str, str]:
-        return dict(self._objectives.options)  # type: ignore[arg-type]
 
     def _chosen(self) -> list[str]:
         return [*(self._objectives.value or ())]
@@ -147,8 +145,8 @@ class SearchForm:
         verifies = self.kind == "verify"
         self._failures.set_visibility(verifies)
         self._searches.set_value([] if verifies else ["sqp", "multistart"])
-        label = "objectives beside the requirements" if verifies else "objectives"
-        self._objectives.props(f'label="{label}; of the requirements if empty"')
+        label = "objectives beside these" if verifies else "objectives"
+        self._objectives.props(f'label="{label}"')
         self._warm_soon()
 
     def _case_changed(self) -> None:

@@ -95,7 +95,9 @@ class SearchView:
     def _begin(self) -> Study:
         command = self._form.command()
         self._follows, self._chosen = True, None
-        return Study.begin(command, Path.cwd(), Path(command[-1]))
+        case = self._workspace.case
+        assert case is not None  # which the command has told
+        return Study.begin(command, Path.cwd(), Path(command[-1]), case)
 
     # What is told.
 
@@ -107,7 +109,7 @@ class SearchView:
         if study is None:
             return
         if study is not self._told:
-            self._told, self._objective = study, ""
+            self._told, self._objective, self._bounds = study, "", None
             self._tables.clear()
             self._exported.set_text("")
         if study.iterates:
@@ -154,17 +156,16 @@ class SearchView:
         ui.timer(0.0, self._fly_chosen, once=True)
 
     async def _fly_chosen(self) -> None:
-        row = self._chosen
+        row, study = self._chosen, self._told
         bounds = await self._known_bounds()
-        if row is None or bounds is None:
+        if row is None or bounds is None or study is None:
             return
         self._set(self._in_bounds, self._charts_of.bounds_options(bounds, row))
-        await self._response.show({name: row[name] for name in bounds.nominal})
+        await self._response.show(study.case, {n: row[n] for n in bounds.nominal})
 
     async def _known_bounds(self) -> Any:
-        case = self._workspace.case
-        if self._bounds is None and case is not None:
-            make = self._charts_of.Bounds.of
+        if self._bounds is None and self._told is not None:
+            make, case = self._charts_of.Bounds.of, self._told.case
             self._bounds = await run.io_bound(lambda: make(case.in_si()))
         return self._bounds
 
@@ -223,9 +224,12 @@ class SearchView:
         self._where.set_text(f"worst case of {objective}, in Drake")
         self._chosen = {**values, "name": f"worst_{objective}"}
         bounds = await self._known_bounds()
-        self._set(self._in_bounds, self._charts_of.bounds_options(bounds, self._chosen))
+        if bounds is not None:
+            options = self._charts_of.bounds_options(bounds, self._chosen)
+            self._set(self._in_bounds, options)
         self._seen.run_method("scrollIntoView")
-        await self._response.show(values)
+        if self._told is not None:
+            await self._response.show(self._told.case, values)
 
     async def _animate_chosen(self) -> None:
         """Animate the run that is shown, beside the nominal."""

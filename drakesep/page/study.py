@@ -9,11 +9,15 @@ import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 from drakesep.page.study_process import StudyProcess
 from drakesep.page.workspace import Workspace
+
+
+if TYPE_CHECKING:
+    from drakesep.case_file.case import Case
 
 
 class State(enum.Enum):
@@ -62,6 +66,7 @@ class Study:
         arguments: of the command line, without `--resume`.
         where: folder in which the command is run.
         folder: that it writes.
+        case: that it is of, whatever becomes of it on the page.
         state: how it stands.
         message: why it was refused, failed or died; empty if it did not.
         step: at which it is, in words.
@@ -78,6 +83,7 @@ class Study:
     arguments: tuple[str, ...]
     where: Path
     folder: Path
+    case: "Case"
     state: State = State.RUNNING
     message: str = ""
     step: str = "preparing"
@@ -92,15 +98,18 @@ class Study:
     _process: StudyProcess | None = None
 
     @classmethod
-    def begin(cls, arguments: Sequence[str], where: Path, folder: Path) -> "Study":
+    def begin(
+        cls, arguments: Sequence[str], where: Path, folder: Path, case: "Case"
+    ) -> "Study":
         """Begin a study.
 
         Args:
             arguments: of the command line, with where it writes.
             where: folder in which the command is run.
             folder: that it writes.
+            case: that it is of.
         """
-        study = cls(tuple(arguments), where, folder)
+        study = cls(tuple(arguments), where, folder, case)
         study._run(())
         return study
 
@@ -157,8 +166,8 @@ class Study:
 
     def _iterate(self, event: Mapping[str, Any]) -> None:
         row = event["row"]
-        key = tuple(row[k] for k in ("objective", "search", "start", "iteration"))
-        self.iterates[key] = row  # type: ignore[index]
+        key = row["objective"], row["search"], row["start"], row["iteration"]
+        self.iterates[key] = row
 
     def _draws(self, event: Mapping[str, Any]) -> None:
         self.draws.append(event)

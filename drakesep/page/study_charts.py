@@ -213,7 +213,6 @@ def histogram_options(told: Row) -> dict[str, Any]:
             "scale": True,
             "min": min([*edges[:1], told["limit"]]),
             "max": max([*edges[-1:], told["limit"]]),
-            "axisLabel": {**_AXIS["axisLabel"], "formatter": None},
         },
         "yAxis": {**_AXIS, "splitNumber": 3},
         "series": [

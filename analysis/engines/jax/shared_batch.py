@@ -57,7 +57,7 @@ def _made(
     without: frozenset[str],
     registered: tuple[Any, ...],
 ) -> Batch:
-    """Return a batch for what is registered now, which is not read but told apart by."""
+    """Return a batch; what is registered is not read, but tells it from others."""
     return Batch(
         separation,
         names,

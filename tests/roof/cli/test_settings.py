@@ -58,6 +58,7 @@ OPTIONS = {
         "--share": (0.98, {"share": 0.98}),
         "--confidence": (0.8, {"confidence": 0.8}),
         "--keep": ("worst", {"keep": "worst"}),
+        "--chunk": (100, {"chunk": 100}),
         "--metric": (["final_rate_x"], {"metrics": ["final_rate_x"]}),
     },
     "replay": {},  # test_campaign.py

@@ -156,6 +156,7 @@ def test_the_smallsat_is_mended_and_verified(tmp_path, see):
     with opened(tmp_path, "smallsat") as page:
         page.click_text("Search")
         page.click_text("Requirements", SEARCH)
+        page.wait(shown(f"{SEARCH} .q-toggle"))
         verify(page)
         see(page, "smallsat not met")
         assert "not met" in page.value(f"{VISIBLE}.textContent")
