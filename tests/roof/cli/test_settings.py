@@ -144,7 +144,6 @@ def quick(monkeypatch, batches):
             batches[key] = Batch(separation, names, **how)
         return batches[key]
 
-    monkeypatch.setattr("drakesep.studies.worst_case.session.Batch", batch)
     monkeypatch.setattr("drakesep.studies.variant_engines.Batch", batch)
     monkeypatch.setattr(Session, "draw", lambda *_: None)
     monkeypatch.setattr("drakesep.analysis.campaigns.flights.Batch", batch)
