@@ -125,11 +125,16 @@ class SearchView:
         if self._objective not in names:
             self._objective = names[0]
             self._of.set_value(names[0])
-        best = study.best.get(self._objective, {})
-        self._best.set_text(
-            ", ".join(f"{s}: {b['value']:.6g} {b['unit']}" for s, b in best.items())
-        )
         rows = self._rows(study)
+        ascended = {row["search"] for row in rows}
+        swept = {
+            search: best
+            for search, best in study.best.get(self._objective, {}).items()
+            if search not in ascended and best["value"] is not None
+        }
+        self._best.set_text(
+            ", ".join(f"{s}: {b['value']:.6g} {b['unit']}" for s, b in swept.items())
+        )
         if self._follows and rows:
             self._choose(self._worst_of(study, rows))
         self._draw(study)

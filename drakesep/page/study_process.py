@@ -174,5 +174,5 @@ class StudyProcess:
         lines = self._said.read().decode(errors="replace").strip().splitlines()
         last = f": {lines[-1]}" if lines else ""
         if code < 0:
-            return f"its process was ended by {signal.Signals(-code).name}{last}"
-        return f"its process ended with {code}{last}"
+            return f"The process was ended by {signal.Signals(-code).name}{last}"
+        return f"The process ended with {code}{last}"
