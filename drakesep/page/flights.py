@@ -65,11 +65,16 @@ class Flights:
         return asked.answer
 
     def end(self) -> None:
-        """End the process, in the midst of a run if need be."""
+        """End the process, in the midst of a run if need be: nothing comes of it."""
         from drakesep.analysis.engines.processes import end_processes
 
         with self._lock:
             pool, self._pool = self._pool, None
+            asked = [self._flies, self._waits]
+            self._flies = self._waits = None
+        for each in asked:
+            if each is not None:
+                each.answer.set_result(None)
         if pool is not None:
             end_processes(pool)  # type: ignore[arg-type]
 
@@ -97,8 +102,10 @@ class Flights:
     ) -> None:
         """Hand on what came of a run, and fly what waits."""
         if done is not None:
-            error = done.exception()
+            error = BrokenExecutor() if done.cancelled() else done.exception()
         with self._lock:
+            if asked is not self._flies:  # it was ended
+                return
             if done is None or isinstance(error, BrokenExecutor):
                 self._pool = None
                 error = FlightsEnded("the process that flies has ended")

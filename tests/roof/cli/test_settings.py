@@ -58,6 +58,7 @@ OPTIONS = {
         "--share": (0.98, {"share": 0.98}),
         "--confidence": (0.8, {"confidence": 0.8}),
         "--keep": ("worst", {"keep": "worst"}),
+        "--chunk": (100, {"chunk": 100}),
         "--metric": (["final_rate_x"], {"metrics": ["final_rate_x"]}),
     },
     "replay": {},  # test_campaign.py
@@ -143,7 +144,6 @@ def quick(monkeypatch, batches):
             batches[key] = Batch(separation, names, **how)
         return batches[key]
 
-    monkeypatch.setattr("drakesep.studies.worst_case.session.Batch", batch)
     monkeypatch.setattr("drakesep.studies.variant_engines.Batch", batch)
     monkeypatch.setattr(Session, "draw", lambda *_: None)
     monkeypatch.setattr("drakesep.analysis.campaigns.flights.Batch", batch)
