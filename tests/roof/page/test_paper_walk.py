@@ -77,7 +77,7 @@ def test_the_papers_way_on_vega(tmp_path, see):
         see(page, "the first iterates")
         page.wait(says("Ended"), 90.0)
         page.wait(shown(".frame"), 20.0)
-        page.wait("!!document.querySelector('.response canvas')", 20.0)
+        page.wait("document.querySelectorAll('.response canvas').length === 3", 20.0)
         see(page, "the search ended")
         page.click_text("Show run")
         page.wait(
