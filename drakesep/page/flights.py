@@ -55,6 +55,7 @@ class Flights:
             Its errors: ValueError of values that cannot be flown, `FlightsEnded`.
         """
         asked = _Asked((case, dict(values), measure), Future())
+        asked.answer.set_running_or_notify_cancel()  # none is cancelled by who waits
         with self._lock:
             if self._flies is None:
                 self._begin(asked)
@@ -76,7 +77,7 @@ class Flights:
             if each is not None:
                 each.answer.set_result(None)
         if pool is not None:
-            end_processes(pool)  # type: ignore[arg-type]
+            end_processes(pool)
 
     def _started(self) -> Executor:
         from drakesep.analysis.engines.processes import start_processes
