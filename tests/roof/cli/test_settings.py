@@ -6,6 +6,7 @@ Tables are compared to the last digit, file by file.
 
 import dataclasses
 import itertools
+import json
 import re
 import shutil
 from collections import OrderedDict
@@ -58,7 +59,6 @@ OPTIONS = {
         "--share": (0.98, {"share": 0.98}),
         "--confidence": (0.8, {"confidence": 0.8}),
         "--keep": ("worst", {"keep": "worst"}),
-        "--chunk": (100, {"chunk": 100}),
         "--metric": (["final_rate_x"], {"metrics": ["final_rate_x"]}),
     },
     "replay": {},  # test_campaign.py
@@ -102,7 +102,7 @@ ELSEWHERE = {
     },
     "simulate": {"--output", "-o"},
     "sweep": {"--output", "-o", "--workers"},
-    "campaign": {"--output", "-o", "--workers", "--resume", "--dask"},
+    "campaign": {"--output", "-o", "--workers", "--resume", "--dask", "--chunk"},
     "replay": {"--run", "--animation", "--no-animation", "--output", "-o"},
     "report": {"--output", "-o", "--pdf", "--check", "--tolerance"},
     "clearance": {"--output", "-o"},
@@ -329,6 +329,14 @@ def test_what_two_parameters_do_not_show(
     plan = drakesep.read_results(tmp_path).record.plan
     assert {name: plan[name] for name in planned} == planned
     assert plan["searches"] == ["corners"]
+
+
+def test_chunks_of_a_campaign(case, tmp_path, drakesep_):
+    """They change nothing of what it says, but how it is flown."""
+    words = ["--runs", 300, "--share", 0.99, "--chunk", 100, "-o", tmp_path]
+    drakesep_("campaign", case, *words)
+    plan = json.loads((tmp_path / "plan.json").read_text())
+    assert (plan["runs"], plan["chunk"], plan["chunks"]) == (300, 100, 3)
 
 
 def test_share_and_confidence_of_a_campaign_beside(case, tmp_path, drakesep_):

@@ -9,6 +9,7 @@ import shlex
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pandas as pd
@@ -77,8 +78,10 @@ def test_the_papers_way_on_vega(tmp_path, see):
         see(page, "the first iterates")
         page.wait(says("Ended"), 90.0)
         page.wait(shown(".frame"), 20.0)
-        page.wait("!!document.querySelector('.response canvas')", 20.0)
+        page.wait("document.querySelectorAll('.response canvas').length === 3", 20.0)
         see(page, "the search ended")
+        page.value("document.querySelector('.frame button').scrollIntoView()")
+        time.sleep(0.3)  # a click lands where the browser has drawn it
         page.click_text("Show run")
         page.wait(
             "document.querySelector('.study-where').textContent.includes('worst case')"
