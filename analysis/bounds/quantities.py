@@ -53,10 +53,10 @@ class Term:
     """First piece of time that is looked at."""
     last: int
     """Last one."""
-    sure: int = 0
-    """First piece that surely belongs to the window; it may begin later."""
+    since: Literal["first", "separation"] = "first"
+    """What it begins with: its first piece, or separation, somewhere in its pieces."""
     moment: bool = False
-    """Whether it looks at one moment, somewhere in these pieces."""
+    """Whether it looks at one moment alone, that with which it begins."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
