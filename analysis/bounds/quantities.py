@@ -131,10 +131,9 @@ def _field(enclosure: Enclosure, signal: Signal) -> list[Jet]:
         case "relative_rate":
             return enclosure.relative_rate(state, enclosure.changes(state), j)
         case "relative_velocity":
-            return state.rho[j]
+            return enclosure.velocity(state, j)
         case "relative_position":
-            # The start cancels: what is left is the integral.
-            return [integrals(x, enclosure.grid.lengths) for x in state.rho[j]]
+            return enclosure.displacement(state, j)
         case "angle":
             return _angles(enclosure, j)
 
