@@ -44,6 +44,17 @@ class Node:
     centre: Array | None = None
     """Of a leaf: the point of its mean value."""
     children: list["Node"] = field(default_factory=list)
+    parent: "Node | None" = field(default=None, repr=False)
+
+    def grow(self, children: list["Node"]) -> None:
+        """Take children."""
+        self.children = children
+        for child in children:
+            child.parent = self
+
+    def close(self) -> None:
+        """Be a leaf."""
+        self.children, self.faces, self.cut = [], {}, None
 
 
 class Progress(NamedTuple):
@@ -177,6 +188,9 @@ class _Search:
             self._report()
         left = [node.bound for _, _, node in self._queue]
         aim = max([self._aim, *left])
+        for _, _, node in self._queue:  # what is known of them is of their parents
+            if node.parent is not None:
+                node.parent.close()
         return Proof(
             quantity=self._quantity,
             bound=aim + SLACK * abs(aim),
@@ -308,7 +322,7 @@ class _Search:
                 np.where(falls, node.lower, node.upper),
                 node.bound,
             )
-            node.children = [child]
+            node.grow([child])
             self._push(child)
             return
         self._cut(node, slopes.magnitude() * (node.upper - node.lower))
@@ -320,11 +334,13 @@ class _Search:
         x = float(0.5 * (node.lower[i] + node.upper[i]))
         below, above = node.upper.copy(), node.lower.copy()
         below[i] = above[i] = x
-        node.cut, node.centre = (i, x), None
-        node.children = [
-            Node(node.lower, below, node.bound),
-            Node(above, node.upper, node.bound),
-        ]
+        node.cut = (i, x)
+        node.grow(
+            [
+                Node(node.lower, below, node.bound),
+                Node(above, node.upper, node.bound),
+            ]
+        )
         for child in node.children:
             self._push(child)
 
