@@ -74,7 +74,8 @@ class Effort:
     """How hard to try."""
 
     gap: float = 0.005
-    """Of the bound above the largest value found, relative, at which to stop."""
+    """Of the bound above the largest value found, relative, at which to stop; more
+    where the pieces of time are too long for it."""
     seconds: float = 600.0
     """After which what is left is bounded as it is."""
     boxes: int = 100_000
@@ -98,7 +99,8 @@ class Proof:
     boxes: int
     seconds: float
     finished: bool
-    """Whether the gap is as small as was asked for."""
+    """Whether all boxes were shown; the gap may be larger than was asked for where
+    pieces of time are too long."""
 
 
 class Prover:
@@ -216,17 +218,22 @@ class _Search:
 
     # ------------------------------------------------------------ what is attained
 
-    def _attained(self, points: Array, value: Interval, proven: Array) -> None:
+    def _attained(
+        self, points: Array, value: Interval, proven: NDArray[np.bool_]
+    ) -> None:
         """Take note of values that are attained at points."""
         least = np.where(proven, self._least(points, value), -np.inf)
         best = int(np.argmax(least))
         if least[best] > self._found:
             self._found, self._at = float(least[best]), points[best].copy()
-        wanted = self._found + self._effort.gap * abs(self._found) * (1.0 - SLACK)
-        wanted -= 2.0 * SLACK * abs(wanted)
-        if self._found > -np.inf:
-            # What is shown of a lower aim holds for a higher one.
-            self._aim = max(self._aim, wanted)
+        if self._found == -np.inf:
+            return
+        # Pieces of time are as they are: no box with a point is below what that is.
+        most = np.where(proven, value.hi.max(-1), -np.inf).max()
+        room = self._effort.gap * abs(self._found)
+        wanted = max(self._found + room, float(most) + _LEAST_ROOM * room)
+        # What is shown of a lower aim holds for a higher one.
+        self._aim = max(self._aim, wanted - 2.0 * SLACK * abs(wanted))
 
     def _least(self, points: Array, value: Interval) -> Array:
         """Return what the quantity surely is at points, from its options there."""
@@ -237,8 +244,10 @@ class _Search:
         may, does = _sure(term, boxes, self._prover.grid)
         by_sign = value.lo.reshape(len(points), len(term.signs), -1)
         if term.moment:  # in one of the pieces in which it may be
-            return np.where(may[:, None], by_sign, np.inf).min(-1).max(-1)
-        return np.where(does[:, None], by_sign, -np.inf).max((-2, -1))
+            least = np.where(may[:, None], by_sign, np.inf).min(-1)
+        else:
+            least = np.where(does[:, None], by_sign, -np.inf).max(-1)
+        return np.asarray(least.max(-1))
 
     def _climb(self) -> None:
         """Go from corner to corner to where the quantity is large."""
@@ -286,9 +295,8 @@ class _Search:
         """Bound some boxes, and cut those that are not shown."""
         lower = np.array([node.lower for node in nodes])
         upper = np.array([node.upper for node in nodes])
-        found, proven = self._prover.options(
-            self._quantity, lower, upper, (upper > lower).any(axis=0)
-        )
+        varying = np.asarray((upper > lower).any(axis=0))
+        found, proven = self._prover.options(self._quantity, lower, upper, varying)
         self._boxes += len(nodes)
         known = proven & np.isfinite(found.value.hi).all(-1)
         known &= np.isfinite(found.slopes.hi).all((0, 2))
@@ -345,6 +353,8 @@ class _Search:
             self._push(child)
 
 
+_LEAST_ROOM = 0.25
+"""Part of the gap that is left for boxes, above what points have."""
 _CLIMBS = 6
 _CORNERS = 6
 
@@ -352,7 +362,7 @@ _CORNERS = 6
 def _sure(
     term: Term, boxes: Boxes, grid: Grid
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return, for points, which pieces (boxes, pieces) a term may, and surely does, see."""
+    """Return which pieces (boxes, pieces) a term may, and surely does, look at."""
     pieces = np.arange(term.first, term.last + 1)
     starts, ends = grid.times[pieces], grid.times[pieces + 1]
     if term.since == "first":

@@ -1,5 +1,6 @@
 """Bounds of a case's requirements and objectives, proven one by one."""
 
+import functools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -30,7 +31,7 @@ class Bound:
     value: float
     """The bound, in SI: the metric is at most this, or at least, if from below."""
     found: float
-    """The farthest value that is surely attained in the box, rounded to the near side."""
+    """The farthest value that is known to be attained in the box."""
     proof: Proof
 
     @property
@@ -88,7 +89,7 @@ class ProofSettings:
 
 
 def asked_of(case: AnalysisCase) -> list[tuple[str, Side]]:
-    """Return what a case asks for: limits of requirements, and the paper's objectives."""
+    """Return what limits of requirements ask for, and the paper's objectives."""
     asked: list[tuple[str, Side]] = [
         (r.judged_by, "highest" if r.from_above else "lowest")
         for r in case.requirements
@@ -166,9 +167,8 @@ def _proven(
         except NotCovered as why:
             not_covered[name] = str(why)
             continue
-        proof = prover.prove(
-            claim.quantity, effort, points, lambda p, name=name: on_progress(name, p)
-        )
+        told = functools.partial(on_progress, name)
+        proof = prover.prove(claim.quantity, effort, points, told)
         if not math.isfinite(proof.bound):
             not_covered[name] = f"{metric}: no enclosure of the motion was found"
             continue
