@@ -21,6 +21,7 @@ from drakesep.analysis.bounds.problem import BoundProblem, NotCovered, problem_o
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.argument_types import typed
+from drakesep.systems.checks import check_positive
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,9 +75,15 @@ class Bounds:
         write_certificate(path, self.problem, self.grid, proofs)
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProofSettings:
-    """How hard to try."""
+    """How hard to try.
+
+    Raises:
+        ValueError: a gap or a time is not positive, or there are fewer pieces of time
+            than one.
+    """
 
     gap: float = 0.005
     """Of a bound beyond what is attained, relative, at which to stop."""
@@ -86,6 +93,13 @@ class ProofSettings:
     """Pieces of time while springs push."""
     coast: int = 12
     """Pieces of time after that."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check_positive("gap", self.gap)
+        check_positive("seconds", self.seconds)
+        check_positive("push", self.push)
+        check_positive("coast", self.coast)
 
 
 def asked_of(case: AnalysisCase) -> list[tuple[str, Side]]:

@@ -79,7 +79,7 @@ def test_the_rate_of_a_free_top():
         initial=InitialMotion(w_WA_A=rate),
     )
     case = AnalysisCase(separation=pair, tolerances={"upper.inertia_xx": 8.0})
-    settings = ProofSettings(gap=0.01, seconds=20.0, push=0, coast=60)
+    settings = ProofSettings(gap=0.01, seconds=20.0, push=1, coast=60)
     asked = [("rate_value_at_end_z", "highest"), ("rate_at_1_s_z", "highest")]
     bounds = prove_bounds(case, asked, settings)
 
