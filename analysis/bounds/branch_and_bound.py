@@ -42,7 +42,11 @@ class Node:
     cut: tuple[int, float] | None = None
     """The coordinate along which it is cut, and where."""
     centre: Array | None = None
-    """Of a leaf: the point of its mean value."""
+    """Of what is bounded there: the point of its mean value."""
+    choice: int | None = None
+    """The choice of signs that is looked at; all if None."""
+    split: bool = False
+    """Whether choices of signs are looked at one by one from here."""
     children: list["Node"] = field(default_factory=list)
     parent: "Node | None" = field(default=None, repr=False)
 
@@ -54,7 +58,7 @@ class Node:
 
     def close(self) -> None:
         """Be a leaf."""
-        self.children, self.faces, self.cut = [], {}, None
+        self.children, self.faces, self.cut, self.split = [], {}, None, False
 
 
 class Progress(NamedTuple):
@@ -135,10 +139,10 @@ class Prover:
             self._gravity,
             attitudes=quantity.attitudes,
         )
-        value, by = options(enclosure, self.grid, quantity)
+        value, by, choice = options(enclosure, self.grid, quantity)
         every = np.zeros((2, len(slopes), *value.lo.shape))
         every[:, chosen] = by.lo, by.hi
-        return Options(value, Interval(*every)), enclosure.proven
+        return Options(value, Interval(*every), choice), enclosure.proven
 
     def prove(
         self,
@@ -300,23 +304,58 @@ class _Search:
         self._boxes += len(nodes)
         known = proven & np.isfinite(found.value.hi).all(-1)
         known &= np.isfinite(found.slopes.hi).all((0, 2))
-        live = found.value.hi > self._aim
+        asked = _asked(nodes, found.choice)
+        live = asked & (found.value.hi > self._aim)
         hull = _hull(found.slopes, live)
         centres = _centres(hull, lower, upper)
         at, sound = self._prover.options(self._quantity, centres, centres, ~self._all)
         self._attained(centres, at.value, sound & known)
         by_mean = up(at.value.hi + _beyond(found.slopes, lower, upper, centres))
-        by_mean = np.where(sound[:, None], by_mean, np.inf)
-        best = np.where(np.isnan(by_mean), np.inf, by_mean)
-        bounds = np.minimum(found.value.hi, best).max(-1)
+        by_mean = np.where(sound[:, None] & np.isfinite(by_mean), by_mean, np.inf)
+        bounds = np.where(asked, np.minimum(found.value.hi, by_mean), -np.inf)
         for b, node in enumerate(nodes):
             if not known[b]:
                 self._cut(node, upper[b] - lower[b])
                 continue
-            node.bound = min(node.bound, float(bounds[b]))
+            node.bound = min(node.bound, float(bounds[b].max()))
             node.centre = centres[b]
             if node.bound > self._aim:
-                self._branch(node, Interval(hull.lo[:, b], hull.hi[:, b]))
+                self._split(node, bounds[b], live[b], found.slopes[:, b], found.choice)
+
+    def _split(
+        self,
+        node: Node,
+        bounds: Array,
+        live: NDArray[np.bool_],
+        slopes: Interval,
+        choice: Array,
+    ) -> None:
+        """Look at choices of signs one by one, and move to faces or cut.
+
+        Args:
+            node: with the box.
+            bounds: (options,) of its options.
+            live: (options,) those whose upper ends are above the aim.
+            slopes: (n, options) their derivatives.
+            choice: (options,) of signs, to which they belong.
+        """
+        branches = [node]
+        if node.choice is None and len(set(choice.tolist())) > 1:
+            node.split = True
+            branches = [
+                Node(
+                    node.lower,
+                    node.upper,
+                    float(bounds[choice == c].max()),
+                    centre=node.centre,
+                    choice=c,
+                )
+                for c in sorted(set(choice[bounds > self._aim].tolist()))
+            ]
+            node.grow(branches)
+        for branch in branches:
+            mine = live if branch is node else live & (choice == branch.choice)
+            self._branch(branch, _hull(slopes, mine))
 
     def _branch(self, node: Node, slopes: Interval) -> None:
         """Move a box to faces, or cut it."""
@@ -329,6 +368,7 @@ class _Search:
                 np.where(grows, node.upper, node.lower),
                 np.where(falls, node.lower, node.upper),
                 node.bound,
+                choice=node.choice,
             )
             node.grow([child])
             self._push(child)
@@ -345,8 +385,8 @@ class _Search:
         node.cut = (i, x)
         node.grow(
             [
-                Node(node.lower, below, node.bound),
-                Node(above, node.upper, node.bound),
+                Node(node.lower, below, node.bound, choice=node.choice),
+                Node(above, node.upper, node.bound, choice=node.choice),
             ]
         )
         for child in node.children:
@@ -374,6 +414,16 @@ def _sure(
         may = (ends >= early) & (starts <= late)
         return may, may
     return ends >= early, starts >= late
+
+
+def _asked(nodes: Sequence[Node], choice: Array) -> NDArray[np.bool_]:
+    """Return which options (nodes, options) nodes look at."""
+    return np.array(
+        [
+            np.full(len(choice), True) if node.choice is None else choice == node.choice
+            for node in nodes
+        ]
+    )
 
 
 def _hull(slopes: Interval, live: NDArray[np.bool_]) -> Interval:
