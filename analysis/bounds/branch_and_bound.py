@@ -194,8 +194,9 @@ class _Search:
             self._found, self._at = float(least[best]), points[best].copy()
         wanted = self._found + self._effort.gap * abs(self._found) * (1.0 - SLACK)
         wanted -= 2.0 * SLACK * abs(wanted)
-        if self._found > -np.inf and not self._aim > self._found:
-            self._aim = wanted
+        if self._found > -np.inf:
+            # What is shown of a lower aim holds for a higher one.
+            self._aim = max(self._aim, wanted)
 
     def _climb(self) -> None:
         """Go from corner to corner to where the quantity is large."""
