@@ -246,18 +246,14 @@ class _Search:
         """Bound some boxes, and cut those that are not shown."""
         lower = np.array([node.lower for node in nodes])
         upper = np.array([node.upper for node in nodes])
-        found, proven = self._prover.options(
-            self._quantity, lower, upper, slopes=True
-        )
+        found, proven = self._prover.options(self._quantity, lower, upper, slopes=True)
         self._boxes += len(nodes)
         known = proven & np.isfinite(found.value.hi).all(-1)
         known &= np.isfinite(found.slopes.hi).all((0, 2))
         live = found.value.hi > self._aim
         hull = _hull(found.slopes, live)
         centres = _centres(hull, lower, upper)
-        at, sound = self._prover.options(
-            self._quantity, centres, centres, slopes=False
-        )
+        at, sound = self._prover.options(self._quantity, centres, centres, slopes=False)
         self._attained(centres, at.value, sound & known)
         by_mean = up(at.value.hi + _beyond(found.slopes, lower, upper, centres))
         by_mean = np.where(sound[:, None], by_mean, np.inf)

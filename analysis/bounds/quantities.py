@@ -134,9 +134,7 @@ def _field(enclosure: Enclosure, signal: Signal) -> list[Jet]:
             return state.rho[j]
         case "relative_position":
             # The start cancels: what is left is the integral.
-            return [
-                integrals(x, enclosure.grid.lengths) for x in state.rho[j]
-            ]
+            return [integrals(x, enclosure.grid.lengths) for x in state.rho[j]]
         case "angle":
             return _angles(enclosure, j)
 
