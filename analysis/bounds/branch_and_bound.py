@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from drakesep.analysis.bounds.box import Boxes, whole_box
 from drakesep.analysis.bounds.gravity import disturbance
+from drakesep.analysis.bounds.grid import stroke_ends
 from drakesep.analysis.bounds.intervals import Interval, up
 from drakesep.analysis.bounds.motion import Enclosure, Grid, NominalKernels
 from drakesep.analysis.bounds.problem import BoundProblem
-from drakesep.analysis.bounds.quantities import Options, Quantity, options
+from drakesep.analysis.bounds.quantities import Options, Quantity, Term, options
 from drakesep.systems.arrays import Array
 
 
@@ -188,7 +189,7 @@ class _Search:
 
     def _attained(self, points: Array, value: Interval, proven: Array) -> None:
         """Take note of values that are attained at points."""
-        least = np.where(proven, _attained(value, self._quantity), -np.inf)
+        least = np.where(proven, self._least(points, value), -np.inf)
         best = int(np.argmax(least))
         if least[best] > self._found:
             self._found, self._at = float(least[best]), points[best].copy()
@@ -197,6 +198,18 @@ class _Search:
         if self._found > -np.inf:
             # What is shown of a lower aim holds for a higher one.
             self._aim = max(self._aim, wanted)
+
+    def _least(self, points: Array, value: Interval) -> Array:
+        """Return what the quantity surely is at points, from its options there."""
+        if self._quantity.kind != "peak" or len(self._quantity.terms) > 1:
+            return np.asarray(value.lo[:, 0])
+        [term] = self._quantity.terms
+        boxes = Boxes(self._prover.problem, points, points)
+        may, does = _sure(term, boxes, self._prover.grid)
+        by_sign = value.lo.reshape(len(points), len(term.signs), -1)
+        if term.moment:  # in one of the pieces in which it may be
+            return np.where(may[:, None], by_sign, np.inf).min(-1).max(-1)
+        return np.where(does[:, None], by_sign, -np.inf).max((-2, -1))
 
     def _climb(self) -> None:
         """Go from corner to corner to where the quantity is large."""
@@ -305,20 +318,21 @@ _CLIMBS = 6
 _CORNERS = 6
 
 
-def _attained(value: Interval, quantity: Quantity) -> Array:
-    """Return what a quantity surely is at points, from its options there.
-
-    Of a peak alone: each option is a piece of the window with a sign. That at which it
-    surely looks, if it looks at a moment, is not known: the least of all.
-    """
-    if quantity.kind != "peak" or len(quantity.terms) > 1:
-        return np.asarray(value.lo[:, 0])
-    [term] = quantity.terms
-    pieces = term.last - term.first + 1
-    by_sign = value.lo.reshape(len(value.lo), len(term.signs), pieces)
+def _sure(
+    term: Term, boxes: Boxes, grid: Grid
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return, for points, which pieces (boxes, pieces) a term may, and surely does, see."""
+    pieces = np.arange(term.first, term.last + 1)
+    starts, ends = grid.times[pieces], grid.times[pieces + 1]
+    if term.since == "first":
+        every = np.ones((boxes.count, len(pieces)), dtype=bool)
+        return every, every
+    separation = stroke_ends(boxes, [term.signal.pair])
+    early, late = separation.lo[:, None], separation.hi[:, None]
     if term.moment:
-        return np.asarray(by_sign.min(-1).max(-1))
-    return np.asarray(by_sign[..., term.sure - term.first :].max((-2, -1)))
+        may = (ends >= early) & (starts <= late)
+        return may, may
+    return ends >= early, starts >= late
 
 
 def _hull(slopes: Interval, live: NDArray[np.bool_]) -> Interval:

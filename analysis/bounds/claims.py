@@ -147,7 +147,7 @@ def claim_of(
     if at_once and len(signals) > 1:
         raise NotCovered(f"{side} {name}: bounds cover its other side alone")
     window = _window(metric, problem, grid, pair, at_once=at_once)
-    if kind != "peak" and window != (0, len(grid.times) - 2, 0):
+    if kind != "peak" and window != (0, len(grid.times) - 2):
         raise NotCovered(f"{name}: bounds cover integrals over whole runs")
     return Claim(
         metric=name,
@@ -160,7 +160,7 @@ def claim_of(
                     signs=signs,
                     first=window[0],
                     last=window[1],
-                    sure=window[2],
+                    since="separation" if _since_separation(metric) else "first",
                     moment=not isinstance(metric.when, Window),
                 )
                 for signal in signals
@@ -219,29 +219,33 @@ def _how(
     return "peak", _SIGNS[functional, side], (functional, side) in _AT_ONCE
 
 
+def _since_separation(metric: Metric) -> bool:
+    when = metric.when[0] if isinstance(metric.when, Window) else metric.when
+    return when is Moment.SEPARATION
+
+
 def _window(
     metric: Metric, problem: BoundProblem, grid: Grid, pair: int, *, at_once: bool
-) -> tuple[int, int, int]:
-    """Return the first and last piece of a metric's time, and the first sure one."""
+) -> tuple[int, int]:
+    """Return the first and last piece that may belong to a metric's time."""
     stroke = last_stroke(problem, [pair])
-    early, late = (
-        lambda t: _seconds(t, problem.duration, stroke.earliest),
-        lambda t: _seconds(t, problem.duration, stroke.latest),
-    )
+
+    def early(when: Time) -> float:
+        return _seconds(when, problem.duration, stroke.earliest)
+
+    def late(when: Time) -> float:
+        return _seconds(when, problem.duration, stroke.latest)
+
     if not isinstance(metric.when, Window):
         first, last = pieces_between(grid, early(metric.when), late(metric.when))
         if isinstance(metric.when, float) or metric.when is Moment.END:
             first = last  # the short piece that ends there
-        return first, last, first
+        return first, last
     start, end = metric.when.start, metric.when.end
     first, last = pieces_between(grid, early(start), late(end))
-    sure = first
-    if start is Moment.SEPARATION:
-        sure = pieces_between(grid, late(start), late(start))[1] + 1
     if at_once:
-        first = last = min(max(sure, grid.push), last)
-        sure = first
-    return first, last, min(sure, last)
+        first = last = min(max(first, grid.push), last)
+    return first, last
 
 
 def _seconds(when: Time, duration: float, separation: float) -> float:

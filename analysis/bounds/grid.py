@@ -6,13 +6,17 @@ from typing import NamedTuple
 import numpy as np
 
 from drakesep.analysis.bounds.box import Boxes, whole_box
-from drakesep.analysis.bounds.intervals import down, up
+from drakesep.analysis.bounds.intervals import Interval, down, up
 from drakesep.analysis.bounds.motion import Grid
 from drakesep.analysis.bounds.problem import BoundProblem
 
 
 _SHORT = 1e-6
 """Part of the run that a piece takes that stands for a moment."""
+
+
+_ENDING = 4
+"""Pieces from when the last stroke may end to when it surely has."""
 
 
 class Stroke(NamedTuple):
@@ -24,13 +28,21 @@ class Stroke(NamedTuple):
 
 def last_stroke(problem: BoundProblem, pairs: Iterable[int]) -> Stroke:
     """Return when the last stroke of some pairs ends; 0 if there is none."""
-    boxes: Boxes = whole_box(problem)
+    ends = stroke_ends(whole_box(problem), pairs)
+    return Stroke(float(ends.lo.max()), float(ends.hi.max()))
+
+
+def stroke_ends(boxes: Boxes, pairs: Iterable[int]) -> Interval:
+    """Return when the last stroke of some pairs ends (boxes,); 0 if there is none."""
     chosen = set(pairs)
-    ends = [boxes.law(s).duration for s in problem.springs if s.pair in chosen]
-    return Stroke(
-        max((float(end.lo.max()) for end in ends), default=0.0),
-        max((float(end.hi.max()) for end in ends), default=0.0),
-    )
+    none = np.zeros(boxes.count)
+    low, high = [none], [none]
+    for spring in boxes.problem.springs:
+        if spring.pair in chosen:
+            end = boxes.law(spring).duration
+            low.append(np.broadcast_to(end.lo[:, 0], none.shape))
+            high.append(np.broadcast_to(end.hi[:, 0], none.shape))
+    return Interval(np.max(low, axis=0), np.max(high, axis=0))
 
 
 def make_grid(
@@ -48,6 +60,7 @@ def make_grid(
     first, latest = last_stroke(problem, range(len(problem.pairs)))
     ended = float(up(np.array(latest))) if latest > 0.0 else 0.0
     times = [*np.linspace(0.0, first, push + 1), *np.linspace(ended, T, coast + 1)]
+    times += [*np.linspace(first, ended, _ENDING + 1)]
     for moment in (*moments, T):
         times += [moment, max(moment - _SHORT * T, 0.0)]
     grid = np.unique(np.clip(times, 0.0, T))

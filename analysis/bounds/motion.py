@@ -4,7 +4,7 @@ The equations and the theorem are those of docs/proof.md; numbers in comments ar
 """
 
 import functools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from typing import NamedTuple
 
@@ -65,10 +65,10 @@ class State:
     """Change of I w of each body, in its axes, N m s."""
     Q: list[list[list[Jet]]]
     """R = R0 (1 + Q) is the orientation of each pair's B in its A."""
-    rho: list[list[Jet]]
-    """Velocity of each pair's B, its CG, as seen from A, m/s."""
-    r: list[list[Jet]]
-    """Place of its CG from that of A, in A, m."""
+    U: list[list[Jet]]
+    """Change of the velocity of each pair's B from that of A, of CGs in W, in A, m/s."""
+    y: list[list[Jet]]
+    """How far each pair's reference point, fixed in B, has moved in A, m."""
     P: list[list[list[Jet]]]
     """R = R(0) (1 + P) is the orientation of each pair's B in W, if it is asked for."""
 
@@ -95,6 +95,8 @@ class _Spring(NamedTuple):
     D: Jet
     arm: AffineVector
     """Of the pad from B's CG, in B."""
+    beside: AffineVector
+    """The pad from the pair's reference point, in B."""
     start: AffineVector
     """Of the pad from A's CG at first, in A."""
     axis_A: list[Interval]
@@ -172,7 +174,7 @@ class Enclosure:
         self._groups = self._make_groups(kernels)
         self._pushed, self._reacted = self._impulsive_torques()
         self._speeds = [self._given_speed(j) for j in range(len(problem.pairs))]
-        self.start = [self._start(j) for j in range(len(problem.pairs))]
+        self._place_pairs()
         self.proven, self.state = self._enclose()
 
     # ------------------------------------------------------------------ springs
@@ -197,6 +199,7 @@ class Enclosure:
         push = self.grid.push
         parameters = [i for _, i in _varied(spring)]
         R0 = self._mated[spring.pair].R0
+        pad_B = boxes.pad_in_B(spring)
         axis = [entry(x) for x in spring.axis]
         pad, cg_A, cg_B = (
             boxes.place(x)
@@ -211,7 +214,11 @@ class Enclosure:
             J=J,
             deviation=DeviationKernel(D[..., : push + 1], parameters, times, push),
             D=D,
-            arm=[x - y for x, y in zip(boxes.pad_in_B(spring), cg_B, strict=True)],
+            arm=[x - y for x, y in zip(pad_B, cg_B, strict=True)],
+            beside=[
+                x - Affine(Interval(y))
+                for x, y in zip(pad_B, pair.reference, strict=True)
+            ],
             start=[x - y for x, y in zip(pad, cg_A, strict=True)],
             axis_A=axis,
             axis_B=[
@@ -292,17 +299,34 @@ class Enclosure:
         light = m.value.inverse()
         return Affine(light, {i: -(light.square() * x) for i, x in m.slopes.items()})
 
-    def _start(self, j: int) -> list[Jet]:
-        """Return where B's CG is from A's at first, in A: (8)."""
-        pair, mated = self.problem.pairs[j], self._mated[j]
-        cg_A, cg_B = (
-            self._boxes.place(self.problem.bodies[b].cg) for b in (pair.A, pair.B)
-        )
-        turned_B = turned(mated.R0, cg_B)
-        return [
-            self._lifted(Affine(o) + x - y)
-            for o, x, y in zip(mated.place, turned_B, cg_A, strict=True)
-        ]
+    def _place_pairs(self) -> None:
+        """Set where B's CG and the reference point of each pair are at first."""
+        self._start: list[AffineVector] = []
+        self._reference: list[AffineVector] = []
+        self._reference_arm: list[AffineVector] = []
+        self._velocity0: list[AffineVector] = []
+        for pair, mated in zip(self.problem.pairs, self._mated, strict=True):
+            cg_A, cg_B = (
+                self._boxes.place(self.problem.bodies[b].cg) for b in (pair.A, pair.B)
+            )
+            point = [Affine(Interval(x)) for x in pair.reference]
+            start, reference = (
+                [
+                    Affine(o) + x - y
+                    for o, x, y in zip(
+                        mated.place, turned(mated.R0, place), cg_A, strict=True
+                    )
+                ]
+                for place in (cg_B, point)
+            )
+            self._start.append(start)
+            self._reference.append(reference)
+            self._reference_arm.append(
+                [x - y for x, y in zip(point, cg_B, strict=True)]
+            )
+            rate = [x.value for x in self.rate0[pair.A]]
+            back = affine_cross(start, rate)
+            self._velocity0.append([-x for x in back])
 
     # ----------------------------------------------------------- the right sides
 
@@ -388,13 +412,11 @@ class Enclosure:
         u, w = self.changes(X), self.rates(X)
         rates = [self.relative_rate(X, u, j) for j in range(len(self.problem.pairs))]
         turning = [_turning(Q, W) for Q, W in zip(X.Q, rates, strict=True)]
-        S = self._momenta(X, w, turning)
-        rho = [self._velocity(X, u, w, j) for j in range(len(self.problem.pairs))]
+        moving = [self._moving(X, u, w, j) for j in range(len(self.problem.pairs))]
+        S = self._momenta(X, w, turning, moving)
+        U = [self._given_velocity(X, w, j) for j in range(len(self.problem.pairs))]
         lengths = self.grid.lengths
-        r = [
-            [integrals(v, lengths) + x for v, x in zip(X.rho[j], start, strict=True)]
-            for j, start in enumerate(self.start)
-        ]
+        y = [[integrals(x, lengths) for x in moved] for moved in moving]
         Q = [[[integrals(x, lengths) for x in row] for row in T] for T in turning]
         P = [
             [
@@ -403,10 +425,14 @@ class Enclosure:
             ]
             for j, turn in enumerate(X.P)
         ]
-        return State(S=S, Q=Q, rho=rho, r=r, P=P)
+        return State(S=S, Q=Q, U=U, y=y, P=P)
 
     def _momenta(
-        self, X: State, w: list[list[Jet]], turning: list[list[list[Jet]]]
+        self,
+        X: State,
+        w: list[list[Jet]],
+        turning: list[list[list[Jet]]],
+        moving: list[list[Jet]],
     ) -> list[list[Jet]]:
         S = [
             added(p, [-x for x in q])
@@ -422,28 +448,33 @@ class Enclosure:
         for j, pair in enumerate(self.problem.pairs):
             groups = [g for g in self._groups if g.springs[0].pair == j]
             if groups:
-                on_A, on_B = self._turned_torques(X, turning[j], j, groups)
+                on_A, on_B = self._turned_torques(turning[j], moving[j], j, groups)
                 S[pair.A] = [x - y for x, y in zip(S[pair.A], on_A, strict=True)]
                 S[pair.B] = added(S[pair.B], on_B)
         return S
 
     def _turned_torques(
-        self, X: State, turning: list[list[Jet]], j: int, groups: Sequence[_Group]
+        self,
+        turning: list[list[Jet]],
+        moving: list[Jet],
+        j: int,
+        groups: Sequence[_Group],
     ) -> tuple[list[Jet], list[Jet]]:
         """Return what q of (6) and (7) gives, to A (to be taken away) and to B."""
         push = self.grid.push
-        flat = [*(x for row in turning for x in row), *X.rho[j]]
+        flat = [*(x for row in turning for x in row), *moving]
         moved = stacked([x[..., :push] for x in flat])
         on_A, on_B = [], []
         for group in groups:
             first = group.springs[0]
             q = self._spread(group.kernel(moved))
-            arm = [total(x) for x in zip(*(s.arm for s in group.springs), strict=True)]
-            on_A.append(self._on_A(q, first, arm, j, float(len(group.springs))))
+            arm = _summed(s.arm for s in group.springs)
+            beside = _summed(s.beside for s in group.springs)
+            on_A.append(self._on_A(q, first, beside, j, float(len(group.springs))))
             on_B.append(self._on_B(q, first, arm))
             for spring in group.springs:
                 q = self._spread(spring.deviation(moved))
-                on_A.append(self._on_A(q, spring, spring.arm, j, 1.0))
+                on_A.append(self._on_A(q, spring, spring.beside, j, 1.0))
                 on_B.append(self._on_B(q, spring, spring.arm))
         return added(*on_A), added(*on_B)
 
@@ -471,24 +502,56 @@ class Enclosure:
         shift = [x + y * count for x, y in zip(place, q[9:], strict=True)]
         return cross(shift, [Affine(x) for x in spring.axis_A])
 
-    def _velocity(
-        self, X: State, u: list[list[Jet]], w: list[list[Jet]], j: int
-    ) -> list[Jet]:
-        """Return the relative velocity of a pair: (9)."""
+    def _given_velocity(self, X: State, w: list[list[Jet]], j: int) -> list[Jet]:
+        """Return the change of a pair's relative velocity: (9)."""
         A = self.problem.pairs[j].A
-        r, rho = X.r[j], X.rho[j]
-        twice = [x + 2.0 * y for x, y in zip(u[A], self.rate0[A], strict=True)]
-        turned_on = cross(twice, rho)
-        outward = cross(w[A], cross(w[A], r))
-        swept = cross(u[A], r)
+        velocity = [x + v for x, v in zip(X.U[j], self._velocity0[j], strict=True)]
+        turned_on = cross(w[A], velocity)
         most = self._gravity.acceleration[j]
         late = Interval(-most, most) * Interval(self.grid.times[1:])
         return [
-            self._speeds[j][a]
-            - swept[a]
-            - integrals(turned_on[a] + outward[a], self.grid.lengths)
-            + late
-            for a in range(3)
+            given - integrals(x, self.grid.lengths) + late
+            for given, x in zip(self._speeds[j], turned_on, strict=True)
+        ]
+
+    def _moving(
+        self, X: State, u: list[list[Jet]], w: list[list[Jet]], j: int
+    ) -> list[Jet]:
+        """Return how fast a pair's reference point moves in A: (10)."""
+        pair, R0 = self.problem.pairs[j], self._mated[j].R0
+        arm, start = self._reference_arm[j], self._reference[j]
+        y, Q = X.y[j], X.Q[j]
+        place = [v + x for v, x in zip(y, start, strict=True)]
+        with_A = cross(u[pair.A], place)
+        with_stack = cross(y, self.rate0[pair.A])
+        with_B = rotated(R0, cross(u[pair.B], arm))
+        swung = cross(w[pair.B], arm)
+        turned_on = rotated(
+            R0, [total([Q[i][a] * swung[a] for a in range(3)]) for i in range(3)]
+        )
+        return [
+            U - a + b + c + d
+            for U, a, b, c, d in zip(
+                X.U[j], with_A, with_stack, with_B, turned_on, strict=True
+            )
+        ]
+
+    def displacement(self, state: State, j: int) -> list[Jet]:
+        """Return how far the CG of a pair's B has moved, as seen from A: (11)."""
+        Q, arm = state.Q[j], self._reference_arm[j]
+        turned_arm = [total([Q[i][a] * arm[a] for a in range(3)]) for i in range(3)]
+        back = rotated(self._mated[j].R0, turned_arm)
+        return [x - y for x, y in zip(state.y[j], back, strict=True)]
+
+    def velocity(self, state: State, j: int) -> list[Jet]:
+        """Return the velocity of the CG of a pair's B, as seen from A: (11)."""
+        A = self.problem.pairs[j].A
+        moved = self.displacement(state, j)
+        place = [x + r for x, r in zip(moved, self._start[j], strict=True)]
+        with_A = cross(self._solved(A, state.S[A]), place)
+        with_stack = cross(moved, self.rate0[A])
+        return [
+            U - a + b for U, a, b in zip(state.U[j], with_A, with_stack, strict=True)
         ]
 
     # ------------------------------------------------------------- the inclusion
@@ -504,8 +567,8 @@ class Enclosure:
         return State(
             S=[self._zero_vector() for _ in self.problem.bodies],
             Q=[[self._zero_vector() for _ in range(3)] for _ in pairs],
-            rho=[self._zero_vector() for _ in pairs],
-            r=[[self._zero() + x for x in start] for start in self.start],
+            U=[self._zero_vector() for _ in pairs],
+            y=[self._zero_vector() for _ in pairs],
             P=[
                 [self._zero_vector() for _ in range(3)]
                 for _ in pairs
@@ -573,6 +636,10 @@ def _applied(I: Sequence[Affine], w: AffineVector) -> AffineVector:
         total([x * y for x, y in zip(row, rate, strict=True)])
         for row in ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
     ]
+
+
+def _summed(vectors: Iterable[AffineVector]) -> AffineVector:
+    return [total(each) for each in zip(*vectors, strict=True)]
 
 
 def _constant(x: Affine) -> Interval:

@@ -13,7 +13,7 @@ from typing import NamedTuple, TypeAlias
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.checks import InputError, Vector3
 from drakesep.systems.equations.mated_stack import nominal_place
-from drakesep.systems.equations.pushers import push_axis
+from drakesep.systems.equations.pushers import push_axis, push_place
 from drakesep.systems.model.orbit import Orbit
 from drakesep.systems.model.parameters import parameters, places_of_parts
 from drakesep.systems.model.separation import Attachment, Body, Separation
@@ -72,6 +72,8 @@ class BoundPair:
 
     A: int
     B: int
+    reference: Vector3
+    """Any point fixed in B, best where it is pushed; in B, from its origin, m."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -149,7 +151,14 @@ def problem_of(separation: Separation, box: ToleranceBox) -> BoundProblem:
             for d, k in zip(moving, columns, strict=True)
         ),
         bodies=tuple(_body(body, number) for body in bodies),
-        pairs=tuple(BoundPair(A=names.index(A), B=names.index(B)) for A, B in pairs),
+        pairs=tuple(
+            BoundPair(
+                A=names.index(A),
+                B=names.index(B),
+                reference=_reference(separation, A, B),
+            )
+            for A, B in pairs
+        ),
         springs=tuple(
             BoundSpring(
                 name=s.name,
@@ -191,6 +200,19 @@ def _body(body: Body, number: functools.partial[Number]) -> BoundBody:
         orientation=rotation_matrix(place.q_SB),
         place=place.p_SBo,
     )
+
+
+def _reference(separation: Separation, A: str, B: str) -> Vector3:
+    """Return the middle of the pads on a body, in its axes."""
+    pads = [
+        push_place(separation, a, s).p_BoPad_B
+        for a, s in separation.pushing
+        if (a.A, a.B) == (A, B)
+    ]
+    if not pads:
+        return (0.0, 0.0, 0.0)
+    x, y, z = (sum(float(p[i]) for p in pads) / len(pads) for i in range(3))
+    return x, y, z
 
 
 _BODY = ("mass", "cg_", "inertia_")

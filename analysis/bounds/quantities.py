@@ -53,10 +53,10 @@ class Term:
     """First piece of time that is looked at."""
     last: int
     """Last one."""
-    sure: int = 0
-    """First piece that surely belongs to the window; it may begin later."""
+    since: Literal["first", "separation"] = "first"
+    """What it begins with: its first piece, or separation, somewhere in its pieces."""
     moment: bool = False
-    """Whether it looks at one moment, somewhere in these pieces."""
+    """Whether it looks at one moment alone, that with which it begins."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -131,10 +131,9 @@ def _field(enclosure: Enclosure, signal: Signal) -> list[Jet]:
         case "relative_rate":
             return enclosure.relative_rate(state, enclosure.changes(state), j)
         case "relative_velocity":
-            return state.rho[j]
+            return enclosure.velocity(state, j)
         case "relative_position":
-            # The start cancels: what is left is the integral.
-            return [integrals(x, enclosure.grid.lengths) for x in state.rho[j]]
+            return enclosure.displacement(state, j)
         case "angle":
             return _angles(enclosure, j)
 
