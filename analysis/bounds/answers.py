@@ -131,7 +131,7 @@ class ProvenAnswer:
                 return self._why_not_proven(self.bound)
         if self.bound.proof.finished:
             return ""
-        return "time was over before the gap was as small as was asked for"
+        return "time was over at this gap"
 
     def _why_not_proven(self, bound: Bound) -> str:
         requirement = self.question.requirement

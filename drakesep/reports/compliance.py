@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 
 from drakesep.analysis.bounds.answers import PROVEN_MET
 from drakesep.analysis.metrics.requirements import Verdict
+from drakesep.plots.limits import SIGNS
 from drakesep.reports.cells import EMPTY, Cell, Row
 from drakesep.reports.deciding import Deciding, deciding_of, disproves
 from drakesep.reports.studies import Studies
@@ -200,7 +201,7 @@ def _is_beyond_proven(entry: Entry) -> bool:
     if not (entry.searched and entry.proof and entry.proven_bound and entry.worst):
         return False
     beyond = entry.worst.value - entry.proven_bound.value
-    sign = 1.0 if str(entry.searched.get("sense")).startswith("<") else -1.0
+    sign = 1.0 if entry.searched.get("sense") in ("<", SIGNS["<="]) else -1.0
     other = entry.searched.get("which_run") != entry.proof.get("found_by")
     return bool(other and sign * beyond > 0.0)
 
