@@ -18,6 +18,30 @@ import pytest
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 
 
+_KEYS = {
+    "Enter": (13, "\r"),
+    "Tab": (9, ""),
+    "Escape": (27, ""),
+    "Delete": (46, ""),
+    "ArrowLeft": (37, ""),
+    "ArrowUp": (38, ""),
+    "ArrowRight": (39, ""),
+    "ArrowDown": (40, ""),
+    "Home": (36, ""),
+    "End": (35, ""),
+}
+_MIDDLE = """(e) => {
+  e.scrollIntoView({block: "nearest", inline: "nearest"});
+  const r = e.getBoundingClientRect();
+  const [x, y] = [r.x + r.width / 2, r.y + r.height / 2];
+  const top = document.elementFromPoint(x, y);
+  return r.width && top && (e.contains(top) || top.contains(e)) ? [x, y] : null;
+}"""
+_SEEN = f"""[...document.querySelectorAll(%s)].map({_MIDDLE}).find(p => p)"""
+_SAYING = f"""[...document.querySelector(%s).querySelectorAll("*")].reverse()
+  .filter(e => e.textContent.trim() === %s).map({_MIDDLE}).find(p => p)"""
+
+
 class Browser:
     """One tab; `events` is all that it has told of, since it was opened."""
 
@@ -48,8 +72,8 @@ class Browser:
         one, _, self._rest = self._rest.partition(b"\0")
         return json.loads(one)
 
-    def open(self, page: Path, width: int = 1280, height: int = 900) -> None:
-        """Open a page, and wait until it is whole."""
+    def open(self, page: Path | str, width: int = 1280, height: int = 900) -> None:
+        """Open a file or an address, and wait until it is whole."""
         if self._session is None:
             target = self.ask("Target.createTarget", url="about:blank")["targetId"]
             attached = self.ask("Target.attachToTarget", targetId=target, flatten=True)
@@ -58,9 +82,58 @@ class Browser:
                 self.ask(f"{domain}.enable")
         self.resize(width, height)
         self.events.clear()
-        self.ask("Page.navigate", url=page.absolute().as_uri())
+        url = page if isinstance(page, str) else page.absolute().as_uri()
+        self.ask("Page.navigate", url=url)
         while self.value("document.readyState") != "complete":
             time.sleep(0.05)
+
+    def wait(self, condition: str, seconds: float = 30.0) -> Any:
+        """Wait until an expression has a value, such as an element, and return it."""
+        end = time.monotonic() + seconds
+        while (value := self.value(condition)) in (None, False, ""):
+            assert time.monotonic() < end, f"not within {seconds} s: {condition}"
+            time.sleep(0.02)
+        return value
+
+    def click(self, selector: str, times: int = 1) -> None:
+        """Click in the middle of an element, as a mouse does.
+
+        Args:
+            selector: CSS; the first that can be seen, and lies beneath nothing.
+            times: 2: double.
+        """
+        x, y = self.wait(_SEEN % json.dumps(selector))
+        self.click_at(x, y, times)
+
+    def click_at(self, x: float, y: float, times: int = 1) -> None:
+        for i in range(1, times + 1):
+            for kind in ("mousePressed", "mouseReleased"):
+                where = {"x": x, "y": y, "button": "left", "clickCount": i}
+                self.ask("Input.dispatchMouseEvent", type=kind, **where)
+
+    def click_text(self, text: str, within: str = "body") -> None:
+        """Click on the innermost element that can be seen and says just this."""
+        x, y = self.wait(_SAYING % (json.dumps(within), json.dumps(text)))
+        self.click_at(x, y)
+
+    def press(self, key: str, modifiers: int = 0) -> None:
+        """Press a key, such as `Tab`; modifiers: 1 Alt, 2 Ctrl, 8 Shift."""
+        code, text = _KEYS.get(key, (ord(key.upper()[0]), ""))
+        pressed = {"key": key, "windowsVirtualKeyCode": code, "modifiers": modifiers}
+        down = {**pressed, "text": text} if text else pressed
+        self.ask("Input.dispatchKeyEvent", type="keyDown", **down)
+        self.ask("Input.dispatchKeyEvent", type="keyUp", **pressed)
+
+    def type(self, text: str) -> None:
+        """Type a text into what has the focus, in place of what is selected there."""
+        self.ask("Input.insertText", text=text)
+
+    def fill(self, selector: str, text: str) -> None:
+        """Write into a field in place of what is there, and leave it by Enter."""
+        self.click(selector)
+        self.press("a", 2)
+        self.type(text)
+        self.press("Enter")
 
     def resize(self, width: int, height: int = 900) -> None:
         self.ask(

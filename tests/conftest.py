@@ -1,6 +1,8 @@
 """What several test files share."""
 
 import functools
+import os
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,7 @@ from drakesep.case_file.reader import load_case
 from drakesep.results.folder import ResultsFolder
 from drakesep.studies.verification import verify
 from drakesep.studies.verified import Verification
+from drakesep.studies.worst_case import speed
 
 
 # A busy machine is not a failure.
@@ -41,6 +44,19 @@ def _wants_main_job(file: str) -> bool:
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     return _ByFileAndMainJob(config, log)
+
+
+@pytest.fixture(autouse=True, scope="session")
+def nothing_waits_for_clocks_or_disks() -> Iterator[None]:
+    """Studies measure their speed once, not three times, and files need not be safe.
+
+    Both are no matter of what comes of a study, and a sixth of one of a small case.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(speed, "_TRIES", 1)
+        patch.setattr(speed, "_CHUNKS", 1)
+        patch.setattr(os, "fsync", lambda _: None)
+        yield
 
 
 @pytest.fixture(autouse=True)

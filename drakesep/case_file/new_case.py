@@ -30,6 +30,30 @@ def new_case(name: str, *, like: str | None = None, file: Path | None = None) ->
         ValueError: the name is not made of these, or that of a built-in case; there is
             no such built-in case; or the file is there.
     """
+    text = new_case_text(name, like=like)
+    file = Path(f"{name}.yaml") if file is None else file
+    try:
+        with file.open("x", encoding="utf-8") as stream:
+            stream.write(text)
+    except FileExistsError:
+        raise InputError(
+            f"output: must be a file that is not there yet, got {file}"
+        ) from None
+    return file
+
+
+def new_case_text(name: str, *, like: str | None = None) -> str:
+    """Return the text of a case file to start from.
+
+    Args:
+        name: of the case, of letters, digits, _ and -.
+        like: name of the built-in case that it begins as; a small one with comments if
+            None.
+
+    Raises:
+        ValueError: the name is not made of these, or that of a built-in case; or there
+            is no such built-in case.
+    """
     builtin = builtin_cases()
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", name):
         raise InputError(
@@ -39,17 +63,7 @@ def new_case(name: str, *, like: str | None = None, file: Path | None = None) ->
         raise InputError(f"name: must not be that of a built-in case, got {name!r}")
     if like is not None and like not in builtin:
         raise InputError(unknown("built-in case", like, builtin))
-    file = Path(f"{name}.yaml") if file is None else file
     if like is None:
-        text = _TEMPLATE.read_text(encoding="utf-8").replace("new_case", name)
-    else:
-        text = builtin[like].read_text(encoding="utf-8")
-        text = re.sub(r"^name: .*$", f'name: "{name}"', text, count=1, flags=re.M)
-    try:
-        with file.open("x", encoding="utf-8") as stream:
-            stream.write(text)
-    except FileExistsError:
-        raise InputError(
-            f"output: must be a file that is not there yet, got {file}"
-        ) from None
-    return file
+        return _TEMPLATE.read_text(encoding="utf-8").replace("new_case", name)
+    text = builtin[like].read_text(encoding="utf-8")
+    return re.sub(r"^name: .*$", f'name: "{name}"', text, count=1, flags=re.M)

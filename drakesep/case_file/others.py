@@ -54,7 +54,7 @@ def _check_mark(value: Any) -> Any:
     return value
 
 
-def _limited() -> dict[str, Metric | Quantity]:
+def limitable() -> dict[str, Metric | Quantity]:
     """Return what may be limited, by its name with unit.
 
     Quantities, and metrics: first those that requirements are usually on, whose limits
@@ -71,7 +71,7 @@ def _limited() -> dict[str, Metric | Quantity]:
 
 
 def _check_quantity(value: str) -> str:
-    *known, last = map(repr, _limited())
+    *known, last = map(repr, limitable())
     if repr(value) not in (*known, last):
         raise ValueError(f"must be {', '.join(known)} or {last}, got {value!r}")
     return value
@@ -258,13 +258,13 @@ class RequirementSection(Section):
 
     @property
     def _quantity(self) -> Quantity | None:
-        limited = _limited()[self.quantity]
+        limited = limitable()[self.quantity]
         return limited if isinstance(limited, Quantity) else None
 
     @property
     def metric(self) -> Metric:
         """That is limited."""
-        limited = _limited()[self.quantity]
+        limited = limitable()[self.quantity]
         if isinstance(limited, Metric):
             return limited
         when = self.when.in_names if isinstance(self.when, WhenSection) else self.when

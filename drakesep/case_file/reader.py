@@ -38,39 +38,71 @@ def load_case(source: str | Path) -> Case:
     Raises:
         CaseError: the file is missing, is not YAML, or does not describe a case.
     """
-    builtin = builtin_cases()
-    path = builtin.get(str(source), Path(source))
+    return read_case(
+        read_text(source),
+        folder=_path_of(source).parent,
+        source=_named(source),
+        said=f"{source}: ",
+    )
+
+
+def read_text(source: str | Path) -> str:
+    """Return what a case file, or the file of a built-in case, has in it.
+
+    Raises:
+        CaseError: the file is missing, or is no text.
+    """
     try:
-        text = _text_of(path)
+        return _text_of(_path_of(source))
     except (OSError, ValueError) as error:  # the latter of names that no file has, too
         reason = error.strerror if isinstance(error, OSError) else error
         if isinstance(error, UnicodeDecodeError):
             reason = "not a text file"
         raise CaseError(
             f"{source}: must be a readable case file or a built-in case "
-            f"({', '.join(builtin)}), got: {reason}"
+            f"({', '.join(builtin_cases())}), got: {reason}"
         ) from error
+
+
+def read_case(
+    text: str, *, folder: Path, source: str | None = None, said: str = ""
+) -> Case:
+    """Return the case that a text describes.
+
+    Args:
+        text: YAML.
+        folder: from which the files are named that it refers to.
+        source: the file, or the name if it is built in; None: none.
+        said: with which each line of an error begins.
+
+    Raises:
+        CaseError: the text is not YAML, or does not describe a case.
+    """
     try:
         data = read_yaml(text)
     except InputError as error:
-        raise CaseError(f"{source}: {error}") from error
+        raise CaseError(f"{said}{error}") from error
     if not isinstance(data, dict):
-        raise CaseError(f"{source}: must be a mapping of keys, got {shown(data)}")
+        raise CaseError(f"{said}must be a mapping of keys, got {shown(data)}")
     empty = list(_empty(data))
     if empty:
         wanted = "must have a value, got none"
-        raise CaseError("\n".join(f"{source}: {key}: {wanted}" for key in empty))
+        raise CaseError("\n".join(f"{said}{key}: {wanted}" for key in empty))
     try:
-        origin = Origin(_named(source, path, builtin), text)
-        context = {"folder": path.parent, "origin": origin}
+        context = {"folder": folder, "origin": Origin(source, text)}
         return Case.model_validate(data, context=context)
     except ValidationError as error:
-        raise explained(error, f"{source}: ") from error
+        raise explained(error, said) from error
 
 
-def _named(source: str | Path, path: Path, builtin: dict[str, Path]) -> str:
+def _path_of(source: str | Path) -> Path:
+    return builtin_cases().get(str(source), Path(source))
+
+
+def _named(source: str | Path) -> str:
     """Return by what a case is read again, from any directory."""
-    return str(source) if str(source) in builtin else str(path.absolute())
+    builtin = str(source) in builtin_cases()
+    return str(source) if builtin else str(Path(source).absolute())
 
 
 def analysis_case_of(case: Case | AnalysisCase | str | Path) -> AnalysisCase:

@@ -18,6 +18,7 @@ from ruamel.yaml.events import (
     Event,
     ScalarEvent,
 )
+from ruamel.yaml.nodes import Node
 
 from drakesep.systems.checks import InputError
 
@@ -55,6 +56,15 @@ def read_yaml(text: str) -> Any:
     # Of what says what it is and is something else, such as a month 13.
     except (ValueError, LookupError, TypeError, AttributeError) as error:
         raise InputError(f"must be YAML, got: {error}") from error
+
+
+def read_nodes(text: str) -> Node | None:
+    """Return the nodes of YAML text, which know where they stand; None of none.
+
+    Args:
+        text: that `read_yaml` has read.
+    """
+    return YAML(typ="safe", pure=True).compose(text)
 
 
 def _check(events: Iterable[Event]) -> None:

@@ -16,6 +16,7 @@ from drakesep.cli.report_command import report
 from drakesep.cli.run_commands import animate, clearance, simulate
 from drakesep.cli.search_commands import verify, worst_case
 from drakesep.cli.sweep_command import sweep
+from drakesep.cli.ui_command import ui
 
 
 app = typer.Typer(
@@ -55,6 +56,7 @@ _COMMANDS = (
     *(simulate, sweep, clearance, animate),
     *(worst_case, verify, prove, replay),
     *(report, compare, export),
+    ui,
 )
 for command in _COMMANDS:
     app.command(command.__name__.replace("_", "-"))(command)

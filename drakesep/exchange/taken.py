@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from drakesep.exchange.aem import attitudes_of, unit_length
 from drakesep.exchange.epochs import check_time_system, epoch_text, parse_epoch
@@ -16,6 +16,10 @@ from drakesep.exchange.oem import check_inertial, ephemeris_of
 from drakesep.files import check_readable
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
+
+
+if TYPE_CHECKING:  # takes a while, and few cases are taken from files
+    import pandas as pd
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,6 +128,8 @@ def _turned(history: AttitudeHistory) -> Array:
 
 def _of_table(file: Path, at: Decimal, run: str | None, body: str | None) -> TakenState:
     """Return what a table of ours says."""
+    import pandas as pd
+
     try:
         check_readable(file, _LARGEST)
         table = pd.read_csv(file, dtype=dict.fromkeys(_NAMES, str), na_filter=False)
@@ -164,8 +170,10 @@ def _of_table(file: Path, at: Decimal, run: str | None, body: str | None) -> Tak
     )
 
 
-def _numbers(file: Path, row: pd.Series, names: Sequence[str]) -> Array:
+def _numbers(file: Path, row: "pd.Series", names: Sequence[str]) -> Array:
     """Return what a row has in columns, all of which must be finite."""
+    import pandas as pd
+
     for name in names:
         found = pd.to_numeric(row[name], errors="coerce")
         if not np.isfinite(found):

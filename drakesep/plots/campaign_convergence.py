@@ -1,6 +1,7 @@
 """What more and more of a campaign's draws say of the share that is required."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -15,8 +16,8 @@ from drakesep.plots.style import wrapped
 
 _ROW = 2.0
 """Height of a panel, in."""
-_LINE = {"color": "#0072B2", "lw": 1.4, "marker": "o", "ms": 3}
-_INTERVAL = {"color": "#56B4E9", "alpha": 0.35, "lw": 0}
+_LINE: dict[str, Any] = {"color": "#0072B2", "lw": 1.4, "marker": "o", "ms": 3}
+_INTERVAL: dict[str, Any] = {"color": "#56B4E9", "alpha": 0.35, "lw": 0}
 _AWAY = 2.0
 """A limit that is further from the values than so many of their spans is only told."""
 _OF = ["requirement", "axis", "pair", "sense", "limit"]

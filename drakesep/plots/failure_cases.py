@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drakesep.analysis.metrics.requirements import Verdict
-from drakesep.plots.limits import LIMIT
+from drakesep.plots.limits import LIMIT, SIGNS
 from drakesep.plots.style import COLOURS, save_plot, wrapped
 from drakesep.tables.failure_tables import CASE, margin_share
 
@@ -120,6 +120,6 @@ def _draw(axes: Axes, mine: pd.DataFrame, cell: float) -> None:
     axes.grid(axis="x", alpha=0.3)
     name = f"{first['requirement']} {first['axis']}".strip()
     whose = f", {first['pair']}" if first["pair"] else ""
-    limit = f"{first['sense']} {first['limit']:.6g} {first['unit']}".strip()
+    limit = f"{SIGNS[first['sense']]} {first['limit']:.6g} {first['unit']}".strip()
     text = f"{name}{whose}: {limit}" + (f" ({first['id']})" if first["id"] else "")
     axes.set_title(wrapped(text, cell - 0.4, 8), fontsize=8)

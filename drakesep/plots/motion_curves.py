@@ -8,8 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from drakesep.analysis.metrics.metric import Window
-from drakesep.analysis.metrics.of_run import body_of, time_of
 from drakesep.plots.layout import Entry
 from drakesep.plots.limits import LIMIT
 from drakesep.plots.panels import Panel
@@ -120,20 +118,11 @@ def _draw_limit(axes: Axes, panel: Panel, decided: Decided) -> None:
     sides = [limit]
     if metric.is_magnitude and axes.dataLim.y0 < -0.2 * limit:
         sides.append(-limit)
-    start, end = _window(decided)
+    start, end = decided.window
     # What holds at a moment is drawn until then.
     span = (start if start < end else 0.0, end)
     for side in sides:
         axes.plot(span, (side, side), **LIMIT)
-
-
-def _window(decided: Decided) -> tuple[float, float]:
-    """Return when a requirement holds in the run that decides it, s."""
-    when, run = decided.metric.when, decided.run.run
-    body = body_of(decided.metric, run.separation)
-    ends = when[:2] if isinstance(when, Window) else (when, when)
-    start, end = (min(time_of(t, run, body), run.separation.duration) for t in ends)
-    return start, end
 
 
 def _mark(axes: Axes, panel: Panel, decided: Decided, curve: Line2D) -> None:
@@ -142,7 +131,7 @@ def _mark(axes: Axes, panel: Panel, decided: Decided, curve: Line2D) -> None:
     if math.isnan(worst):
         return
     time, values = (np.asarray(x, float) for x in curve.get_data())
-    start, end = _window(decided)
+    start, end = decided.window
     away = np.abs((np.abs(values) if decided.metric.is_magnitude else values) - worst)
     away[(time < start - NANOSECOND) | (time > end + NANOSECOND)] = np.inf
     if np.isinf(away).all():  # a moment between samples

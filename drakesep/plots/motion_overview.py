@@ -4,6 +4,7 @@ Rates and angles, after the paper's Fig. 7, and the relative velocity of its Fig
 """
 
 import math
+from typing import Any
 
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
@@ -33,7 +34,7 @@ def overview_figure(shown: ShownRuns, pair: Pair, width: float) -> Figure:
     """Return signals of a body that leaves, with what is required of them.
 
     A panel shows the nominal, worst cases of objectives, and the runs that decide what
-    is required of its signal.
+    is required of its signal, or of one along no axis.
 
     Args:
         shown: the runs of a study, and those that decide requirements.
@@ -44,8 +45,12 @@ def overview_figure(shown: ShownRuns, pair: Pair, width: float) -> Figure:
     panels = panels_of(OVERVIEW, separation, pair, shown.decided)
     compared = [o for o in shown.compared if OVERVIEW.concerns(o, separation, pair.B)]
     everywhere = drawn_everywhere(shown.reference, compared)
+    along_none = [p for p in panels if p.column is None]
     drawn_in = [
-        with_deciding(everywhere, [decided.run for decided in panel.decided])
+        with_deciding(
+            everywhere,
+            [d.run for other in (panel, *along_none) for d in other.decided],
+        )
         for panel in panels
     ]
     labels, lines = zip(*legend_entries(everywhere, panels, drawn_in), strict=True)
@@ -70,8 +75,9 @@ def overview_figure(shown: ShownRuns, pair: Pair, width: float) -> Figure:
             grid.flat[k].set_xlabel("time (s)", fontsize=_LETTERS)
     for axes in grid.flat[len(panels) :]:
         axes.set_visible(False)
+    handles: list[Any] = [tuple(several) for several in lines]
     figure.legend(
-        [tuple(several) for several in lines],
+        handles,
         labels,
         handler_map={tuple: HandlerTuple(ndivide=None)},
         handlelength=2.5,

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import NamedTuple, Self
 
 from drakesep.analysis.analysis_case import AnalysisCase
-from drakesep.analysis.metrics.metric import Metric
-from drakesep.analysis.metrics.of_run import body_of
+from drakesep.analysis.metrics.metric import Metric, Window
+from drakesep.analysis.metrics.of_run import body_of, time_of
 from drakesep.analysis.metrics.registry import find_metric, registered_metrics
 from drakesep.analysis.metrics.requirements import Finding, assess
 from drakesep.systems.model.run import Run
@@ -22,6 +22,15 @@ class Decided(NamedTuple):
     axis: str
     finding: Finding
     run: LabelledRun
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """When it holds in that run, s; both are the same of what holds at a moment."""
+        when, run = self.metric.when, self.run.run
+        body = body_of(self.metric, run.separation)
+        ends = when[:2] if isinstance(when, Window) else (when, when)
+        start, end = (min(time_of(t, run, body), run.separation.duration) for t in ends)
+        return start, end
 
 
 @dataclass(frozen=True, kw_only=True)

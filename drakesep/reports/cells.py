@@ -30,8 +30,11 @@ INPUTS = frozenset(
 """Columns of what was asked, and of shares whose last digits matter."""
 _SIGNED = frozenset({"sense", "decides"})
 """Columns that have the sense of a limit, which is shown by its sign."""
-_KEPT = frozenset({"unit", "limit"})
-"""Headings of what is not broken into lines."""
+_KIND = {
+    **{"unit": "whole", "limit": "whole"},
+    **{"nearest requirement": "wide", "what has failed": "wide"},
+}
+"""By headings: what is not broken into lines, and what needs room."""
 BEYOND = "beyond"
 """A value beyond its limit."""
 NOTHING = "\N{EN DASH}"
@@ -143,7 +146,7 @@ class Heading:
     @property
     def kind(self) -> str:
         """How the cells below it look, as `Cell.kind`."""
-        return "whole" if self.text in _KEPT else ""
+        return _KIND.get(self.text, "")
 
 
 @dataclass(frozen=True, slots=True)

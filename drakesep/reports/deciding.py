@@ -65,12 +65,13 @@ def disproves(drawn: Row, share: Cell) -> bool:
         share: that is required; empty: every run must.
     """
     asked = drawn.get("share", 1.0)
-    return drawn.get("verdict") == _NOT_MET and asked <= (share.value if share else 1.0)
+    is_broken = drawn.get("verdict") == _NOT_MET
+    return bool(is_broken and asked <= (share.value if share else 1.0))
 
 
 def _is_beyond(row: Row, column: str) -> bool:
     """Return whether a margin tells that a limit is not kept."""
-    margin = row.get(column, math.inf)
+    margin = float(row.get(column, math.inf))
     return margin < 0.0 or (margin == 0.0 and row.get("sense") in ("<", ">"))
 
 

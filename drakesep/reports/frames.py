@@ -90,10 +90,10 @@ class InertialFrame:
             "frame": "" if orbit.frame else name,
             "epoch": "" if orbit.epoch else start,
             "time_system": "" if orbit.epoch else system,
-            "plane": "" if plane is None else ", ".join(f"{x:.17g}" for x in plane),
+            "plane": "" if plane is None else ", ".join(map(_plain, plane)),
         }
-        given = {key: value for key, value in said.items() if value}
-        return cls(orbit=placed, epoch=parse_epoch("epoch", start), given=given)
+        alone = {key: value for key, value in said.items() if value}
+        return cls(orbit=placed, epoch=parse_epoch("epoch", start), given=alone)
 
 
 def _one(name: str, of_case: str | None, given: str | None) -> str:
@@ -108,3 +108,8 @@ def _one(name: str, of_case: str | None, given: str | None) -> str:
     if not told:
         raise InputError(f"{name}: must be given, where the case has none, got none")
     return told
+
+
+def _plain(angle: float) -> str:
+    """Return an angle with all its digits, and no more."""
+    return repr(float(angle)).removesuffix(".0")

@@ -3,8 +3,7 @@
 import gzip
 from collections.abc import Mapping
 from pathlib import Path
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from drakesep.analysis.metrics.objectives import Objective
 from drakesep.analysis.tolerances.box import Dispersion
@@ -21,6 +20,10 @@ from drakesep.analysis.tolerances.distributions import (
 from drakesep.analysis.tolerances.sides import Sides
 from drakesep.files import written
 from drakesep.units import SI, Unit, unit_of, with_unit
+
+
+if TYPE_CHECKING:  # half a second, and case files are read without it
+    import pandas as pd
 
 
 def unit_of_objective(objective: Objective) -> Unit:
@@ -81,7 +84,7 @@ def _extent_text(sides: Sides, unit: Unit) -> str:
     return f"{-unit.from_si(sides.minus):g} {unit.from_si(sides.plus):+g}"
 
 
-def write_csv(frame: pd.DataFrame, path: Path) -> None:
+def write_csv(frame: "pd.DataFrame", path: Path) -> None:
     """Write a table; its floats are written to read back exactly.
 
     Args:
@@ -100,8 +103,10 @@ _LEVEL = 1
 """Of compression: 9 takes ten times as long for a tenth less."""
 
 
-def read_table(file: str | Path) -> pd.DataFrame:
+def read_table(file: str | Path) -> "pd.DataFrame":
     """Return a table that `write_csv` has written; floats are read back exactly."""
+    import pandas as pd
+
     return pd.read_csv(file)
 
 

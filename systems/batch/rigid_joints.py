@@ -115,7 +115,7 @@ class BatchRigidJoints:
             for index in (self._indices(group) for group in tree.groups)
         ]
         roots, x = groups[0].bodies, bodies.q_WB[0][0]
-        on_outboard, on_roots = hold_tree(
+        of_branches, on_roots = hold_tree(
             tree,
             groups,
             [self._place(kind, params) for kind in self._branches],
@@ -125,17 +125,13 @@ class BatchRigidJoints:
             ),
         )
         total = WrenchSum(bodies)
-        for branch, wrench in zip(tree.branches, on_outboard, strict=True):
-            inboard = _outward(groups[branch.inboard].bodies, branch)
-            outboard = groups[branch.group].bodies
-            arm = vectors.subtract(outboard.p_WBo, inboard.p_WBo)
-            back = reaction(shifted_wrench(wrench, arm))
+        for branch, (outboard, inboard) in zip(tree.branches, of_branches, strict=True):
             carriers = [tree.groups[branch.inboard][row] for row in branch.rows]
             for k, (b, a) in enumerate(
                 zip(tree.groups[branch.group], carriers, strict=True)
             ):
-                total.add(self._joints.bodies[b], pick(wrench, k))
-                total.add(self._joints.bodies[a], pick(back, k))
+                total.add(self._joints.bodies[b], pick(outboard, k))
+                total.add(self._joints.bodies[a], pick(inboard, k))
         for k, wrench in on_roots.items():
             total.add(self._joints.bodies[tree.groups[0][k]], wrench)
         return total.wrench
@@ -254,8 +250,8 @@ class _LaneRows(Settler):
         """Return what inboard bodies have, for each outboard body of a branch."""
         return _outward(values, branch)
 
-    def inward(self, values: Any, branch: Branch, count: int) -> Any:
-        """Return what outboard bodies give to each of so many inboard ones, summed."""
+    def inward(self, branch: Branch, count: int) -> Callable[[Any], Any]:
+        """Return how outboard bodies give something to so many inboard ones."""
         of_each = [
             [k for k, row in enumerate(branch.rows) if row == inboard]
             for inboard in range(count)
@@ -269,7 +265,7 @@ class _LaneRows(Settler):
             ]
             return sums[0] if count == 1 else jnp.concatenate(sums)
 
-        return jax.tree.map(total, values)
+        return lambda values: jax.tree.map(total, self.held(values, branch))
 
     def law(self, law: Callable[..., Any], *fixed: Any) -> Callable[..., Any]:
         """Return a law, some of whose first arguments are fixed."""

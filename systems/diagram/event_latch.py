@@ -47,8 +47,8 @@ class LatchingSystem(LeafSystem):
         )
 
     @abstractmethod
-    def _due(self, context: Context, t: float) -> list[float]:
-        """Return the values that are to be latched at a time, s."""
+    def _due(self, context: Context, latched: list[float], t: float) -> list[float]:
+        """Return the values that are to be latched at a time, s, after what is."""
 
     @abstractmethod
     def _is_waiting(self, latched: list[float]) -> bool:
@@ -89,7 +89,7 @@ class LatchingSystem(LeafSystem):
         latched = self._get_latched(context)
         if not self._is_waiting(latched):
             return EventStatus.DidNothing()
-        due = self._due(context, context.get_time())
+        due = self._due(context, latched, context.get_time())
         if not (
             due != latched or self._is_starting(context) or self._needs_age(context)
         ):
@@ -108,7 +108,8 @@ class LatchingSystem(LeafSystem):
             if now - start <= _STEP_MIN:
                 return False
         just_before = math.nextafter(now, -math.inf)
-        return self._due(context, just_before) != self._get_latched(context)
+        latched = self._get_latched(context)
+        return self._due(context, latched, just_before) != latched
 
     def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
         """Return one for all, while something can become due.

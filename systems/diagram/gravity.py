@@ -1,17 +1,17 @@
 """Gravity in the freely falling world."""
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 from pydrake.systems.framework import Context, LeafSystem
 
 from drakesep.systems.diagram.rows import Rows
-from drakesep.systems.diagram.state_layout import StateLayout
+from drakesep.systems.diagram.state_layout import BodyStates, StateLayout
 from drakesep.systems.diagram.wrenches import Forces, WrenchSum
-from drakesep.systems.equations import gravity as gravity_laws
+from drakesep.systems.equations.gravity import gravity_wrench
 from drakesep.systems.equations.kepler import Ellipse, ellipse, orbit_position
-from drakesep.systems.equations.relative_motion import BodyState
+from drakesep.systems.equations.relative_motion import BodyState, Wrench
+from drakesep.systems.equations.straight_line import LINE_OPS, straight_line
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import Symmetric, Vector
@@ -48,10 +48,15 @@ class _Field(NamedTuple):
     orbit: Ellipse
     masses: list[MassRow]
 
-    def __call__(self, bodies: Sequence[BodyState], t: float, total: WrenchSum) -> None:
+    def __call__(self, bodies: BodyStates, t: float, total: WrenchSum) -> None:
         r_W = orbit_position(t, self.orbit, math)
-        for i, (body, row) in enumerate(zip(bodies, self.masses, strict=True)):
-            total.add(i, gravity_laws.gravity_wrench(body, *row, r_W, self.mu, math))
+        on_body = straight_line(_on_body)
+        for i, row in enumerate(self.masses):
+            total.add(i, on_body(bodies[i], row, r_W, self.mu))
+
+
+def _on_body(body: BodyState, row: MassRow, r_W: Vector, mu: float) -> Wrench:
+    return gravity_wrench(body, *row, r_W, mu, LINE_OPS)
 
 
 class Gravity(LeafSystem):

@@ -1,13 +1,13 @@
 """The attachments' joints by constraint forces (CFE)."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drakesep.systems.diagram.rows import Rows
-from drakesep.systems.diagram.state_layout import StateLayout
+from drakesep.systems.diagram.state_layout import BodyStates, StateLayout
 from drakesep.systems.diagram.wrenches import Forces, WrenchSum
 from drakesep.systems.equations import joints as joint_laws
 from drakesep.systems.equations import relative_motion as motion_laws
@@ -82,7 +82,7 @@ class _Held(NamedTuple):
     joints: list[tuple[int, HeldJoint]]
     """The joints, each with the index of its attachment."""
 
-    def pulled(self, bodies: Sequence[BodyState]) -> _Pulled:
+    def pulled(self, bodies: BodyStates) -> _Pulled:
         """Return what they do."""
         A, B = bodies[self.a], bodies[self.b]
         motion = motion_laws.pair_state(A, B)
@@ -95,7 +95,7 @@ class _Held(NamedTuple):
         ]
         return _Pulled(A, motion, turn, joints)
 
-    def __call__(self, bodies: Sequence[BodyState], t: float, total: WrenchSum) -> None:
+    def __call__(self, bodies: BodyStates, t: float, total: WrenchSum) -> None:
         A, motion, turn, joints = self.pulled(bodies)
         force, torque, moment = _ZERO, _ZERO, _ZERO
         for _, joint, r_A, pull in joints:
@@ -183,7 +183,7 @@ class CfeBushing(LeafSystem):
 
     def _pulled(self, context: Context) -> Iterator[_Pulled]:
         held = self._forces.eval(context)
-        bodies = self._forces.read_bodies(context) if held else []
+        bodies = self._forces.read_bodies(context)
         return (pair.pulled(bodies) for pair in held)
 
     def _calc_loads(self, context: Context, output: BasicVector) -> None:

@@ -1,17 +1,15 @@
 """Thrusters, retro-rockets and disturbances: forces and torques over time."""
 
 from bisect import bisect_right
-from collections.abc import Sequence
 from typing import NamedTuple
 
 from pydrake.systems.framework import Context
 
 from drakesep.systems.diagram.event_latch import LatchingSystem
 from drakesep.systems.diagram.rows import Rows
-from drakesep.systems.diagram.state_layout import StateLayout
+from drakesep.systems.diagram.state_layout import BodyStates, StateLayout
 from drakesep.systems.diagram.wrenches import Forces, WrenchSum
 from drakesep.systems.equations import loads as load_laws
-from drakesep.systems.equations.relative_motion import BodyState
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import Vector
@@ -47,7 +45,7 @@ class _Ramp(NamedTuple):
     torques: tuple[Vector, ...]
     factor: float
 
-    def __call__(self, bodies: Sequence[BodyState], t: float, total: WrenchSum) -> None:
+    def __call__(self, bodies: BodyStates, t: float, total: WrenchSum) -> None:
         s = min(max(0.0, (t - self.start) / (self.end - self.start)), 1.0)
         force, torque = (
             load_laws.between_rows(before, after, s, self.factor)
@@ -129,8 +127,16 @@ class Loads(LatchingSystem):
             n < len(load.times) for n, load in zip(latched, self._loads, strict=True)
         )
 
-    def _due(self, context: Context, t: float) -> list[float]:
-        passed = self._get_latched(context)
+    def _needs_age(self, context: Context) -> bool:
+        # Until it has begun, a load after a release may be due with that.
+        begun = self._get_latched(context)
+        return any(
+            after is not None and not n
+            for n, after in zip(begun, self._after, strict=True)
+        )
+
+    def _due(self, context: Context, latched: list[float], t: float) -> list[float]:
+        passed = [*latched]
         for k, (load, begin) in enumerate(
             zip(self._loads, self._begins(context), strict=True)
         ):

@@ -16,9 +16,10 @@ from drakesep.systems.equations.mated_stack import (
 )
 from drakesep.systems.equations.pushers import push_displacement
 from drakesep.systems.equations.relative_motion import BodyState
+from drakesep.systems.equations.straight_line import LINE_OPS, straight_line
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
-from drakesep.systems.vectors import Quaternion, Vector, dot, rotate, subtract
+from drakesep.systems.vectors import Ops, Quaternion, Vector, dot, rotate, subtract
 
 
 _UP = 0.5
@@ -42,6 +43,46 @@ class ReleaseRow(NamedTuple):
     """m."""
     p_BoPad_B: Vector
     """The pad on its B, m."""
+
+
+class _Move(NamedTuple):
+    """How a joint has moved in the direction that its type leaves free."""
+
+    limit: float
+    """At which it lets go, m or rad."""
+    value: float
+    """How far it has, m or rad."""
+    rate: float
+    """How fast it does."""
+
+    @property
+    def is_far_enough(self) -> bool:
+        """Whether it is to let go."""
+        return abs(self.value) >= self.limit
+
+    @property
+    def time_left(self) -> float:
+        """How long until it will, as fast as it moves now, s."""
+        if self.is_far_enough:
+            return 0.0
+        approach = math.copysign(self.rate, self.value * self.rate)
+        return (self.limit - abs(self.value)) / approach if approach > 0.0 else math.inf
+
+
+def _moves(
+    ops: Ops, slides: bool, turns: bool, A: BodyState, B: BodyState, row: ReleaseRow
+) -> tuple[_Move, ...]:
+    """Return how far a joint has slid and turned, if it is to let go by that."""
+    moves: tuple[_Move, ...] = ()
+    axis_A = row.x_axis_A
+    if slides:
+        slid = push_displacement(A, B, row.p_AoPad_A, row.p_BoPad_B, axis_A)
+        moves += (_Move(row.release_travel, *slid),)
+    if turns:
+        angle = joint_laws.twist_angle(A.q_WB, B.q_WB, row.q_AB, axis_A, ops)
+        rate = dot(rotate(A.R_WB, axis_A), subtract(B.w_WB, A.w_WB))
+        moves += (_Move(row.release_angle, angle, rate),)
+    return moves
 
 
 class Release(LatchingSystem):
@@ -76,8 +117,14 @@ class Release(LatchingSystem):
         self._by_motion = [
             i for i, a in enumerate(separation.attachments) if a.released_by_motion
         ]
-        self._by_angle = [
-            math.isfinite(a.release_angle) for a in separation.attachments
+        self._laws = [
+            straight_line(
+                _moves,
+                LINE_OPS,
+                math.isfinite(a.release_travel),
+                math.isfinite(a.release_angle),
+            )
+            for a in separation.attachments
         ]
         self._layout = layout
         self._state = self.DeclareVectorInputPort("plant_state", layout.size)
@@ -95,34 +142,16 @@ class Release(LatchingSystem):
         """Return the names of the parameters that the rows are made of."""
         return {*names_of(separation.attachments, ReleaseRow._fields)}
 
-    def is_due_by_motion(self, context: Context) -> bool:
-        """Return whether an attachment holds that has turned or slid far enough."""
-        released = self._get_latched(context)
-        return any(
-            math.isinf(released[i]) and self._has_moved(context, i)
-            for i in self._by_motion
-        )
-
     def time_left(self, context: Context) -> float:
         """Return when the next attachment will have moved far enough, s from now.
 
-        As fast as its joint moves now; infinite if none that waits for it does so.
+        As fast as its joint moves now; 0 if it has moved far enough, infinite if none
+        that waits for it does so.
         """
         released = self._get_latched(context)
         waiting = [i for i in self._by_motion if math.isinf(released[i])]
-        return min((self._time_left(context, i) for i in waiting), default=math.inf)
-
-    def _time_left(self, context: Context, i: int) -> float:
-        row = self._rows.read(context)[i]
-        lefts = []
-        for limit, (value, rate) in (
-            (row.release_travel, self._slid(context, i)),
-            (row.release_angle, self._turned(context, i)),
-        ):
-            approach = math.copysign(rate, value * rate)
-            if math.isfinite(limit) and approach > 0.0:
-                lefts.append((limit - abs(value)) / approach)
-        return min(lefts, default=math.inf)
+        moves = [move for i in waiting for move in self._moves(context, i)]
+        return min((move.time_left for move in moves), default=math.inf)
 
     def _get_command(self, context: Context) -> list[bool] | None:
         """Return which attachments are commanded to let go; None: by schedule."""
@@ -139,33 +168,14 @@ class Release(LatchingSystem):
 
     def _has_moved(self, context: Context, i: int) -> bool:
         """Return whether an attachment's joint has turned, or slid, far enough."""
-        row = self._rows.read(context)[i]
-        travel, _ = self._slid(context, i)
-        if abs(travel) >= row.release_travel:
-            return True
-        if not self._by_angle[i]:
-            return False
-        angle, _ = self._turned(context, i)
-        return abs(angle) >= row.release_angle
+        return any(move.is_far_enough for move in self._moves(context, i))
 
-    def _slid(self, context: Context, i: int) -> tuple[float, float]:
-        """Return how far an attachment's joint has slid, m, and how fast, m/s."""
-        row = self._rows.read(context)[i]
-        place = row.p_AoPad_A, row.p_BoPad_B, row.x_axis_A
-        return push_displacement(*self._read_ends(context, i), *place)
-
-    def _turned(self, context: Context, i: int) -> tuple[float, float]:
-        """Return how far it has turned, rad, and how fast, rad/s."""
-        row = self._rows.read(context)[i]
-        A, B = self._read_ends(context, i)
-        angle = joint_laws.twist_angle(A.q_WB, B.q_WB, row.q_AB, row.x_axis_A, math)
-        rate = dot(rotate(A.R_WB, row.x_axis_A), subtract(B.w_WB, A.w_WB))
-        return angle, rate
-
-    def _read_ends(self, context: Context, i: int) -> tuple[BodyState, BodyState]:
-        x = self._state.Eval(context).tolist()
-        a, b = self._ends[i]
-        return self._layout.read_one(x, a), self._layout.read_one(x, b)
+    def _moves(self, context: Context, i: int) -> tuple[_Move, ...]:
+        """Return how far an attachment's joint has moved, by what lets go of it."""
+        bodies = self._layout.bodies(self._state.Eval(context).tolist())
+        A, B = (bodies[end] for end in self._ends[i])
+        moves: tuple[_Move, ...] = self._laws[i](A, B, self._rows.read(context)[i])
+        return moves
 
     def _is_waiting(self, latched: list[float]) -> bool:
         return any(map(math.isinf, latched))
@@ -174,8 +184,8 @@ class Release(LatchingSystem):
         # A command may come from an event of this instant.
         return self._get_command(context) is not None
 
-    def _due(self, context: Context, t: float) -> list[float]:
-        released = self._get_latched(context)
+    def _due(self, context: Context, latched: list[float], t: float) -> list[float]:
+        released = [*latched]
         command = self._get_command(context)
         rows = self._rows.read(context)
         for i, before in enumerate(released):

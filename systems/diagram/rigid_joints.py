@@ -1,7 +1,7 @@
 """The rigid joints as a Drake system."""
 
 import math
-from collections.abc import Mapping
+from typing import NamedTuple
 
 from pydrake.common.value import AbstractValue, Value
 from pydrake.systems.framework import (
@@ -9,18 +9,15 @@ from pydrake.systems.framework import (
     Context,
     EventStatus,
     LeafSystem,
-    ValueProducer,
 )
 
 from drakesep.systems.checks import InputError
 from drakesep.systems.diagram.rows import Rows
-from drakesep.systems.diagram.state_layout import StateLayout
+from drakesep.systems.diagram.state_layout import BodyStates, StateLayout
+from drakesep.systems.diagram.wrenches import WrenchSum
+from drakesep.systems.equations import rigid_joints as rigid_joint_laws
 from drakesep.systems.equations.articulated_inertia import Massive
-from drakesep.systems.equations.holding_joints import (
-    HoldingJoints,
-    joints_that_hold,
-    wrenches_on_bodies,
-)
+from drakesep.systems.equations.holding_joints import HoldingJoints, joints_that_hold
 from drakesep.systems.equations.load_sharing import joint_shares
 from drakesep.systems.equations.relative_motion import BodyState, Wrench
 from drakesep.systems.equations.rigid_joints import (
@@ -37,16 +34,31 @@ _APART = 1e-3
 bring them there as slowly as they turn."""
 
 
-class _Solved:
-    """What the joints that hold do at a moment; written in place.
+class _Holds(NamedTuple):
+    """The rigid joints that hold."""
 
-    A value that is set is copied, all that it holds.
-    """
+    joints: rigid_joint_laws.RigidJoints
+    holding: HoldingJoints
 
-    bodies: Mapping[int, BodyState]
-    """By their places among the joined ones, those that are held."""
-    edges: Mapping[int, Wrench]
-    """On B of each edge that holds."""
+    def solve(
+        self, bodies: BodyStates, others: WrenchSum
+    ) -> tuple[dict[int, BodyState], dict[int, tuple[Wrench, Wrench]]]:
+        """Return the bodies that they hold, and the wrenches on A and B of each edge.
+
+        Args:
+            bodies: of the separation.
+            others: all else that acts on them.
+        """
+        places = [(body, self.joints.bodies[body]) for body in self.holding.bodies]
+        held = {body: bodies[i] for body, i in places}
+        wrenches = {body: others.wrenches[i] for body, i in places}
+        return held, self.holding.wrenches(held, wrenches)
+
+    def __call__(self, bodies: BodyStates, t: float, total: WrenchSum) -> None:
+        _, edges = self.solve(bodies, total)
+        for edge, on_ends in edges.items():
+            for body, wrench in zip(self.joints.edges[edge], on_ends, strict=True):
+                total.add(self.joints.bodies[body], wrench)
 
 
 class RigidJoints(LeafSystem):
@@ -66,8 +78,8 @@ class RigidJoints(LeafSystem):
             each of the m bodies: of all else that acts on them.
 
     Output ports:
-        wrenches: (6 m,) N m and N in W: likewise, of the joints alone.
-        total: (6 m,) N m and N in W: both together.
+        acting: abstract: what acts until an event changes it, for a `ForceSum`, after
+            all else.
         loads: (6 n,) N m and N in the joints' frames: torque and force of each joint on
             B at its pad; zero after release, and where it is not rigid.
 
@@ -96,26 +108,13 @@ class RigidJoints(LeafSystem):
         self._masses = Rows(self, self._mass_rows(separation))
         self._scales = Rows(self, self._joints.scales)
 
-        self._holding = self.DeclareCacheEntry(
-            "holding",
-            ValueProducer(allocate=Value[object], calc=self._calc_holding),
+        self._acting = self.DeclareAbstractOutputPort(
+            "acting",
+            lambda: Value[object](),
+            self._calc_acting,
             {self._released.ticket(), self.all_parameters_ticket()},
         )
-        self._solved = self.DeclareCacheEntry(
-            "solved",
-            ValueProducer(
-                allocate=lambda: Value[object](_Solved()), calc=self._calc_solved
-            ),
-            {
-                self._state.ticket(),
-                self._others.ticket(),
-                self._released.ticket(),
-                self.all_parameters_ticket(),
-            },
-        )
         self.DeclareInitializationPublishEvent(self._check_start)
-        self.DeclareVectorOutputPort("wrenches", size, self._calc_wrenches)
-        self.DeclareVectorOutputPort("total", size, self._calc_total)
         self.DeclareVectorOutputPort("loads", 6 * count, self._calc_loads)
 
     def set_joints(self, context: Context, separation: Separation) -> None:
@@ -136,13 +135,16 @@ class RigidJoints(LeafSystem):
         bodies = [separation.bodies[i] for i in self._joints.bodies]
         return [Massive(b.mass, b.p_BoBcm_B, tuple(b.I_BBcm_B)) for b in bodies]
 
-    def _calc_holding(self, context: Context, output: AbstractValue) -> None:
+    def _calc_acting(self, context: Context, output: AbstractValue) -> None:
         held = joints_that_hold(
             self._joints, self._places.read(context), self._held(context)
         )
+        if not held:
+            output.set_value([])
+            return
         joints = self._joints._replace(scales=self._scales.read(context))
-        masses = self._masses.read(context)
-        output.set_value(HoldingJoints(joints, masses, held) if held else None)
+        holding = HoldingJoints(joints, self._masses.read(context), held)
+        output.set_value([_Holds(joints, holding)])
 
     def _held(self, context: Context) -> frozenset[int]:
         """Return which attachments hold."""
@@ -165,60 +167,19 @@ class RigidJoints(LeafSystem):
                     )
         return EventStatus.DidNothing()
 
-    def _calc_solved(self, context: Context, output: AbstractValue) -> None:
-        holding: HoldingJoints = self._holding.Eval(context)
-        solved: _Solved = output.get_mutable_value()
-        x = self._state.Eval(context).tolist()
-        entries = self._others.Eval(context).tolist()
-        indices = {body: self._joints.bodies[body] for body in holding.bodies}
-        solved.bodies = {
-            body: self._layout.read_one(x, i) for body, i in indices.items()
-        }
-        others = {
-            body: Wrench(
-                tuple(entries[6 * i : 6 * i + 3]), tuple(entries[6 * i + 3 : 6 * i + 6])
-            )
-            for body, i in indices.items()
-        }
-        solved.edges = holding.wrenches(solved.bodies, others)
-
-    def _eval_solved(self, context: Context) -> _Solved | None:
-        """Return what the joints do; None if none holds."""
-        if self._holding.Eval(context) is None:
-            return None
-        solved: _Solved = self._solved.Eval(context)
-        return solved
-
-    def _add_wrenches(self, solved: _Solved, entries: list[float]) -> list[float]:
-        each = wrenches_on_bodies(self._joints, solved.edges, solved.bodies)
-        for body, (torque, force) in each.items():
-            first = 6 * self._joints.bodies[body]
-            for k, value in enumerate((*torque, *force), start=first):
-                entries[k] += value
-        return entries
-
-    def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
-        output.SetZero()
-        solved = self._eval_solved(context)
-        if solved is not None:
-            output.SetFromVector(self._add_wrenches(solved, [0.0] * output.size()))
-
-    def _calc_total(self, context: Context, output: BasicVector) -> None:
-        others, solved = self._others.Eval(context), self._eval_solved(context)
-        if solved is not None:
-            others = self._add_wrenches(solved, others.tolist())
-        output.SetFromVector(others)
-
     def _calc_loads(self, context: Context, output: BasicVector) -> None:
         loads = [0.0] * output.size()
-        solved = self._eval_solved(context)
-        if solved is not None:
+        for holds in self._acting.Eval(context):
+            bodies = self._layout.bodies(self._state.Eval(context).tolist())
+            others = WrenchSum(len(self._layout.starts))
+            others.add_entries(self._others.Eval(context).tolist())
+            held, edges = holds.solve(bodies, others)
             shares = joint_shares(
                 self._joints,
                 self._places.read(context),
                 self._held(context),
-                solved.bodies,
-                solved.edges,
+                held,
+                edges,
             )
             for i, (torque, force) in shares.items():
                 loads[6 * i : 6 * i + 6] = [*torque, *force]

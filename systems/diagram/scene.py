@@ -12,7 +12,8 @@ from drakesep.systems.diagram.pushing_pieces import (
     pushing_pieces,
     smallest_area,
 )
-from drakesep.systems.geometry.illustration import colour_of, illustration_of
+from drakesep.systems.geometry.colours import colour_of
+from drakesep.systems.geometry.illustration import illustration_of
 from drakesep.systems.model.part_pairs import part_pairs
 from drakesep.systems.model.separation import Separation
 

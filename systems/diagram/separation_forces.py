@@ -3,7 +3,13 @@
 import math
 from collections.abc import Mapping
 
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
+from pydrake.systems.framework import (
+    Context,
+    Diagram,
+    DiagramBuilder,
+    OutputPort,
+    System,
+)
 from pydrake.systems.primitives import Adder
 
 from drakesep.systems.argument_types import typed
@@ -32,11 +38,11 @@ class SeparationForces(Diagram):
     Context with `set_separation`, so that a run is varied without a rebuild.
 
     Subsystems: ``release``, ``springs``, ``cfe_bushing``, ``force_sum``,
-    ``motion_analysis``; and ``loads``, ``gravity`` and ``rigid_joints`` if the
-    separation has loads, an orbit or rigid joints. For each other body that leaves
-    there is one more motion analysis, with outputs like the last eight that have its
-    name before theirs, as ``satellite_rate``. Bodies that are watched have a
-    ``mass_watch``.
+    ``motion_analysis``; and ``loads``, ``gravity``, and ``rigid_joints`` with
+    ``force_sum_with_joints``, if the separation has loads, an orbit or rigid joints.
+    For each other body that leaves there is one more motion analysis, with outputs like
+    the last eight that have its name before theirs, as ``satellite_rate``. Bodies that
+    are watched have a ``mass_watch``.
 
     Input ports:
         plant_state: (s,) 1, m, rad/s and m/s in W: state of the plant, in which the
@@ -129,19 +135,29 @@ class SeparationForces(Diagram):
                 "gravity", Gravity(separation, layout)
             )
             forces.append(self._gravity)
-        total = builder.AddNamedSystem("force_sum", ForceSum(layout, len(forces)))
-        for i, system in enumerate(forces):
-            builder.Connect(
-                system.GetOutputPort("acting"), total.GetInputPort(f"acting_{i}")
+        sums = []
+
+        def add_sum(name: str) -> OutputPort:
+            """Return the wrenches of all that acts."""
+            total: ForceSum = builder.AddNamedSystem(
+                name, ForceSum(layout, len(forces), external=external_wrenches)
             )
-        wrenches = total.GetOutputPort("wrenches")
+            for i, system in enumerate(forces):
+                builder.Connect(
+                    system.GetOutputPort("acting"), total.GetInputPort(f"acting_{i}")
+                )
+            if external_wrenches:
+                port = total.GetInputPort("external_wrenches")
+                if not sums:
+                    builder.ExportInput(port, "external_wrenches")
+                else:
+                    builder.ConnectInput("external_wrenches", port)
+            sums.append(total)
+            return total.GetOutputPort("wrenches")
+
+        wrenches = add_sum("force_sum")
         self._preload = builder.AddNamedSystem("preload", Preload(separation))
         loads_of_joints: list[System] = [self._preload, self._bushing]
-        if external_wrenches:
-            adder = builder.AddSystem(Adder(2, 6 * len(separation.bodies)))
-            builder.Connect(wrenches, adder.get_input_port(0))
-            builder.ExportInput(adder.get_input_port(1), "external_wrenches")
-            wrenches = adder.get_output_port()
         self._rigid: RigidJoints | None = None
         if any(attachment.joint.rigid for attachment in separation.attachments):
             # Last: what they do follows from all else.
@@ -149,7 +165,8 @@ class SeparationForces(Diagram):
                 "rigid_joints", RigidJoints(separation, layout)
             )
             builder.Connect(wrenches, self._rigid.GetInputPort("other_wrenches"))
-            wrenches = self._rigid.GetOutputPort("total")
+            forces.append(self._rigid)
+            wrenches = add_sum("force_sum_with_joints")
             loads_of_joints.append(self._rigid)
         loads = builder.AddSystem(
             Adder(len(loads_of_joints), 6 * len(separation.attachments))
@@ -163,7 +180,6 @@ class SeparationForces(Diagram):
             if system is not None:
                 builder.Connect(released, system.GetInputPort("released"))
         motions = list(self._motions.values())
-        rigid = [] if self._rigid is None else [self._rigid]
         self._watch: MassWatch | None = None
         if watched and motion_analysis:
             refuses = self._rigid is not None
@@ -172,7 +188,7 @@ class SeparationForces(Diagram):
             )
             builder.Connect(wrenches, self._watch.GetInputPort("wrenches"))
         watch = [] if self._watch is None else [self._watch]
-        readers = (self._release, *forces, total, *rigid, *motions, *watch)
+        readers = (self._release, *forces, *sums, *motions, *watch)
         builder.ExportInput(readers[0].GetInputPort("plant_state"), "plant_state")
         for system in readers[1:]:
             builder.ConnectInput("plant_state", system.GetInputPort("plant_state"))
@@ -269,22 +285,12 @@ class SeparationForces(Diagram):
     def time_to_release(self, context: Context) -> float:
         """Return in which time the next attachment lets go by its joint's motion, s.
 
-        As fast as that moves now.
+        As fast as that moves now; 0 if it has moved far enough.
 
         Args:
             context: of this diagram.
         """
         return self._release.time_left(self.GetSubsystemContext(self._release, context))
-
-    def is_release_due(self, context: Context) -> bool:
-        """Return whether an attachment holds that has turned or slid far enough.
-
-        Args:
-            context: of this diagram.
-        """
-        return self._release.is_due_by_motion(
-            self.GetSubsystemContext(self._release, context)
-        )
 
 
 def _structure(separation: Separation) -> dict[str, object]:

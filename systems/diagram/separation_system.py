@@ -269,15 +269,9 @@ class SeparationSystem(Diagram):
     def time_to_release(self, context: Context) -> float:
         """Return in which time the next attachment lets go by its joint's motion, s.
 
-        As fast as that moves now.
+        As fast as that moves now; 0 if it has moved far enough.
         """
         return self.forces.time_to_release(
-            self.GetSubsystemContext(self.forces, context)
-        )
-
-    def is_release_due(self, context: Context) -> bool:
-        """Return whether an attachment holds that has turned or slid far enough."""
-        return self.forces.is_release_due(
             self.GetSubsystemContext(self.forces, context)
         )
 

@@ -1,29 +1,35 @@
 """The separation springs, and whatever else pushes."""
 
+import functools
 import math
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, TypeAlias
 
 from pydrake.systems.framework import BasicVector, Context, WitnessFunction
 
 from drakesep.systems.checks import X_AXIS
 from drakesep.systems.diagram.event_latch import LatchingSystem
 from drakesep.systems.diagram.rows import Rows
-from drakesep.systems.diagram.state_layout import StateLayout
+from drakesep.systems.diagram.state_layout import BodyStates, StateLayout
 from drakesep.systems.diagram.wrenches import Forces, WrenchSum
 from drakesep.systems.equations.pushers import (
     AXIS,
+    Pushing,
     PushLaw,
+    is_push_over,
     push_displacement,
+    push_force,
     push_place,
+    push_progress,
     push_wrenches,
     values_of,
 )
-from drakesep.systems.equations.relative_motion import BodyState
+from drakesep.systems.equations.relative_motion import BodyState, Wrench
 from drakesep.systems.equations.springs import law_of
+from drakesep.systems.equations.straight_line import LINE_OPS, line_if_straight
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
-from drakesep.systems.vectors import Vector
+from drakesep.systems.vectors import Ops, Vector
 
 
 class PushRow(NamedTuple):
@@ -52,49 +58,22 @@ class _Push(NamedTuple):
     a: int
     b: int
     law: PushLaw
-    values: Any
-    end: float
-    """s since its release, or m."""
-    released: float
-    """s."""
-    p_AoPad_A: Vector
-    p_BoPad_B: Vector
-    axis: Vector | None
+    jumps: bool
+    """Whether it is one by time that ends in a jump."""
+    now: Pushing
 
-    def progress(self, bodies: Sequence[BodyState], t: float) -> tuple[float, float]:
-        """Return how far its stroke has gone, s or m, and how fast.
+    def is_over(self, bodies: BodyStates, t: float) -> bool:
+        """Return whether its stroke has been reached."""
+        at = 0.0
+        if not self.law.by_time:
+            A, B = bodies[self.a], bodies[self.b]
+            at, _ = push_progress(self.law, self.now, A, B, t)
+        return bool(is_push_over(self.law, self.now, at, t))
 
-        Args:
-            bodies: of which a law by time reads none.
-            t: s.
-        """
-        if self.law.by_time:
-            return t - self.released, 0.0
-        A, B = bodies[self.a], bodies[self.b]
-        return push_displacement(A, B, self.p_AoPad_A, self.p_BoPad_B, self.axis)
-
-    def is_over(self, bodies: Sequence[BodyState], t: float) -> bool:
-        """Return whether its stroke has been reached; see above."""
-        if self.law.by_time:
-            return t >= self.released + self.end  # to the last digit, as is stepped to
-        return self.progress(bodies, t)[0] >= self.end
-
-    def force(self, bodies: Sequence[BodyState], t: float) -> float:
+    def force(self, bodies: BodyStates, t: float) -> float:
         """Return its force, N; nothing from the end of its stroke on."""
-        law, values = self.law, self.values
-        at, speed = self.progress(bodies, t)
-        force: float
-        if law.by_time:
-            # A jump ends the step: until then all is smooth.
-            if self.is_over(bodies, t) and not law.ends_in_jump(values):
-                return 0.0
-            force = law.force(values, at, speed, (), math)
-            return force
-        if at >= self.end:
-            return 0.0
-        force = law.force(values, at, speed, law.passed(values, at, math), math)
-        force = law.acting(force)
-        return force
+        A, B = bodies[self.a], bodies[self.b]
+        return float(push_force(self.law, self.jumps, self.now, A, B, t, math))
 
 
 class _Pushes(NamedTuple):
@@ -103,12 +82,44 @@ class _Pushes(NamedTuple):
     a: int
     b: int
     springs: list[_Push]
+    now: tuple[Pushing, ...]
+    line: Callable[..., tuple[Wrench, Wrench]]
 
-    def __call__(self, bodies: Sequence[BodyState], t: float, total: WrenchSum) -> None:
-        pushes = [(s.force(bodies, t), s.p_BoPad_B, s.axis) for s in self.springs]
-        on_A, on_B = push_wrenches(bodies[self.a], bodies[self.b], pushes)
+    @classmethod
+    def of(cls, a: int, b: int, springs: list[_Push]) -> "_Pushes":
+        """Return them together."""
+        kinds = tuple((s.law, s.jumps, s.now.axis_A is None) for s in springs)
+        return cls(a, b, springs, tuple(s.now for s in springs), _line_of(kinds))
+
+    def __call__(self, bodies: BodyStates, t: float, total: WrenchSum) -> None:
+        on_A, on_B = self.line(bodies[self.a], bodies[self.b], t, self.now)
         total.add(self.a, on_A)
         total.add(self.b, on_B)
+
+
+_Kinds: TypeAlias = tuple[tuple[PushLaw, bool, bool], ...]
+"""Of springs: the law, whether it jumps, and whether it pushes along A's x axis."""
+
+
+@functools.cache
+def _line_of(kinds: _Kinds) -> Callable[..., tuple[Wrench, Wrench]]:
+    """Return the law of springs together, from the bodies that they push apart."""
+    return line_if_straight(_pushed, kinds, LINE_OPS)
+
+
+def _pushed(
+    kinds: _Kinds,
+    ops: Ops,
+    A: BodyState,
+    B: BodyState,
+    t: float,
+    pushes: Sequence[Pushing],
+) -> tuple[Wrench, Wrench]:
+    forces = [
+        (push_force(law, jumps, push, A, B, t, ops), push.p_BoPad_B, push.axis_A)
+        for (law, jumps, _), push in zip(kinds, pushes, strict=True)
+    ]
+    return push_wrenches(A, B, forces)
 
 
 class Springs(LatchingSystem):
@@ -197,18 +208,17 @@ class Springs(LatchingSystem):
             release = released[self._attachments[k]]
             if math.isfinite(release) and not spent[k]:
                 values = rows[k].values
-                end = law.end(values, math)
-                push = _Push(k, a, b, law, values, end, release, *rows[k].place)
+                now = Pushing(values, law.end(values, math), release, *rows[k].place)
+                jumps = law.by_time and law.ends_in_jump(values)
+                push = _Push(k, a, b, law, jumps, now)
                 pushing.setdefault((a, b), []).append(push)
-        return [_Pushes(a, b, springs) for (a, b), springs in pushing.items()]
+        return [_Pushes.of(a, b, springs) for (a, b), springs in pushing.items()]
 
-    def _pushing(self, context: Context) -> tuple[list[_Push], list[BodyState]]:
-        """Return the springs that push, and the bodies if a displacement is asked."""
+    def _pushing(self, context: Context) -> tuple[list[_Push], BodyStates]:
+        """Return the springs that push, and the bodies."""
         pushing = [
             push for pushes in self._forces.eval(context) for push in pushes.springs
         ]
-        if all(push.law.by_time for push in pushing):
-            return pushing, []
         return pushing, self._forces.read_bodies(context)
 
     def _is_waiting(self, latched: list[float]) -> bool:
@@ -227,9 +237,9 @@ class Springs(LatchingSystem):
         witnesses = super().DoGetWitnessFunctions(context)
         return witnesses if self._needs_age(context) else []
 
-    def _due(self, context: Context, t: float) -> list[float]:
+    def _due(self, context: Context, latched: list[float], t: float) -> list[float]:
         """Return 1 for each spring whose stroke has been reached."""
-        spent = self._get_latched(context)
+        spent = [*latched]
         pushing, bodies = self._pushing(context)
         for push in pushing:
             spent[push.number] = float(push.is_over(bodies, t))

@@ -24,9 +24,26 @@ class StateLayout(NamedTuple):
         """
         return [body_state(x, q, v) for q, v in self.starts]
 
+    def bodies(self, x: State) -> "BodyStates":
+        """Return the states of the bodies, each read when it is asked for."""
+        return BodyStates(self, x)
+
     def read_one(self, x: State, index: int) -> BodyState:
         """Return the state of one body."""
         return body_state(x, *self.starts[index])
+
+
+class BodyStates(dict[int, BodyState]):
+    """The states of bodies at a moment by their indices, each read when asked for."""
+
+    def __init__(self, layout: StateLayout, x: State):
+        super().__init__()
+        self._layout, self._x = layout, x
+
+    def __missing__(self, index: int) -> BodyState:
+        """Read one."""
+        state = self[index] = self._layout.read_one(self._x, index)
+        return state
 
 
 def state_layout(plant: MultibodyPlant, names: Iterable[str]) -> StateLayout:

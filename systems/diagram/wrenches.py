@@ -9,7 +9,7 @@ the cost of a run.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from pydrake.common.value import AbstractValue, Value
 from pydrake.systems.framework import (
@@ -20,33 +20,47 @@ from pydrake.systems.framework import (
     LeafSystem,
 )
 
-from drakesep.systems.diagram.state_layout import StateLayout
-from drakesep.systems.equations.relative_motion import BodyState, Wrench
+from drakesep.systems.diagram.state_layout import BodyStates, StateLayout
+from drakesep.systems.equations.relative_motion import Wrench, add_wrenches
+
+
+_NONE = Wrench((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 class WrenchSum:
     """Adds wrenches up, body by body."""
 
     def __init__(self, bodies: int):
-        self.entries = [0.0] * (6 * bodies)
+        self.wrenches = [_NONE] * bodies
+        """On each body."""
 
     def add(self, body: int, wrench: Wrench) -> None:
         """Add a wrench on a body, given by its index."""
-        entries = self.entries
-        (tx, ty, tz), (fx, fy, fz) = wrench
-        i = 6 * body
-        entries[i] += tx
-        entries[i + 1] += ty
-        entries[i + 2] += tz
-        entries[i + 3] += fx
-        entries[i + 4] += fy
-        entries[i + 5] += fz
+        before = self.wrenches[body]
+        self.wrenches[body] = (
+            wrench if before is _NONE else add_wrenches(before, wrench)
+        )
+
+    def add_entries(self, entries: Sequence[float]) -> None:
+        """Add a wrench on each body, all in one vector."""
+        for body in range(len(self.wrenches)):
+            tx, ty, tz, fx, fy, fz = entries[6 * body : 6 * body + 6]
+            self.add(body, Wrench((tx, ty, tz), (fx, fy, fz)))
+
+    @property
+    def entries(self) -> list[float]:
+        """All in one vector."""
+        entries: list[float] = []
+        for torque, force in self.wrenches:
+            entries += torque
+            entries += force
+        return entries
 
 
 class Force(Protocol):
     """Something that acts on bodies, as it does until an event changes it."""
 
-    def __call__(self, bodies: Sequence[BodyState], t: float, total: WrenchSum) -> None:
+    def __call__(self, bodies: BodyStates, t: float, total: WrenchSum) -> None:
         """Add its wrenches at a time, s, to those on the bodies."""
 
 
@@ -63,6 +77,7 @@ class Forces(Generic[Acting]):
         layout: StateLayout,
         find: Callable[[Context], list[Acting]],
         prerequisites: set[DependencyTicket],
+        external: InputPort | None = None,
     ):
         """Declare the ports.
 
@@ -72,9 +87,12 @@ class Forces(Generic[Acting]):
             layout: where `state` holds the motion of each body.
             find: returns what acts. Contexts are copied with it: it holds no system.
             prerequisites: what that depends on.
+            external: its input port of wrenches that act beside, if it has one.
         """
         self._state = state
         self._layout = layout
+        self._external = external
+        self._last: tuple[Any, Any, list[float]] = (None, None, [])
 
         def calc_acting(context: Context, output: AbstractValue) -> None:
             output.set_value(find(context))
@@ -90,17 +108,39 @@ class Forces(Generic[Acting]):
         acting: list[Acting] = self._acting.Eval(context)
         return acting
 
-    def read_bodies(self, context: Context) -> list[BodyState]:
+    def read_bodies(self, context: Context) -> BodyStates:
         """Return the motion of the bodies."""
-        return self._layout.read(self._state.Eval(context).tolist())
+        return self._layout.bodies(self._state.Eval(context).tolist())
 
     def _calc_wrenches(self, context: Context, output: BasicVector) -> None:
         acting = self.eval(context)
-        if not acting:
+        given = [] if self._external is None else self._external.Eval(context).tolist()
+        if not (acting or given):
             output.SetZero()  # much cheaper
             return
+        moment = context.get_time(), self._state.Eval(context).tolist(), given
+        # Asked for twice where a step ends to be recorded, and the next one begins.
+        last_acting, last_moment, entries = self._last
+        if acting is not last_acting or moment != last_moment:
+            entries = self.wrenches_at(acting, *moment)
+            self._last = acting, moment, entries
+        output.SetFromVector(entries)
+
+    def wrenches_at(
+        self, acting: list[Acting], t: float, x: list[float], given: list[float]
+    ) -> list[float]:
+        """Return the wrenches on the bodies.
+
+        Args:
+            acting: what acts.
+            t: time, s.
+            x: state of the plant.
+            given: wrenches that act beside; none if empty.
+        """
         total = WrenchSum(len(self._layout.starts))
-        bodies, t = self.read_bodies(context), context.get_time()
+        if given:
+            total.add_entries(given)
+        bodies = self._layout.bodies(x)
         for force in acting:
             force(bodies, t, total)
-        output.SetFromVector(total.entries)
+        return total.entries

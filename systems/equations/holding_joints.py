@@ -37,7 +37,6 @@ from drakesep.systems.equations.rigid_joints import (
     joined,
     joint_equations,
 )
-from drakesep.systems.equations.straight_line import straight_line
 from drakesep.systems.vectors import Vector, subtract
 
 
@@ -113,8 +112,8 @@ class HoldingJoints:
 
     def wrenches(
         self, bodies: Mapping[int, BodyState], others: Mapping[int, Wrench]
-    ) -> dict[int, Wrench]:
-        """Return the wrenches on B of each edge that holds, about its origin.
+    ) -> dict[int, tuple[Wrench, Wrench]]:
+        """Return the wrenches on A and B of each edge that holds, about their origins.
 
         Args:
             bodies: by their places among the joined ones, those that are held.
@@ -122,26 +121,24 @@ class HoldingJoints:
         """
         tree = self._tree
         groups = [Group(bodies[i], self._massive[i], others[i]) for [i] in tree.groups]
-        on_outboard, on_edges = hold_tree(
+        of_branches, on_edges = hold_tree(
             tree,
             groups,
             self._branch_places,
             Alone(),
             lambda roots: self._hold_loops(roots, bodies),
         )
-        for branch, wrench in zip(tree.branches, on_outboard, strict=True):
+        for branch, (outboard, inboard) in zip(tree.branches, of_branches, strict=True):
             [joint], [body] = branch.joints, tree.groups[branch.group]
-            if self._joints.edges[joint.edge][1] != body:
-                [inboard] = tree.groups[branch.inboard]
-                arm = subtract(bodies[body].p_WBo, bodies[inboard].p_WBo)
-                wrench = reaction(shifted_wrench(wrench, arm))
-            on_edges[joint.edge] = wrench
+            is_B = self._joints.edges[joint.edge][1] == body
+            ends = (inboard, outboard) if is_B else (outboard, inboard)
+            on_edges[joint.edge] = ends
         return on_edges
 
     def _hold_loops(
         self, roots: Sequence[Carried], bodies: Mapping[int, BodyState]
-    ) -> tuple[list[Wrench], dict[int, Wrench]]:
-        """Return what loops do to each root, and on B of each of their edges."""
+    ) -> tuple[list[Wrench], dict[int, tuple[Wrench, Wrench]]]:
+        """Return what loops do to each root, and on A and B of each of their edges."""
         if not self._ends:
             return [], {}
         states = [bodies[i] for i in self._roots]
@@ -162,17 +159,19 @@ class HoldingJoints:
             rest,
             Matrices(),
         )
-        on_roots, on_edges = [_NONE] * len(states), {}
+        on_roots = [_NONE] * len(states)
+        on_edges: dict[int, tuple[Wrench, Wrench]] = {}
         for edge, (a, b), entries in zip(
             self._loop_edges, self._ends, found.tolist(), strict=True
         ):
             wrench = Wrench((*entries[:3],), (*entries[3:],))
             on_A, on_B = (
-                shifted_wrench(wrench, subtract(p_WO, states[k].p_WBo)) for k in (a, b)
+                shifted_wrench(each, subtract(p_WO, states[k].p_WBo))
+                for k, each in ((a, reaction(wrench)), (b, wrench))
             )
-            on_edges[edge] = on_B
+            on_edges[edge] = on_A, on_B
             on_roots[b] = add_wrenches(on_roots[b], on_B)
-            on_roots[a] = add_wrenches(on_roots[a], reaction(on_A))
+            on_roots[a] = add_wrenches(on_roots[a], on_A)
         return on_roots, on_edges
 
     def _loop_equations(
@@ -191,32 +190,3 @@ class HoldingJoints:
             stiffness[edge] += k * (J.T @ J)
             rest[edge] += joint.way * k * (equations.rest @ J)
         return stiffness, rest
-
-
-def wrenches_on_bodies(
-    joints: RigidJoints,
-    wrenches: Mapping[int, Wrench],
-    bodies: Mapping[int, BodyState],
-) -> dict[int, Wrench]:
-    """Return what rigid joints do to the bodies that they hold, about their origins.
-
-    Args:
-        joints: of the separation.
-        wrenches: on B of each edge that holds, about its origin.
-        bodies: by their places among the joined ones.
-    """
-    totals = dict.fromkeys(bodies, _NONE)
-    added = straight_line(_with_wrench)
-    for edge, wrench in wrenches.items():
-        a, b = joints.edges[edge]
-        A, B = bodies[a].p_WBo, bodies[b].p_WBo
-        totals[a], totals[b] = added(totals[a], totals[b], A, B, wrench)
-    return totals
-
-
-def _with_wrench(
-    on_A: Wrench, on_B: Wrench, p_WAo: Vector, p_WBo: Vector, wrench: Wrench
-) -> tuple[Wrench, Wrench]:
-    """Return what acts on two bodies with a wrench on B, about its origin."""
-    back = reaction(shifted_wrench(wrench, subtract(p_WBo, p_WAo)))
-    return add_wrenches(on_A, back), add_wrenches(on_B, wrench)

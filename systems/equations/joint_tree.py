@@ -10,7 +10,7 @@ Bodies of one kind are a group, so that an engine of lanes computes them at once
 roots, and the outboard bodies of each branch.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
 from drakesep.systems.equations.articulated_inertia import (
@@ -30,6 +30,7 @@ from drakesep.systems.equations.relative_motion import (
     BodyState,
     Wrench,
     add_wrenches,
+    reaction,
     subtract_wrenches,
 )
 from drakesep.systems.equations.rigid_joints import (
@@ -139,8 +140,11 @@ class Rows(Protocol):
     def outward(self, values: Any, branch: Branch) -> Any:
         """Return what inboard bodies have, for each outboard body of a branch."""
 
-    def inward(self, values: Any, branch: Branch, count: int) -> Any:
-        """Return what outboard bodies give to each of so many inboard ones, summed."""
+    def inward(self, branch: Branch, count: int) -> Callable[[Any], Any]:
+        """Return how outboard bodies give something to so many inboard ones.
+
+        Summed for each, where the joints of the branch hold.
+        """
 
     def held(self, values: Any, branch: Branch) -> Any:
         """Return values where a joint of a branch holds, and zero elsewhere."""
@@ -163,9 +167,9 @@ class Alone:
         """Return them."""
         return values
 
-    def inward(self, values: Any, branch: Branch, count: int) -> Any:
-        """Return them."""
-        return values
+    def inward(self, branch: Branch, count: int) -> Callable[[Any], Any]:
+        """Return that they give it as it is."""
+        return _as_they_are
 
     def held(self, values: Any, branch: Branch) -> Any:
         """Return them."""
@@ -192,6 +196,8 @@ class Carried(NamedTuple):
     """That acts, less what their rates take."""
 
 
+Ends: TypeAlias = tuple[Wrench, Wrench]
+"""On the outboard and on the inboard body of a joint, each about its origin."""
 LoopsLaw: TypeAlias = Callable[[list[Carried]], tuple[list[Wrench], Any]]
 """From each group of roots to the wrenches that joints of loops give it, and whatever
 an engine wants to know of them beside."""
@@ -203,8 +209,8 @@ def hold_tree(
     places: Sequence[JointPlace],
     rows: Rows,
     hold_loops: LoopsLaw,
-) -> tuple[list[Wrench], Any]:
-    """Return the wrenches on the outboard bodies of each branch, about their origins.
+) -> tuple[list[Ends], Any]:
+    """Return the wrenches of each branch on its bodies.
 
     Args:
         tree: of the joints.
@@ -216,14 +222,15 @@ def hold_tree(
     Returns:
         Beside them, what `hold_loops` does.
     """
+    carrying = {*range(tree.roots), *(branch.inboard for branch in tree.branches)}
     alone = rows.law(_alone)
-    carried = [rows.settled(alone(group)) for group in groups]
+    carried = {k: rows.settled(alone(groups[k])) for k in carrying}
     links = []
     for branch in tree.branches:
         inboard = rows.outward(groups[branch.inboard].bodies, branch)
-        links.append(_Link(branch, inboard, groups[branch.group].bodies))
+        links.append(_Link(branch, inboard, groups[branch.group]))
     transmitted = _towards_roots(tree, links, places, carried, rows)
-    on_roots, loops = hold_loops(carried[: tree.roots])
+    on_roots, loops = hold_loops([carried[k] for k in range(tree.roots)])
     for k, wrench in enumerate(on_roots):
         carried[k] = Carried(
             carried[k].inertia, add_wrenches(carried[k].wrench, wrench)
@@ -236,51 +243,50 @@ class _Link(NamedTuple):
 
     branch: Branch
     inboard: BodyState
-    outboard: BodyState
+    outboard: Group
 
 
 def _towards_roots(
     tree: JointTree,
     links: Sequence[_Link],
     places: Sequence[JointPlace],
-    carried: list[Carried],
+    carried: dict[int, Carried],
     rows: Rows,
 ) -> list[Carried]:
     """Give to each inboard body what its branches transmit, and return that of each."""
     transmitted = []
-    together = rows.law(_together)
     for (branch, *ends), place in reversed(list(zip(links, places, strict=True))):
-        type, inboard = branch.joints[0].type, branch.inboard
-        through = rows.law(_through, rows.settled, type, branch.to_B)
-        own, given = through(*ends, place, carried[branch.group])
+        inward = rows.inward(branch, len(tree.groups[branch.inboard]))
+        fixed = rows.settled, inward, branch.joints[0].type, branch.to_B
+        more = [carried[branch.group]] if branch.group in carried else []
+        law = rows.law(_with_more if more else _with_one, *fixed)
+        own, carried[branch.inboard] = law(*ends, place, carried[branch.inboard], *more)
         transmitted.append(own)
-        given = rows.held(given, branch)
-        given = rows.inward(given, branch, len(tree.groups[inboard]))
-        carried[inboard] = rows.settled(together(carried[inboard], given))
     return transmitted[::-1]
 
 
 def _from_roots(
     links: Sequence[_Link],
     transmitted: Sequence[Carried],
-    carried: Sequence[Carried],
+    carried: Mapping[int, Carried],
     rows: Rows,
-) -> list[Wrench]:
-    """Return the wrenches on outboard bodies that accelerate them with inboard ones."""
-    wrenches = [each.wrench for each in carried]
+) -> list[Ends]:
+    """Return the wrenches that accelerate outboard bodies with inboard ones."""
+    wrenches = {k: each.wrench for k, each in carried.items()}
     accelerations: dict[int, Acceleration] = {}
     found = []
     accelerated, needed = rows.law(acceleration_by), rows.law(_needed)
-    for (branch, *ends), own in zip(links, transmitted, strict=True):
-        inboard = branch.inboard
-        if inboard not in accelerations:
-            accelerations[inboard] = rows.settled(
-                accelerated(carried[inboard].inertia, wrenches[inboard])
+    for (branch, inboard, outboard), own in zip(links, transmitted, strict=True):
+        k, group = branch.inboard, branch.group
+        if k not in accelerations:
+            accelerations[k] = rows.settled(
+                accelerated(carried[k].inertia, wrenches[k])
             )
-        V = rows.outward(accelerations[inboard], branch)
-        on_outboard = rows.held(needed(*ends, own, V), branch)
-        wrenches[branch.group] = add_wrenches(wrenches[branch.group], on_outboard)
-        found.append(on_outboard)
+        V = rows.outward(accelerations[k], branch)
+        ends = rows.held(needed(inboard, outboard.bodies, own, V), branch)
+        if group in wrenches:
+            wrenches[group] = add_wrenches(wrenches[group], ends[0])
+        found.append(ends)
     return found
 
 
@@ -288,6 +294,41 @@ def _alone(group: Group) -> Carried:
     """Return bodies that carry nothing."""
     D, of_rates = inertia_of_body(group.bodies, group.massive)
     return Carried(D, subtract_wrenches(group.others, of_rates))
+
+
+def _with_one(
+    settled: Callable[[Any], Any],
+    inward: Callable[[Any], Any],
+    type: JointType,
+    to_B: bool,
+    inboard: BodyState,
+    outboard: Group,
+    place: JointPlace,
+    carried: Carried,
+) -> tuple[Carried, Carried]:
+    """Return what the joint of an outboard body transmits that carries nothing.
+
+    And what its inboard body carries with it.
+    """
+    fixed = settled, inward, type, to_B
+    alone = settled(_alone(outboard))
+    return _with_more(*fixed, inboard, outboard, place, carried, alone)
+
+
+def _with_more(
+    settled: Callable[[Any], Any],
+    inward: Callable[[Any], Any],
+    type: JointType,
+    to_B: bool,
+    inboard: BodyState,
+    outboard: Group,
+    place: JointPlace,
+    carried: Carried,
+    more: Carried,
+) -> tuple[Carried, Carried]:
+    """Return the same of one that carries more than itself."""
+    own, given = _through(settled, type, to_B, inboard, outboard.bodies, place, more)
+    return own, settled(_together(carried, inward(given)))
 
 
 def _through(
@@ -324,8 +365,8 @@ def _together(first: Carried, second: Carried) -> Carried:
 
 def _needed(
     inboard: BodyState, outboard: BodyState, own: Carried, V: Acceleration
-) -> Wrench:
-    """Return the wrench on an outboard body that accelerates it with the inboard one.
+) -> Ends:
+    """Return the wrenches that accelerate an outboard body with the inboard one.
 
     Args:
         inboard: the body that holds it.
@@ -335,7 +376,8 @@ def _needed(
     """
     arm = subtract(outboard.p_WBo, inboard.p_WBo)
     wrench = wrench_for(own.inertia, shifted_acceleration(V, arm))
-    return subtract_wrenches(wrench, own.wrench)
+    wrench = subtract_wrenches(wrench, own.wrench)
+    return wrench, reaction(shifted_wrench(wrench, arm))
 
 
 def _free_directions(type: JointType, motion: Joined, r: Vector) -> list[Acceleration]:

@@ -53,7 +53,7 @@ def joint_shares(
     places: Sequence[JointPlace],
     held: Collection[int],
     bodies: Mapping[int, BodyState],
-    wrenches: Mapping[int, Wrench],
+    wrenches: Mapping[int, tuple[Wrench, Wrench]],
 ) -> dict[int, Wrench]:
     """Return the loads of attachments with rigid joints that hold, by their indices.
 
@@ -62,7 +62,7 @@ def joint_shares(
         places: of each attachment's joint.
         held: indices of attachments that hold.
         bodies: by their places among the joined ones.
-        wrenches: on B of each edge that holds, about its origin, in W.
+        wrenches: on A and B of each edge that holds, about their origins, in W.
 
     Returns:
         Torque about the pad, N m, and force, N, on its B, in its frame.
@@ -76,7 +76,8 @@ def joint_shares(
     loads: dict[int, Wrench] = {}
     for edge, mine in pads.items():
         a, b = joints.edges[edge]
-        shares = shared_loads(bodies[a], bodies[b], [*mine.values()], wrenches[edge])
+        _, on_B = wrenches[edge]
+        shares = shared_loads(bodies[a], bodies[b], [*mine.values()], on_B)
         loads |= dict(zip(mine, shares, strict=True))
     return loads
 

@@ -250,6 +250,77 @@ def positive_part(x: Scalar) -> Scalar:
     return 0.5 * (x + abs(x))
 
 
+class Pushing(NamedTuple):
+    """A pusher that has been released, in numbers."""
+
+    values: Any
+    """Its parameters, as its law takes them."""
+    end: Scalar
+    """What ends it, as its law has it: s since its release, or m."""
+    released: Scalar
+    """s."""
+    p_AoPad_A: Vector
+    """Place of its pad in A, while mated, m."""
+    p_BoPad_B: Vector
+    """Place of its pad in B, m."""
+    axis_A: Vector | None
+    """Along which it pushes; None if it is A's x axis."""
+
+
+def push_progress(
+    law: PushLaw, push: Pushing, A: BodyState, B: BodyState, t: Scalar
+) -> tuple[Scalar, Scalar]:
+    """Return how far a push has gone, s or m, and how fast.
+
+    Args:
+        law: of the pusher.
+        push: its numbers.
+        A: body pushed from; a law by time reads neither.
+        B: body pushed away.
+        t: time, s.
+    """
+    if law.by_time:
+        return t - push.released, 0.0
+    return push_displacement(A, B, push.p_AoPad_A, push.p_BoPad_B, push.axis_A)
+
+
+def is_push_over(law: PushLaw, push: Pushing, at: Scalar, t: Scalar) -> Any:
+    """Return whether a push that has gone so far, s or m, has ended."""
+    if law.by_time:
+        return t >= push.released + push.end  # to the last digit, as is stepped to
+    return at >= push.end
+
+
+def push_force(
+    law: PushLaw,
+    jumps: bool,
+    push: Pushing,
+    A: BodyState,
+    B: BodyState,
+    t: Scalar,
+    ops: Ops,
+) -> Scalar:
+    """Return the force of a pusher, N; nothing from the end of its push on.
+
+    Args:
+        law: of the pusher.
+        jumps: whether it is one by time that ends in a jump, which ends a step: until
+            then all is smooth.
+        push: its numbers.
+        A: body pushed from.
+        B: body pushed away.
+        t: time, s.
+        ops: module of the elementary functions.
+    """
+    at, speed = push_progress(law, push, A, B, t)
+    corners = law.passed(push.values, at, ops)
+    force = law.force(push.values, at, speed, corners, ops)
+    if jumps:
+        return force
+    acting = force if law.by_time else law.acting(force)
+    return acting * (1 - is_push_over(law, push, at, t))
+
+
 Push: TypeAlias = tuple[Scalar, Vector, Vector | None]
 """A pusher's force, N, its pad, fixed in B, m, and its axis in A; None: A's x axis."""
 

@@ -8,6 +8,7 @@ other.
 """
 
 import functools
+import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -21,10 +22,14 @@ def straight_line(law: Callable[..., Any], *fixed: Any) -> Callable[..., Any]:
     """Return a law on floats, compiled when it is first called.
 
     Args:
-        law: from tuples of scalars, however nested, to such. It adds, subtracts,
-            multiplies and divides them, and takes powers; structures are the same at
-            every call.
+        law: from tuples of scalars or None, however nested, to such. It adds,
+            subtracts, multiplies and divides them, takes powers and magnitudes,
+            compares them, to multiply by what comes of it, and takes the functions of
+            `LINE_OPS`; structures are the same at every call.
         fixed: its first arguments, on which it may branch.
+
+    Raises:
+        TypeError: when it is first called: the law does something else.
     """
     compiled: list[Callable[..., Any]] = []
 
@@ -32,6 +37,26 @@ def straight_line(law: Callable[..., Any], *fixed: Any) -> Callable[..., Any]:
         if not compiled:
             compiled.append(_compile(functools.partial(law, *fixed), arguments))
         return compiled[0](*arguments)
+
+    return call
+
+
+def line_if_straight(law: Callable[..., Any], *fixed: Any) -> Callable[..., Any]:
+    """Return a law as a straight line if it is one, and as it is if not.
+
+    Args:
+        law: as for `straight_line`, but perhaps one that is not drakesep's own.
+        fixed: likewise.
+    """
+    chosen = straight_line(law, *fixed)
+
+    def call(*arguments: Any) -> Any:
+        nonlocal chosen
+        try:
+            return chosen(*arguments)
+        except TypeError:
+            chosen = functools.partial(law, *fixed)
+            return chosen(*arguments)
 
     return call
 
@@ -97,8 +122,45 @@ class _Noted:
     def __neg__(self) -> Any:
         return self._note("-", self)
 
+    def __abs__(self) -> Any:
+        return self._note("abs", self)
+
+    def __lt__(self, other: Any) -> Any:
+        return self._note("<", self, other)
+
+    def __le__(self, other: Any) -> Any:
+        return self._note("<=", self, other)
+
+    def __gt__(self, other: Any) -> Any:
+        return self._note(">", self, other)
+
+    def __ge__(self, other: Any) -> Any:
+        return self._note(">=", self, other)
+
+    def __eq__(self, other: object) -> Any:
+        raise TypeError("a law that asks for equal numbers is no straight line")
+
     def __bool__(self) -> bool:
         raise TypeError("a law that branches on its numbers is no straight line")
+
+
+class _LineOps:
+    """The functions of `math`, which are noted of scalars that note."""
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        function: Callable[..., Any] = getattr(math, name)
+
+        def noted(*arguments: Any) -> Any:
+            for x in arguments:
+                if isinstance(x, _Noted):
+                    return x._note(name, *arguments)
+            return function(*arguments)
+
+        return noted
+
+
+LINE_OPS: Any = _LineOps()
+"""Module of the elementary functions, for a law that is to be a straight line."""
 
 
 def _is(x: Any, number: float) -> bool:
@@ -109,6 +171,8 @@ def _name(
     value: Any, notes: dict[Any, _Noted], numbers: Iterator[int]
 ) -> tuple[Any, str]:
     """Return nested tuples with scalars that note, and what takes them apart."""
+    if value is None:
+        return None, "_"
     if not isinstance(value, tuple):
         scalar = _Noted(notes, "", ())
         scalar.name = f"x{next(numbers)}"
@@ -142,8 +206,12 @@ def _written(value: Any, lines: list[str], types: dict[str, Any]) -> str:
         return repr(value)
     if not value.name:
         operands = [_written(entry, lines, types) for entry in value.of]
-        before = operands.pop(0) if len(operands) == 2 else ""
-        written = f"({before} {value.sign} {operands[0]})"
+        if value.sign.isidentifier():
+            types[value.sign] = getattr(math, value.sign, None) or abs
+            written = f"{value.sign}({', '.join(operands)})"
+        else:
+            before = operands.pop(0) if len(operands) == 2 else ""
+            written = f"({before} {value.sign} {operands[0]})"
         depths = [x.depth for x in value.of if isinstance(x, _Noted)]
         value.depth = 1 + max(depths)
         if value.uses == 1 and value.depth < _DEEPEST:

@@ -9,7 +9,8 @@ import pydrake.geometry as drake
 from pydrake.math import RigidTransform, RotationMatrix
 
 from drakesep.systems.arrays import Array
-from drakesep.systems.geometry.illustration import colour_of, illustration_of
+from drakesep.systems.geometry.colours import colour_of
+from drakesep.systems.geometry.illustration import illustration_of
 from drakesep.systems.geometry.relative_path import Pose
 from drakesep.systems.model.separation import Separation
 

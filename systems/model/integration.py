@@ -12,8 +12,8 @@ Scheme: TypeAlias = Literal["runge_kutta3", "bogacki_shampine3", "radau3"]
 SCHEMES: tuple[str, ...] = get_args(Scheme)
 """Integration schemes of Drake that control their error and suit separations.
 
-The third, implicit, is for stiff joints with much damping. Not runge_kutta5: its
-error estimate is optimistic, and its steps are too long for the `Recorder`.
+The third, implicit, is for stiff joints with much damping. Not runge_kutta5: its steps
+are too long for the `Recorder`, and it needs what the second does, see `Simulation`.
 """
 
 FINEST, COARSEST = 1e-12, 1e-3

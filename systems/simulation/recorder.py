@@ -6,6 +6,7 @@ at the time of its end, which is wrong for forces that depend on time, as spring
 """
 
 import functools
+from bisect import bisect_right
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,6 +15,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from drakesep.systems.arrays import Array
 from drakesep.systems.diagram.separation_system import SeparationSystem
+from drakesep.systems.diagram.state_layout import BodyStates
 from drakesep.systems.equations.relative_motion import BodyState
 
 
@@ -92,6 +94,12 @@ class Recorder:
     def bodies(self, times: Array) -> list[BodyState]:
         """Return the bodies' motion at n increasing times; at a kink, after it."""
         return self._system.layout.read(self._evaluate(times, 0))
+
+    def bodies_at(self, time: float) -> BodyStates:
+        """Return the bodies' motion at one time, s; at a kink, after it."""
+        starts = [piece.times[0] for piece in self._pieces]
+        piece = self._pieces[bisect_right(starts, time) - 1]
+        return self._system.layout.bodies(piece.cubic(time).tolist())
 
     def accelerations(self, times: Array) -> list[Array]:
         """Return (6, n) of each: angular, rad/s^2, and of its origin, m/s^2, in W."""

@@ -4,6 +4,7 @@ import itertools
 import math
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
@@ -130,6 +131,12 @@ class Simulation:
     def _make_simulator(self, context: Context) -> Simulator:
         # New for every run: a used integrator remembers its last step size.
         context.SetAccuracy(self.integration.accuracy)
+        if self.integration.scheme == "bogacki_shampine3":
+            # It evaluates at the end of a step. If that is rejected, Drake sets time
+            # and state back, but tells caches of time alone (drake 1.51.1).
+            context.DisableCaching()
+            forces = self._system.forces  # of which all that moves depends on time
+            self._system.GetMutableSubsystemContext(forces, context).EnableCaching()
         max_step = self.integration.max_step
         if self.separation.recontact is not None:
             max_step = min(max_step, _RECONTACT_STEP)
@@ -174,11 +181,10 @@ class Simulation:
             contacts.note()
             check_effort()
             if by_motion:
-                if system.is_release_due(context):
+                left = system.time_to_release(context)
+                if left <= 0.0:
                     return EventStatus.ReachedTermination(system, "release by motion")
-                if approach.is_near(
-                    context.get_time(), system.time_to_release(context)
-                ):
+                if approach.is_near(context.get_time(), left):
                     return EventStatus.ReachedTermination(system, "near a release")
             return EventStatus.DidNothing()
 
@@ -292,11 +298,13 @@ def _find_stroke_ends(
     """
     held = [name for name, release in releases.items() if math.isinf(release)]
     ends = separation.timed_stroke_ends(releases)
+    times = recorder.step_times()
+    steps = times, recorder.bodies(times)
     for attachment, spring in separation.pushing:
         release = releases[attachment.name]
         if not law_of(spring).by_time and math.isfinite(release):
             ends[spring.name] = _find_stroke_end(
-                separation, recorder, attachment, spring, release
+                separation, recorder, steps, attachment, spring, release
             )
         # The model knows when scheduled releases are; not those at an angle.
         if ends.get(spring.name, math.inf) >= separation.duration:
@@ -310,30 +318,45 @@ def _find_stroke_ends(
 def _find_stroke_end(
     separation: Separation,
     recorder: Recorder,
+    steps: tuple[Array, list[BodyState]],
     attachment: Attachment,
     spring: Pusher,
     release: float,
 ) -> float:
-    """Return when a spring by displacement reached its stroke, s, or infinity."""
+    """Return when a spring by displacement reached its stroke, s, or infinity.
+
+    Args:
+        separation: as it was flown.
+        recorder: of its run.
+        steps: times at which steps ended, and the bodies' motion at these.
+        attachment: of the spring.
+        spring: the spring.
+        release: when the attachment let go, s.
+    """
     a, b = separation.ends(attachment)
     place = push_place(separation, attachment, spring)
     stroke = law_of(spring).end(spring, math)
 
-    def left(times: Array) -> Array:
-        bodies = recorder.bodies(times)
+    def left(bodies: Any) -> Any:
         displacement, _ = push_displacement(bodies[a], bodies[b], *place)
-        return stroke - np.asarray(displacement)
+        return stroke - displacement
 
-    times = recorder.step_times()
-    times = times[times >= release]
-    beyond = np.flatnonzero(left(times) <= 0.0)
+    times, bodies = steps
+    first = np.searchsorted(times, release)
+    times = times[first:]
+    beyond = np.flatnonzero(left(bodies)[first:] <= 0.0)
     if not beyond.size:
         return math.inf
     if beyond[0] == 0:
         return release  # it was past its stroke when it was let go
     t0, t1 = times[beyond[0] - 1 : beyond[0] + 1]
-    end = brentq(lambda t: left(np.array([t]))[0], t0, t1, xtol=NANOSECOND)
+    # What it is given as arguments is free at once; what a closure holds, much later.
+    end = brentq(_left_at, t0, t1, args=(left, recorder), xtol=NANOSECOND)
     return float(end)
+
+
+def _left_at(t: float, left: Callable[[Any], Any], recorder: Recorder) -> float:
+    return float(left(recorder.bodies_at(t)))
 
 
 def _with_contacts(

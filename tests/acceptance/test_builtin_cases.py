@@ -85,7 +85,11 @@ def test_smallsat_by_hand(flown):
 
 
 @pytest.mark.parametrize(
-    ("name", "met_nominally"), [("smallsat", False), ("smallsat_trimmed", True)]
+    ("name", "met_nominally"),
+    [
+        pytest.param("smallsat", False, marks=pytest.mark.slow),
+        ("smallsat_trimmed", True),
+    ],
 )
 def test_smallsats_are_not_met(name, met_nominally, tmp_path, capsys, monkeypatch):
     """One already nominally, the other in its worst case alone; by its rate.

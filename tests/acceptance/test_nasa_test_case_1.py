@@ -26,7 +26,7 @@ from drakesep.systems.model.separation import (
 
 SLUG, FOOT = 14.593903, 0.3048
 SLUG_FT2 = SLUG * FOOT**2
-RELEASE, END = 2.0, 4.0
+RELEASE, END = 0.8, 2.0
 INITIAL = InitialMotion(rpy_WA=(0.5, -0.4, 1.1), w_WA_A=(0.3, 0.2, -0.25))
 # Stiff against the bodies' 20 kg: what the joint gives stays below a micrometre.
 JOINT = Joint(K_F=1e6, D_F=4e3, K_T=1e6, D_T=2e3)
@@ -76,7 +76,7 @@ def flown():
     ApplySimulatorConfig(config, simulator)
     plant, inner = system.plant, system.plant.GetMyContextFromRoot(context)
     rows = []
-    for t in [*np.linspace(0.0, RELEASE, 9), RELEASE + 1e-6, 3.0, END]:
+    for t in [*np.linspace(0.0, RELEASE, 9), RELEASE + 1e-6, 1.4, END]:
         simulator.AdvanceTo(t)
         momentum = plant.CalcSpatialMomentumInWorldAboutPoint(inner, np.zeros(3))
         [elastic] = system.GetOutputPort("joint_energy").Eval(context)

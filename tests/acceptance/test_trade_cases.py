@@ -220,6 +220,7 @@ def test_forces_of_joints_and_springs_have_limits():
     assert study.completed
 
 
+@pytest.mark.slow
 def test_growth_of_a_band_to_both_sides():
     """Forces go together: speed grows as the root of their energy, up and down."""
     names = [f"s{i}.force_max_N" for i in range(1, 5)]

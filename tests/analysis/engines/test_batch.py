@@ -320,6 +320,7 @@ def test_what_is_not_asked_for_is_left_out(vega, vega_batch, left):
         assert_close(got.to_numpy(), vega_batch.run(rows).metrics[left].to_numpy())
 
 
+@pytest.mark.slow
 def test_convergence_over_the_whole_box(vega, vega_batch, fine_batch):
     """Ten thousand points against a hundredth of the tolerance."""
     rows = random_rows(vega, 10_000, seed=2)

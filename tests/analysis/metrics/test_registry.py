@@ -105,7 +105,7 @@ MOST_ROLL, LEAST_ROLL, ROLLED = (
 )
 
 
-@pytest.mark.parametrize("spin", [2.5, -2.5])
+@pytest.mark.parametrize("spin", [2.5, pytest.param(-2.5, marks=pytest.mark.slow)])
 def test_angles_go_on_beyond_half_a_turn(spin):
     """A stack that spins about its axis: its roll is 3 rad + spin t, by hand."""
     duration, roll = 4.0, math.copysign(3.0, spin)

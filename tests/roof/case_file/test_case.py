@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from bad_cases import BAD, VEGA, changed
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from ruamel.yaml import YAML
 
@@ -123,6 +123,7 @@ def test_file_that_is_not_text(tmp_path):
 leaf = st.none() | st.booleans() | st.floats() | st.text(max_size=3) | st.just([])
 
 
+@settings(max_examples=40)  # thousands are `-m fuzz`
 @given(
     section=st.sampled_from(["bodies", "attachments", "run", "requirements", "pair"]),
     value=leaf | st.dictionaries(st.text(max_size=3), leaf, max_size=2),

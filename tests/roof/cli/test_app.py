@@ -45,6 +45,7 @@ def test_simulate(drakesep, tmp_path):
     assert summary["payload.mass_kg"].tolist() == [1880.0]
 
 
+@pytest.mark.slow
 def test_worst_case(drakesep, tmp_path):
     code, out, _ = drakesep(
         *("worst-case", "vega", "--objective", "PM", "--search", "drake"),
@@ -58,6 +59,7 @@ def test_worst_case(drakesep, tmp_path):
     assert set(pd.read_csv(tmp_path / "history.csv")["objective"]) == {"PM"}
 
 
+@pytest.mark.slow
 def test_verify_fails_where_a_requirement_is_not_met(drakesep, tmp_path):
     """With 5 m/s wanted; one spring's force is the whole box, to be quick."""
     from drakesep.case_file.reader import builtin_cases

@@ -28,7 +28,8 @@ from drakesep.plots.clearance_plots import approaches_figure, clearance_figure
 from drakesep.plots.panels import ROTATION, TRANSLATION
 from drakesep.plots.swept_volume import swept_figure
 from drakesep.plots.tornado import tornado_figure
-from drakesep.systems.geometry.illustration import colour_of, illustration_of
+from drakesep.systems.geometry.colours import colour_of
+from drakesep.systems.geometry.illustration import illustration_of
 from drakesep.systems.model.parts import Box, Capsule, Cone, Part, Sphere
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.roles import Nominal, Worst

@@ -10,6 +10,7 @@ from drawn import TOPICS, curves_of, drawn, texts_of, titles_of
 from matplotlib.lines import Line2D
 from pictures import is_drawn
 from runs import made_up_run
+from three_bodies import TO_THIRD, TO_UPPER, with_pairs
 
 import drakesep
 from drakesep.analysis.analysis_case import AnalysisCase
@@ -224,14 +225,18 @@ def test_a_curve_stands_only_where_it_has_something_to_say(smallsat):
 
 def test_of_each_body_that_leaves():
     """A requirement of another body is in that body's pictures."""
-    study = drakesep.verify(
-        drakesep.load_case("dual_launch").replaced(
-            dispersions={"carrier.mass_kg": 10.0}
+    metrics = [f"rate_after_separation_{axis}" for axis in "xyz"]
+    metrics += ["longitudinal_speed_after_separation"]
+    case = AnalysisCase(
+        separation=with_pairs(TO_UPPER, TO_THIRD),
+        tolerances={"upper.mass": 20.0},
+        requirements=tuple(
+            Requirement(metric=f"{body}{metric}", sense="<=", limit=9.0)
+            for body in ("", "third.")
+            for metric in metrics
         ),
-        searches=["vertices"],
-        growth=False,
-        workers=1,
     )
+    study = drakesep.verify(case, searches=["vertices"], growth=False, workers=1)
     assert check_decided(study, figures_of(study)) == 8
 
 

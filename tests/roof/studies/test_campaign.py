@@ -143,6 +143,16 @@ def test_points_are_those_of_the_rows(reference, tallied):
     assert not tallied[0].picture.scatters
 
 
+def test_reports_have_pictures_of_campaigns_without_rows_too(
+    reference, tallied, tmp_path
+):
+    """Shares of both; convergence and points of rows alone."""
+    words = ("Curves of the share", "more and more of the draws", "Draws as points")
+    for (_, folder), count in ((reference, 3), (tallied, 1)):
+        page = drakesep.report(folder, output=tmp_path / "page.html").read_text("utf-8")
+        assert [word in page for word in words] == [k < count for k in range(3)]
+
+
 def test_what_varies_is_within_the_tolerances_and_of_the_seed(case, reference):
     study, _ = reference
     other = drakesep.campaign(case, RUNS, **{**HOW, "seed": 4})

@@ -15,7 +15,6 @@ from drakesep.systems.equations.articulated_inertia import Massive
 from drakesep.systems.equations.holding_joints import (
     HoldingJoints,
     joints_that_hold,
-    wrenches_on_bodies,
 )
 from drakesep.systems.equations.joint_tree import plan_tree
 from drakesep.systems.equations.relative_motion import Wrench, body_state
@@ -199,10 +198,10 @@ def by_tree(separation, states, others, held):
     acting = {
         k: Wrench(tuple(others[i][:3]), tuple(others[i][3:])) for k, i in index.items()
     }
-    each = wrenches_on_bodies(joints, holding.wrenches(bodies, acting), bodies)
     found = np.zeros((len(states), 6))
-    for k, (torque, force) in each.items():
-        found[index[k]] = [*torque, *force]
+    for edge, on_ends in holding.wrenches(bodies, acting).items():
+        for k, (torque, force) in zip(joints.edges[edge], on_ends, strict=True):
+            found[index[k]] += [*torque, *force]
     return found
 
 

@@ -1,5 +1,6 @@
 """Laws as straight lines: the numbers of the laws themselves, to the last bit."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,11 @@ from drakesep.systems.equations import articulated_inertia as laws
 from drakesep.systems.equations.pushers import positive_part
 from drakesep.systems.equations.relative_motion import Wrench, body_state
 from drakesep.systems.equations.rigid_joints import JointPlace, joined
-from drakesep.systems.equations.straight_line import straight_line
+from drakesep.systems.equations.straight_line import (
+    LINE_OPS,
+    line_if_straight,
+    straight_line,
+)
 from drakesep.systems.model.joints import JOINT_TYPES
 
 
@@ -67,9 +72,36 @@ def test_structures_and_constants():
     assert isinstance(got[0], Pair)
 
 
-@pytest.mark.parametrize(
-    "law", [positive_part, lambda x: 1.0 if x else 2.0, lambda x: max(x, 1.0)]
-)
-def test_what_is_no_line_is_refused(law):
+def kinked(ops, placed, x, place):
+    """Magnitudes, comparisons, elementary functions, and a place that may be none."""
+    inside = (x < 0.5) + (2.0 > x) * (x >= -1.0) + (1 - (x <= 0.0))
+    bent = positive_part(x) * inside + ops.sqrt(x * x) * ops.atan2(x, 2.0)
+    if placed:
+        bent = bent + ops.cos(place[0]) * ops.sqrt(2.0)
+    return bent, (abs(bent), None)
+
+
+@pytest.mark.parametrize("x", [-2.0, -0.5, 0.0, 0.5, 0.7, 3.0])
+@pytest.mark.parametrize("place", [None, (0.3,)])
+def test_kinks_and_functions(x, place):
+    placed = place is not None
+    wanted = kinked(math, placed, x, place)
+    assert straight_line(kinked, LINE_OPS, placed)(x, place) == wanted
+    assert kinked(LINE_OPS, placed, x, place) == wanted
+
+
+NO_LINES = {
+    "truth": lambda x: 1.0 if x else 2.0,
+    "larger": lambda x: max(x, 1.0),
+    "equal": lambda x: 1.0 if x == 0.5 else 2.0,
+    "of another module": lambda x: math.sqrt(x),
+    "numpy": lambda x: float(np.sqrt(x)),
+}
+
+
+@pytest.mark.parametrize("law", NO_LINES.values(), ids=NO_LINES)
+def test_what_is_no_line_is_refused_or_left_as_it_is(law):
     with pytest.raises(TypeError):
         straight_line(law)(0.5)
+    left = line_if_straight(law)
+    assert [left(x) for x in (0.5, 0.75)] == [law(x) for x in (0.5, 0.75)]

@@ -6,8 +6,10 @@ import resource
 import numpy as np
 import oracle
 import pytest
-from separations import GENERIC, generic_pair, vega
+from separations import GENERIC, by_displacement, generic_pair, vega
 
+from drakesep.systems.diagram.separation_system import SeparationSystem
+from drakesep.systems.diagram.wrenches import Forces
 from drakesep.systems.model.integration import SCHEMES, Integration
 from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.orbit import Orbit
@@ -70,6 +72,30 @@ def test_error_falls_with_the_accuracy():
         difference = motion.relative_position - reference.relative_position
         errors.append(np.abs(difference).max())
     assert errors[0] > 5.0 * errors[1] > 25.0 * errors[2]
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_forces_are_of_the_state_that_is_integrated(monkeypatch, scheme):
+    """At every evaluation, those after rejected steps, too."""
+    contexts, seen = [], []
+    create, wrenches = SeparationSystem.CreateDefaultContext, Forces.wrenches_at
+
+    def created(system):
+        contexts.append(create(system))
+        return contexts[-1]
+
+    def watched(self, acting, t, x, given):
+        state = contexts[-1].get_continuous_state_vector().CopyToVector()
+        seen.append(x == state.tolist() and t == contexts[-1].get_time())
+        return wrenches(self, acting, t, x, given)
+
+    monkeypatch.setattr(SeparationSystem, "CreateDefaultContext", created)
+    monkeypatch.setattr(Forces, "wrenches_at", watched)
+    separation = by_displacement(generic_pair(duration=0.2))
+    run = Simulation(separation, Integration(scheme=scheme, accuracy=1e-5)).run()
+    stages = 3 if scheme == "runge_kutta3" else 4
+    assert run.evaluations > stages * run.steps  # some are rejected
+    assert len(seen) > 0.5 * run.evaluations and all(seen)
 
 
 def test_every_setting_of_an_integration_has_an_effect():

@@ -1,0 +1,1 @@
+"""The page in a browser: thin views over case files, studies and results folders."""

@@ -1,0 +1,60 @@
+"""What several tabs are made of."""
+
+from collections.abc import Callable
+
+from nicegui import context, ui
+
+from drakesep.page.workspace import Listeners, Workspace
+from drakesep.systems.checks import InputError
+
+
+def follow(listeners: Listeners, show: Callable[[], None]) -> None:
+    """Show something now, and again each time, as long as its page is there.
+
+    Args:
+        listeners: such as a workspace's `changes`.
+        show: called within the elements where it is followed.
+    """
+    slot, client = context.slot, context.client
+
+    def again() -> None:
+        with slot:
+            show()
+
+    client.on_delete(listeners.add(again))
+    show()
+
+
+def attempt(action: Callable[[], None]) -> bool:
+    """Do something; say what is wrong with it where it is refused.
+
+    Returns:
+        Whether it was done.
+    """
+    try:
+        action()
+    except InputError as error:
+        say_wrong(str(error))
+        return False
+    return True
+
+
+def say_wrong(words: str) -> None:
+    """Say what is wrong, until it is closed."""
+    ui.notify(words, type="negative", timeout=0, close_button="Close", multi_line=True)
+
+
+def title(workspace: Workspace) -> None:
+    """Let the browser's tab have the name of the case, and a dot if it is not saved."""
+
+    def show() -> None:
+        ui.page_title(
+            f"{'' if workspace.is_saved else '• '}{workspace.name} - drakesep"
+        )
+
+    follow(workspace.changes, show)
+
+
+def placeholder(text: str) -> None:
+    """Say what a tab would show, where it has nothing to show."""
+    ui.label(text).classes("page-placeholder")

@@ -1,0 +1,122 @@
+"""A process beside the page's, which flies what is asked for; the newest is flown.
+
+It is another process, so that the page answers while it flies, and stays where it ends.
+It ends when the page's does. What is asked while it flies waits; what is asked then
+takes the place of what waits, which nobody wants any more.
+"""
+
+import threading
+from collections.abc import Mapping
+from concurrent.futures import BrokenExecutor, Executor, Future
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from drakesep.analysis.analysis_case import AnalysisCase
+
+
+if TYPE_CHECKING:  # imports Drake
+    from drakesep.page.flown import Flown
+
+
+class FlightsEnded(RuntimeError):
+    """The process that flies has ended, killed perhaps; the next run starts another."""
+
+
+class _Asked(NamedTuple):
+    arguments: tuple[Any, ...]
+    answer: "Future[Flown | None]"
+
+
+class Flights:
+    """Flies cases in a process of its own, which is started when it is first needed."""
+
+    def __init__(self) -> None:
+        self._lock = threading.RLock()
+        self._pool: Executor | None = None
+        self._flies: _Asked | None = None
+        self._waits: _Asked | None = None
+
+    def start(self) -> None:
+        """Start the process, before it is needed."""
+        with self._lock:
+            self._started()
+
+    def fly(
+        self, case: AnalysisCase, values: Mapping[str, float], *, measure: bool = False
+    ) -> "Future[Flown | None]":
+        """Fly a case with some of its parameters changed.
+
+        Args:
+            case: in SI.
+            values: by parameter name with unit.
+            measure: whether to measure how near parts come, where that is required.
+
+        Returns:
+            What comes of it; None if something newer was asked for before it was flown.
+            Its errors: ValueError of values that cannot be flown, `FlightsEnded`.
+        """
+        asked = _Asked((case, dict(values), measure), Future())
+        with self._lock:
+            if self._flies is None:
+                self._begin(asked)
+            else:
+                if self._waits is not None:
+                    self._waits.answer.set_result(None)
+                self._waits = asked
+        return asked.answer
+
+    def end(self) -> None:
+        """End the process, in the midst of a run if need be."""
+        from drakesep.analysis.engines.processes import end_processes
+
+        with self._lock:
+            pool, self._pool = self._pool, None
+        if pool is not None:
+            end_processes(pool)  # type: ignore[arg-type]
+
+    def _started(self) -> Executor:
+        from drakesep.analysis.engines.processes import start_processes
+
+        if self._pool is None:
+            self._pool = start_processes(1, _prepare)
+        return self._pool
+
+    def _begin(self, asked: _Asked) -> None:
+        self._flies = asked
+        try:
+            flying = self._started().submit(_fly, *asked.arguments)
+        except (BrokenExecutor, RuntimeError) as error:  # it has ended meanwhile
+            self._finish(asked, error)
+        else:
+            flying.add_done_callback(lambda done: self._finish(asked, None, done))
+
+    def _finish(
+        self,
+        asked: _Asked,
+        error: BaseException | None,
+        done: "Future[Flown] | None" = None,
+    ) -> None:
+        """Hand on what came of a run, and fly what waits."""
+        if done is not None:
+            error = done.exception()
+        with self._lock:
+            if done is None or isinstance(error, BrokenExecutor):
+                self._pool = None
+                error = FlightsEnded("the process that flies has ended")
+            self._flies, waits, self._waits = None, self._waits, None
+            if waits is not None:
+                self._begin(waits)
+        if error is not None:
+            asked.answer.set_exception(error)
+        elif done is not None:
+            asked.answer.set_result(done.result())
+
+
+def _prepare() -> None:
+    """Import what takes long, before it is needed."""
+    import drakesep.page.flown  # noqa: F401
+
+
+def _fly(case: AnalysisCase, values: Mapping[str, float], measure: bool) -> "Flown":
+    from drakesep.page.flown import fly
+
+    return fly(case, values, measure=measure)

@@ -1,0 +1,143 @@
+"""The frame of the page: a header with the case, tabs, and what they show.
+
+A page has an address of its own, `/1`, `/2` and so on: to load it again shows the same
+case with the same changes. Each tab is a module with one function, `build(workspace)`,
+which is called when the tab is shown for the first time, within the element that it
+fills.
+"""
+
+import itertools
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+
+from fastapi.responses import RedirectResponse
+from nicegui import context, ui
+
+from drakesep.page import (
+    campaign_view,
+    case_files,
+    case_view,
+    elements,
+    play_view,
+    results_view,
+    search_view,
+)
+from drakesep.page.workspace import Workspace
+from drakesep.systems.checks import InputError
+
+
+TABS: dict[str, Callable[[Workspace], None]] = {
+    "Case": case_view.build,
+    "Play": play_view.build,
+    "Search": search_view.build,
+    "Campaign": campaign_view.build,
+    "Results": results_view.build,
+}
+"""What each tab shows."""
+_LATER = 1.0
+"""After which what flies is started, s: the page comes first."""
+_STYLE = Path(__file__).with_name("style.css")
+_COLOURS = {"primary": "#0b62a4", "positive": "#00835c", "negative": "#b3261e"}
+
+
+def add_pages(case: str | None, results: Path) -> None:
+    """Make the pages known to the server.
+
+    Args:
+        case: that a new page opens; a new one if None.
+        results: folder with results.
+    """
+    workspaces: dict[str, Workspace] = {}
+    shown: Counter[str] = Counter()
+    numbers = itertools.count(1)
+
+    def begin() -> RedirectResponse:
+        key = str(next(numbers))
+        workspaces[key] = Workspace(results)
+        return RedirectResponse(f"/{key}", status_code=303)
+
+    def show(key: str) -> RedirectResponse | None:
+        workspace = workspaces.get(key)
+        if workspace is None:
+            return RedirectResponse("/", status_code=303)
+        if not workspace.text:
+            _start(workspace, case)
+        _build(workspace)
+        shown[key] += 1
+        context.client.on_delete(lambda: leave(key))
+        return None
+
+    def leave(key: str) -> None:
+        shown[key] -= 1
+        if not shown[key]:
+            workspaces[key].rest()
+
+    ui.page("/")(begin)
+    ui.page("/{key}")(show)
+
+
+def _start(workspace: Workspace, case: str | None) -> None:
+    if case is None:
+        workspace.begin()
+        return
+    try:
+        workspace.open(case)
+    except InputError as error:
+        workspace.begin()
+        elements.say_wrong(str(error))
+
+
+def _build(workspace: Workspace) -> None:
+    ui.colors(**_COLOURS)
+    ui.add_head_html(f"<style>{_STYLE.read_text(encoding='utf-8')}</style>")
+    dark = ui.dark_mode(value=workspace.dark)
+    built: set[str] = set()
+    panels: dict[str, ui.element] = {}
+
+    def show(name: str) -> None:
+        workspace.tab = name
+        workspace.looks.tell()
+        for other, panel in panels.items():
+            panel.set_visibility(other == name)
+        if name not in built:
+            built.add(name)
+            with panels[name]:
+                TABS[name](workspace)
+
+    with ui.header(elevated=False).classes("page-header"):
+        ui.label("drakesep").classes("page-mark")
+        with ui.tabs(value=workspace.tab, on_change=lambda e: show(e.value)) as tabs:
+            tabs.props("dense no-caps inline-label shrink")
+            for name in TABS:
+                ui.tab(name)
+        ui.space()
+        case_files.build(workspace)
+        _theme_button(workspace, dark)
+    with ui.element("main").classes("page-main"):
+        for name in TABS:
+            panels[name] = ui.element("section").classes("page-panel")
+            panels[name].props(f'role="tabpanel" aria-label="{name}"')
+            panels[name].set_visibility(False)
+    elements.title(workspace)
+    show(workspace.tab)
+    ui.timer(_LATER, workspace.flights.start, once=True)
+
+
+def _theme_button(workspace: Workspace, dark: ui.dark_mode) -> None:
+    """Let the page be light or dark; at first it is as the browser's user has it."""
+
+    def turn(is_dark: bool) -> None:
+        workspace.dark = is_dark
+        dark.set_value(is_dark)
+        workspace.looks.tell()
+
+    async def ask() -> None:
+        turn(bool(await ui.run_javascript("Quasar.Dark.isActive")))
+
+    if workspace.dark is None:
+        ui.timer(0.0, ask, once=True)
+    button = ui.button(
+        icon="contrast", color=None, on_click=lambda: turn(not workspace.dark)
+    )
+    button.props("flat dense round aria-label='Light or dark'").tooltip("Light or dark")
