@@ -111,10 +111,18 @@ def mating(problem: BoundProblem, pair: BoundPair) -> Mating:
 class Boxes:
     """Boxes of the parameters of a problem."""
 
-    def __init__(self, problem: BoundProblem, lower: Array, upper: Array):
-        """Take ends (boxes, n) of s."""
+    def __init__(
+        self,
+        problem: BoundProblem,
+        lower: Array,
+        upper: Array,
+        slopes: Sequence[int] = (),
+    ):
+        """Take ends (boxes, n) of s, and by which parameters derivatives are taken."""
         self.problem, self.lower, self.upper = problem, lower, upper
         self.count = len(lower)
+        self.rows = {i: row for row, i in enumerate(slopes)}
+        """The derivatives' places among them."""
 
     def affine(self, number: Number) -> Affine:
         """Return a number of the problem over the boxes."""
@@ -123,7 +131,8 @@ class Boxes:
             return Affine(Interval(np.full((1, 1), number.value)))
         scale = Interval(self.problem.parameters[i].scale)
         s = Interval(self.lower[:, i, None], self.upper[:, i, None])
-        return Affine(Interval(number.value) + scale * s, {i: scale})
+        slopes = {self.rows[i]: scale} if i in self.rows else {}
+        return Affine(Interval(number.value) + scale * s, slopes)
 
     def place(self, numbers: Sequence[Number]) -> AffineVector:
         """Return a point."""

@@ -44,6 +44,17 @@ class Node:
     centre: Array | None = None
     """Of a leaf: the point of its mean value."""
     children: list["Node"] = field(default_factory=list)
+    parent: "Node | None" = field(default=None, repr=False)
+
+    def grow(self, children: list["Node"]) -> None:
+        """Take children."""
+        self.children = children
+        for child in children:
+            child.parent = self
+
+    def close(self) -> None:
+        """Be a leaf."""
+        self.children, self.faces, self.cut = [], {}, None
 
 
 class Progress(NamedTuple):
@@ -100,18 +111,32 @@ class Prover:
         self.enclosed = 0
 
     def options(
-        self, quantity: Quantity, lower: Array, upper: Array, *, slopes: bool
+        self,
+        quantity: Quantity,
+        lower: Array,
+        upper: Array,
+        slopes: NDArray[np.bool_],
     ) -> tuple[Options, NDArray[np.bool_]]:
-        """Return the options of a quantity over boxes, and where they are proven."""
+        """Return the options of a quantity over boxes, and where they are proven.
+
+        Args:
+            quantity: in question.
+            lower: (boxes, n) ends of s.
+            upper: (boxes, n) the others.
+            slopes: (n,) by which parameters derivatives are taken; others' are zero.
+        """
+        chosen = np.flatnonzero(slopes).tolist()
         enclosure = Enclosure(
-            Boxes(self.problem, lower, upper),
+            Boxes(self.problem, lower, upper, chosen),
             self.grid,
             self._kernels,
             self._gravity,
-            derivatives=slopes,
             attitudes=quantity.attitudes,
         )
-        return options(enclosure, self.grid, quantity), enclosure.proven
+        value, by = options(enclosure, self.grid, quantity)
+        every = np.zeros((2, len(slopes), *value.lo.shape))
+        every[:, chosen] = by.lo, by.hi
+        return Options(value, Interval(*every)), enclosure.proven
 
     def prove(
         self,
@@ -146,6 +171,7 @@ class _Search:
         self._starts, self._on_progress = starts, on_progress
         root = whole_box(prover.problem)
         self._root = Node(root.lower[0], root.upper[0])
+        self._all = np.ones(len(root.lower[0]), dtype=bool)
         self._order = itertools.count()
         self._queue: list[tuple[float, int, Node]] = []
         self._found, self._at = -np.inf, self._root.lower
@@ -162,6 +188,9 @@ class _Search:
             self._report()
         left = [node.bound for _, _, node in self._queue]
         aim = max([self._aim, *left])
+        for _, _, node in self._queue:  # what is known of them is of their parents
+            if node.parent is not None:
+                node.parent.close()
         return Proof(
             quantity=self._quantity,
             bound=aim + SLACK * abs(aim),
@@ -202,7 +231,7 @@ class _Search:
     def _least(self, points: Array, value: Interval) -> Array:
         """Return what the quantity surely is at points, from its options there."""
         if self._quantity.kind != "peak" or len(self._quantity.terms) > 1:
-            return np.asarray(value.lo[:, 0])
+            return np.asarray(value.lo.max(-1))
         [term] = self._quantity.terms
         boxes = Boxes(self._prover.problem, points, points)
         may, does = _sure(term, boxes, self._prover.grid)
@@ -225,7 +254,7 @@ class _Search:
             if not new:
                 break
             at = np.array(new[: self._effort.batch])
-            found, proven = self._prover.options(self._quantity, at, at, slopes=True)
+            found, proven = self._prover.options(self._quantity, at, at, self._all)
             self._boxes += len(at)
             self._attained(at, found.value, proven)
             points = []
@@ -238,9 +267,7 @@ class _Search:
         """Return corners to which the options grow from the middle, the best first."""
         lower, upper = self._root.lower, self._root.upper
         middle = 0.5 * (lower + upper)[None]
-        found, proven = self._prover.options(
-            self._quantity, middle, middle, slopes=True
-        )
+        found, proven = self._prover.options(self._quantity, middle, middle, self._all)
         if not proven[0]:
             return []
         self._attained(middle, found.value, proven)
@@ -259,14 +286,16 @@ class _Search:
         """Bound some boxes, and cut those that are not shown."""
         lower = np.array([node.lower for node in nodes])
         upper = np.array([node.upper for node in nodes])
-        found, proven = self._prover.options(self._quantity, lower, upper, slopes=True)
+        found, proven = self._prover.options(
+            self._quantity, lower, upper, (upper > lower).any(axis=0)
+        )
         self._boxes += len(nodes)
         known = proven & np.isfinite(found.value.hi).all(-1)
         known &= np.isfinite(found.slopes.hi).all((0, 2))
         live = found.value.hi > self._aim
         hull = _hull(found.slopes, live)
         centres = _centres(hull, lower, upper)
-        at, sound = self._prover.options(self._quantity, centres, centres, slopes=False)
+        at, sound = self._prover.options(self._quantity, centres, centres, ~self._all)
         self._attained(centres, at.value, sound & known)
         by_mean = up(at.value.hi + _beyond(found.slopes, lower, upper, centres))
         by_mean = np.where(sound[:, None], by_mean, np.inf)
@@ -293,7 +322,7 @@ class _Search:
                 np.where(falls, node.lower, node.upper),
                 node.bound,
             )
-            node.children = [child]
+            node.grow([child])
             self._push(child)
             return
         self._cut(node, slopes.magnitude() * (node.upper - node.lower))
@@ -305,11 +334,13 @@ class _Search:
         x = float(0.5 * (node.lower[i] + node.upper[i]))
         below, above = node.upper.copy(), node.lower.copy()
         below[i] = above[i] = x
-        node.cut, node.centre = (i, x), None
-        node.children = [
-            Node(node.lower, below, node.bound),
-            Node(above, node.upper, node.bound),
-        ]
+        node.cut = (i, x)
+        node.grow(
+            [
+                Node(node.lower, below, node.bound),
+                Node(above, node.upper, node.bound),
+            ]
+        )
         for child in node.children:
             self._push(child)
 

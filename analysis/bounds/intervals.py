@@ -32,14 +32,19 @@ def down(x: Array, scale: Array | None = None, units: float = 1.0) -> Array:
         units: how many roundings there may be, of half a unit in the last place, less
             one.
     """
-    size = np.abs(x) if scale is None else scale
-    return np.asarray(x - (size * (units * EPS) + TINY))
+    return np.asarray(x - _step(x, scale, units))
 
 
 def up(x: Array, scale: Array | None = None, units: float = 1.0) -> Array:
     """Return what is surely above numbers that are rounded; see `down`."""
-    size = np.abs(x) if scale is None else scale
-    return np.asarray(x + (size * (units * EPS) + TINY))
+    return np.asarray(x + _step(x, scale, units))
+
+
+def _step(x: Array, scale: Array | None, units: float) -> Array:
+    step: Array = np.abs(x) if scale is None else np.array(scale)
+    step *= units * EPS
+    step += TINY
+    return step
 
 
 def products(al: Array, ah: Array, bl: Array, bh: Array) -> tuple[Array, Array]:

@@ -69,12 +69,11 @@ class Jet(Interval):
 
     @classmethod
     def of(cls, x: Affine, parameters: int, boxes: int) -> "Jet":
-        """Return an affine number as a jet; if there are none, without derivatives."""
+        """Return an affine number as a jet."""
         jet = cls.zeros(parameters, boxes, 1)
         jet.lo[0], jet.hi[0] = x.value.lo, x.value.hi
         for i, slope in x.slopes.items():
-            if parameters:
-                jet.lo[1 + i], jet.hi[1 + i] = slope.lo, slope.hi
+            jet.lo[1 + i], jet.hi[1 + i] = slope.lo, slope.hi
         return jet
 
     @property
@@ -111,10 +110,9 @@ class Jet(Interval):
                 np.broadcast_to(hi, shape).copy(),
             )
         lo[0], hi[0] = first.lo, first.hi
-        if len(lo) > 1:
-            for i, slope in other.slopes.items():
-                row = Interval(lo[1 + i], hi[1 + i]) + slope
-                lo[1 + i], hi[1 + i] = row.lo, row.hi
+        for i, slope in other.slopes.items():
+            row = Interval(lo[1 + i], hi[1 + i]) + slope
+            lo[1 + i], hi[1 + i] = row.lo, row.hi
         return type(self)(lo, hi)
 
     def __mul__(self, other: "Interval | Affine | float") -> Self:
@@ -149,10 +147,9 @@ class Jet(Interval):
     def _scaled(self, other: Affine) -> Self:
         lo, hi = products(self.lo, self.hi, other.value.lo, other.value.hi)
         lo, hi = down(lo), up(hi)
-        if len(lo) > 1:
-            for i, slope in other.slopes.items():
-                row = Interval(lo[1 + i], hi[1 + i]) + self.value * slope
-                lo[1 + i], hi[1 + i] = row.lo, row.hi
+        for i, slope in other.slopes.items():
+            row = Interval(lo[1 + i], hi[1 + i]) + self.value * slope
+            lo[1 + i], hi[1 + i] = row.lo, row.hi
         return type(self)(lo, hi)
 
     def squared(self) -> "Jet":

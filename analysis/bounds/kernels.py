@@ -60,17 +60,12 @@ def _ends(x: Array, of_positive: Array, of_negative: Array) -> tuple[Array, Arra
 class DeviationKernel:
     """The kernel of what a spring's impulse differs by from the nominal."""
 
-    def __init__(
-        self, deviation: Jet, parameters: Sequence[int], times: Array, push: int
-    ):
-        """Take the deviation (1 + n, boxes, push + 1), and on which parameters it depends."""
-        self._parameters = parameters
+    def __init__(self, deviation: Jet, rows: Sequence[int], times: Array, push: int):
+        """Take the deviation (1 + n, boxes, push + 1), and which derivatives it has."""
+        self._rows = rows
         self._lengths = np.diff(times[: push + 1])
         self._value = self._ball(deviation.value, push)
-        self._by = [
-            self._ball(deviation.slopes[i], push) if len(deviation.lo) > 1 else None
-            for i in parameters
-        ]
+        self._by = [self._ball(deviation.slopes[i], push) for i in rows]
 
     def _ball(self, D: Interval, push: int) -> tuple[Array, Array]:
         """Return centres and radii (boxes, push, push + 1) of the kernel."""
@@ -89,12 +84,11 @@ class DeviationKernel:
             x: (c, 1 + n, boxes, push) jets side by side.
         """
         result = _applied(self._value, x.lo, x.hi)
-        for i, ball in zip(self._parameters, self._by, strict=True):
-            if ball is not None:
-                row = _applied(ball, x.lo[:, :1], x.hi[:, :1])
-                here = Interval(result.lo[:, 1 + i], result.hi[:, 1 + i])
-                here = here + Interval(row.lo[:, 0], row.hi[:, 0])
-                result.lo[:, 1 + i], result.hi[:, 1 + i] = here.lo, here.hi
+        for i, ball in zip(self._rows, self._by, strict=True):
+            row = _applied(ball, x.lo[:, :1], x.hi[:, :1])
+            here = Interval(result.lo[:, 1 + i], result.hi[:, 1 + i])
+            here = here + Interval(row.lo[:, 0], row.hi[:, 0])
+            result.lo[:, 1 + i], result.hi[:, 1 + i] = here.lo, here.hi
         return result
 
 

@@ -3,7 +3,6 @@
 The equations and the theorem are those of docs/proof.md; numbers in comments are its.
 """
 
-import functools
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from typing import NamedTuple
@@ -14,7 +13,6 @@ from numpy.typing import NDArray
 from drakesep.analysis.bounds.box import (
     AffineVector,
     Boxes,
-    Matrix,
     affine_cross,
     entry,
     is_zero,
@@ -25,7 +23,7 @@ from drakesep.analysis.bounds.box import (
     turned,
 )
 from drakesep.analysis.bounds.gravity import Disturbance
-from drakesep.analysis.bounds.impulses import Law, impulse
+from drakesep.analysis.bounds.impulses import impulse
 from drakesep.analysis.bounds.intervals import Interval, total
 from drakesep.analysis.bounds.inverse_inertia import inverse
 from drakesep.analysis.bounds.jets import (
@@ -142,23 +140,21 @@ class Enclosure:
         kernels: NominalKernels,
         gravity: Disturbance,
         *,
-        derivatives: bool = True,
         attitudes: bool = False,
     ):
         """Enclose.
 
         Args:
-            boxes: of the parameters.
+            boxes: of the parameters, and by which derivatives are taken.
             grid: the pieces of time.
             kernels: of the springs' nominal laws, on the grid.
             gravity: what it does at most.
-            derivatives: whether to enclose them, too.
             attitudes: whether to enclose orientations in W, too.
         """
         self._boxes, self._gravity = boxes, gravity
         self.grid = grid
         self.problem = problem = boxes.problem
-        self.rows = len(problem.parameters) if derivatives else 0
+        self.rows = len(boxes.rows)
         self._pieces = len(grid.times) - 1
         self._attitudes = attitudes
         self._mated = [mating(problem, pair) for pair in problem.pairs]
@@ -197,7 +193,7 @@ class Enclosure:
         value = D.value.meet(here.value - kernel.range)  # (13)
         D.lo[0], D.hi[0] = value.lo, value.hi
         push = self.grid.push
-        parameters = [i for _, i in _varied(spring)]
+        rows = [self._boxes.rows[i] for _, i in _varied(spring) if i in boxes.rows]
         R0 = self._mated[spring.pair].R0
         pad_B = boxes.pad_in_B(spring)
         axis = [entry(x) for x in spring.axis]
@@ -212,7 +208,7 @@ class Enclosure:
         return _Spring(
             pair=spring.pair,
             J=J,
-            deviation=DeviationKernel(D[..., : push + 1], parameters, times, push),
+            deviation=DeviationKernel(D[..., : push + 1], rows, times, push),
             D=D,
             arm=[x - y for x, y in zip(pad_B, cg_B, strict=True)],
             beside=[
@@ -229,24 +225,25 @@ class Enclosure:
     def _jet(self, spring: BoundSpring, value: Interval, by: Sequence[Interval]) -> Jet:
         jet = Jet.zeros(self.rows, self._boxes.count, self._pieces)
         jet.lo[0], jet.hi[0] = value.lo, value.hi
-        if self.rows:
-            for x, (_, i) in self._slopes(spring, by):
-                jet.lo[1 + i], jet.hi[1 + i] = x.lo, x.hi
+        for x, i in self._slopes(spring, by):
+            if i in self._boxes.rows:
+                row = 1 + self._boxes.rows[i]
+                jet.lo[row], jet.hi[row] = x.lo, x.hi
         return jet
 
     def _slopes(
         self, spring: BoundSpring, by: Sequence[Interval]
-    ) -> list[tuple[Interval, tuple[int, int]]]:
+    ) -> list[tuple[Interval, int]]:
         """Return the derivatives of an impulse by s, and of which parameters."""
         scale = [Interval(p.scale) for p in self.problem.parameters]
-        return [(by[a] * scale[i], (a, i)) for a, i in _varied(spring)]
+        return [(by[a] * scale[i], i) for a, i in _varied(spring)]
 
     def _deviation(self, spring: BoundSpring, by: Sequence[Interval]) -> Interval:
         """Return what an impulse differs by from the nominal, by the mean value: (13)."""
         boxes = self._boxes
         terms = [
             x * Interval(boxes.lower[:, i, None], boxes.upper[:, i, None])
-            for x, (_, i) in self._slopes(spring, by)
+            for x, i in self._slopes(spring, by)
         ]
         return total(terms) if terms else Interval(np.zeros((1, self._pieces)))
 

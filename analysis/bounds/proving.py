@@ -1,9 +1,8 @@
 """Bounds of a case's requirements and objectives, proven one by one."""
 
 import math
-import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from drakesep.analysis.analysis_case import AnalysisCase

@@ -4,6 +4,7 @@ Each comes with its derivatives, over boxes and pieces of time: section 6 of
 docs/proof.md.
 """
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ import numpy as np
 
 from drakesep.analysis.bounds.box import Matrix, entry, matrix, product, transposed
 from drakesep.analysis.bounds.intervals import TINY, Interval, arcsin, arctan2, total
-from drakesep.analysis.bounds.jets import Jet, combined, integrals, rotated
+from drakesep.analysis.bounds.jets import Jet, combined, rotated
 from drakesep.analysis.bounds.motion import Enclosure, Grid
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import Vector3
@@ -82,14 +83,23 @@ class Options(NamedTuple):
 
 
 def options(enclosure: Enclosure, grid: Grid, quantity: Quantity) -> Options:
-    """Return the options of a quantity: those of one peak; else itself alone."""
+    """Return the options of a quantity.
+
+    Of one peak each piece of time with each sign; of a sum of peaks each choice of
+    signs, with the largest over time; of integrals the quantity itself.
+    """
     signals = [_signal(enclosure, term) for term in quantity.terms]
     if quantity.kind != "peak":
         return _summed([_integral(x, grid, quantity.kind) for x in signals])
-    peaks = [
-        _signed(x, term.signs) for x, term in zip(signals, quantity.terms, strict=True)
+    if len(signals) == 1:
+        return _beside(
+            [_with_sign(signals[0], sign) for sign in quantity.terms[0].signs]
+        )
+    each = [
+        [_largest(_with_sign(x, sign)) for sign in term.signs]
+        for x, term in zip(signals, quantity.terms, strict=True)
     ]
-    return peaks[0] if len(peaks) == 1 else _summed([_largest(peak) for peak in peaks])
+    return _beside([_summed(signed) for signed in itertools.product(*each)])
 
 
 def _signal(enclosure: Enclosure, term: Term) -> Jet:
@@ -178,12 +188,11 @@ def _jet(value: Interval, slopes: Interval) -> Jet:
     )
 
 
-def _signed(x: Jet, signs: Sequence[int]) -> Options:
-    """Return a peak's options: each piece with each sign."""
-    each = [_with_sign(x, sign) for sign in signs]
+def _beside(parts: Sequence[Options]) -> Options:
+    """Return options that there are together."""
     return Options(
-        Interval(*(_side_by_side([o.value for o in each]))),
-        Interval(*(_side_by_side([o.slopes for o in each]))),
+        Interval(*(_side_by_side([part.value for part in parts]))),
+        Interval(*(_side_by_side([part.slopes for part in parts]))),
     )
 
 
@@ -205,7 +214,7 @@ def _sign(x: Interval) -> Interval:
 
 
 def _largest(peak: Options) -> Options:
-    """Return the largest option, whichever that may be."""
+    """Return the largest option, whichever that may be, as one."""
     value, slopes = peak
     least = value.lo.max(-1, keepdims=True)
     active = value.hi >= least
