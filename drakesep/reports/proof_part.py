@@ -37,8 +37,6 @@ class ProofPart(NamedTuple):
     """The file, as seen from the folder of the results; empty: nothing is proven."""
     folder: Cell
     """Of the results."""
-    parameters: int
-    """Over whose tolerances."""
     excluded: bool
     """Whether the box has what searches leave out: inertias, corners of ellipsoids."""
     contradicted: Sequence[Row]
@@ -61,7 +59,6 @@ def of(studies: Studies) -> ProofPart | None:
         ),
         certificate=CERTIFICATE if study.has(CERTIFICATE) else "",
         folder=Cell(study.tag),
-        parameters=len(case.box),
         excluded=bool(case.share_unphysical or case.ellipsoids),
         contradicted=[row for row in rows if row.get("verdict") == CONTRADICTED],
         pictures=_pictures(study) if covered else (),

@@ -1156,7 +1156,6 @@ _PROOFS = (
             Column("reason", "", "Why no more is proven."),
             Column("claim", "", "Its name in proof.json."),
             Column("boxes", "", "That were enclosed for it."),
-            Column("proof_seconds", "s", "That it took."),
             *_IDENTITY,
         ),
     ),
@@ -1253,7 +1252,7 @@ EFFORT = frozenset(
     {
         *("iterations", "evaluations", "run_by_run", "points", "failed_samples"),
         *("starts", "ended_there", "unfinished", "local_maxima", "random_samples"),
-        *("boxes", "proof_seconds"),
+        "boxes",
     }
 )
 """Columns that say how hard something was, not what was found."""

@@ -45,7 +45,6 @@ def proofs_table(
                 "reason": answer.reason,
                 "claim": "" if bound is None else answer.question.claim,
                 "boxes": None if bound is None else bound.proof.boxes,
-                "proof_seconds": math.nan if bound is None else bound.proof.seconds,
                 **(
                     dict.fromkeys(("pair", "id", "source"), "")
                     if requirement is None

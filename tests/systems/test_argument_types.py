@@ -26,7 +26,7 @@ PACKAGES = ("drakesep", "drakesep.systems", "drakesep.analysis")
 RESULTS = {
     *("Ascent", "BatchEvaluator", "BatchResult", "Campaign", "CampaignProgress"),
     *("Clearance", "Clearances", "Comparison", "Contact", "RareEvents"),
-    *("Sensitivity", "Summary", "Tally"),
+    *("ProofProgress", "Proofs", "Sensitivity", "Summary", "Tally"),
     *("ContactForces", "Evaluator", "Evidence", "Finding", "Growth", "Iteration"),
     *(
         "MassProperties",

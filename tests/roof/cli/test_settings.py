@@ -88,6 +88,11 @@ OPTIONS = {
         "--no-growth": (None, {"growth": False}),
         "--failures": (None, {"failures": True}),
         "--campaign": (300, {"campaign": 300}),
+        "--prove": (None, {"prove": True}),
+    },
+    "prove": {
+        "--objective": (["PM"], {"objectives": ["PM"]}),
+        "--gap-percent": (5.0, {"gap_percent": 5.0}),
     },
 }
 """Of each command: an option, its value, and the same argument in Python."""
@@ -105,13 +110,15 @@ ELSEWHERE = {
     "replay": {"--run", "--animation", "--no-animation", "--output", "-o"},
     "report": {"--output", "-o", "--pdf", "--check", "--tolerance"},
     "clearance": {"--output", "-o"},
+    "prove": {"--output", "-o", "--proof-seconds"},
     "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes", "--resume"},
     "verify": {
         *("--output", "-o", "--workers", "--flips", "--corners", "--minutes"),
-        *("--resume", "--share", "--confidence", "--report"),
+        *("--resume", "--share", "--confidence", "--report", "--proof-seconds"),
     },
 }
-"""Tested below; `--report` in roof/reports/test_html.py."""
+"""Tested below; `--report` in roof/reports/test_html.py, `--proof-seconds` in
+roof/studies/test_proofs.py."""
 SWEPT = {"upper.mass_kg": [1180.0, 1200.0, 1220.0]}
 FEW = {"runs": 300, "share": 0.99, "confidence": 0.9}
 """Of a campaign: enough to show so much."""
@@ -212,7 +219,7 @@ def hard_in_words(without=()):
 
 def called(command, case, folder, arguments):
     """The study in Python, and its tables in a folder."""
-    if command in ("simulate", "clearance"):
+    if command in ("simulate", "clearance", "prove"):
         study = getattr(drakesep, command)(case, **arguments)
         study.save(folder)
         return
