@@ -8,6 +8,7 @@ from typing import NamedTuple
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.bounds.branch_and_bound import Progress
 from drakesep.analysis.bounds.claims import Side
+from drakesep.analysis.bounds.problem import NotCovered, problem_of
 from drakesep.analysis.bounds.proving import (
     Bound,
     Bounds,
@@ -157,33 +158,45 @@ def questions_of(
         objectives: beside these; what leads out of requirements is left out.
         functions: that are required beside the case's requirements.
     """
+    uncovered = _why_not_covered(case)
     required = [*functions]
     of_functions = [limit for function in required for limit in function.limits]
-    questions = [_of_requirement(r) for r in (*case.requirements, *of_functions)]
+    limits = (*case.requirements, *of_functions)
+    questions = [_of_requirement(requirement, uncovered) for requirement in limits]
     of_limits = (objective for f in required for objective in f.objectives)
     leads = {one.name for one in (*case.requirement_objectives, *of_limits)}
     asked = {question.claim for question in questions}
     for objective in objectives:
-        question = _of_objective(objective)
+        question = _of_objective(objective, uncovered)
         if objective.name not in leads and question.claim not in asked:
             questions.append(question)
     return tuple(questions)
 
 
-def _of_requirement(requirement: Requirement) -> Question:
+def _why_not_covered(case: AnalysisCase) -> str:
+    """Return why there is no bound of a case at all; empty if there may be some."""
+    try:
+        problem_of(case.separation, case.box)
+    except NotCovered as why:
+        return str(why)
+    return ""
+
+
+def _of_requirement(requirement: Requirement, refused: str) -> Question:
     side: Side = "highest" if requirement.from_above else "lowest"
-    refused = ""
     if find_metric(requirement.metric) is None:
-        refused = f"{requirement.metric}: bounds do not cover functions of a run"
+        refused = refused or f"{requirement.metric}: bounds do not cover functions"
+    elif requirement.measured_apart:
+        refused = refused or f"{requirement.metric}: bounds do not cover clearance"
     return Question(requirement.judged_by, side, requirement, refused=refused)
 
 
-def _of_objective(objective: Objective) -> Question:
+def _of_objective(objective: Objective, refused: str) -> Question:
     told = objective.shown_as
     if told is not None:
         side: Side = "highest" if told.sign > 0.0 else "lowest"
         if objective.name in (*OBJECTIVES, f"{side}_{told.name}"):
-            return Question(told.name, side, objective=objective.name)
+            return Question(told.name, side, objective=objective.name, refused=refused)
     refused = f"{objective.name}: bounds cover metrics over their own windows alone"
     return Question(
         objective.name, "highest", objective=objective.name, refused=refused

@@ -68,7 +68,7 @@ class TellingProof:
         self._tell(claim, progress.boxes)
 
     def _tell(self, claim: str, boxes: int) -> None:
-        if self._on_progress is None:
+        if self._on_progress is None or not self._claims:
             return
         done = self._claims.index(claim) if claim else 0
         self._on_progress(

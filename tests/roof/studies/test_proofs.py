@@ -234,7 +234,7 @@ def test_functions_of_a_run_are_not_covered():
         name="mine", function=lambda run: 0.0, unit="m", at_most=1.0
     )
     [*_, last] = questions_of(case(), [*mine.objectives], [mine])
-    assert last.refused == "mine: bounds do not cover functions of a run"
+    assert last.refused == "mine: bounds do not cover functions"
 
 
 def test_progress_says_how_long_before_it_begins():
