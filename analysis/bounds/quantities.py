@@ -56,6 +56,9 @@ class Term:
     """Last one."""
     since: Literal["first", "separation"] = "first"
     """What it begins with: its first piece, or separation, somewhere in its pieces."""
+    blocks: tuple[int, ...] = ()
+    """Of a sum of peaks: pieces, counted from the first, at which blocks of time begin,
+    and the end of the last block."""
     moment: bool = False
     """Whether it looks at one moment alone, that with which it begins."""
 
@@ -80,13 +83,16 @@ class Options(NamedTuple):
     """(boxes, options)."""
     slopes: Interval
     """(parameters, boxes, options)."""
+    choice: Array
+    """(options,) to which choice of signs each belongs, from 0."""
 
 
 def options(enclosure: Enclosure, grid: Grid, quantity: Quantity) -> Options:
     """Return the options of a quantity.
 
     Of one peak each piece of time with each sign; of a sum of peaks each choice of
-    signs, with the largest over time; of integrals the quantity itself.
+    signs and blocks of time, with the largest in these; of integrals the quantity
+    itself.
     """
     signals = [_signal(enclosure, term) for term in quantity.terms]
     if quantity.kind != "peak":
@@ -96,10 +102,14 @@ def options(enclosure: Enclosure, grid: Grid, quantity: Quantity) -> Options:
             [_with_sign(signals[0], sign) for sign in quantity.terms[0].signs]
         )
     each = [
-        [_largest(_with_sign(x, sign)) for sign in term.signs]
+        [
+            _largest(_with_sign(x[..., start:stop], sign))
+            for sign in term.signs
+            for start, stop in itertools.pairwise(term.blocks)
+        ]
         for x, term in zip(signals, quantity.terms, strict=True)
     ]
-    return _beside([_summed(signed) for signed in itertools.product(*each)])
+    return _beside([_summed(chosen) for chosen in itertools.product(*each)])
 
 
 def _signal(enclosure: Enclosure, term: Term) -> Jet:
@@ -190,9 +200,11 @@ def _jet(value: Interval, slopes: Interval) -> Jet:
 
 def _beside(parts: Sequence[Options]) -> Options:
     """Return options that there are together."""
+    counts = [part.value.lo.shape[-1] for part in parts]
     return Options(
         Interval(*(_side_by_side([part.value for part in parts]))),
         Interval(*(_side_by_side([part.slopes for part in parts]))),
+        np.repeat(np.arange(len(parts)), counts),
     )
 
 
@@ -203,10 +215,15 @@ def _side_by_side(parts: Sequence[Interval]) -> tuple[Array, Array]:
 
 def _with_sign(x: Jet, sign: int) -> Options:
     if sign == 1:
-        return Options(x.value, x.slopes)
+        return _options(x.value, x.slopes)
     if sign == -1:
-        return Options(-x.value, -x.slopes)
-    return Options(-x.value.abs(), -(x.slopes * _sign(x.value)))
+        return _options(-x.value, -x.slopes)
+    return _options(-x.value.abs(), -(x.slopes * _sign(x.value)))
+
+
+def _options(value: Interval, slopes: Interval) -> Options:
+    """Return options of one choice of signs."""
+    return Options(value, slopes, np.zeros(value.lo.shape[-1], dtype=int))
 
 
 def _sign(x: Interval) -> Interval:
@@ -215,10 +232,10 @@ def _sign(x: Interval) -> Interval:
 
 def _largest(peak: Options) -> Options:
     """Return the largest option, whichever that may be, as one."""
-    value, slopes = peak
+    value, slopes, _ = peak
     least = value.lo.max(-1, keepdims=True)
     active = value.hi >= least
-    return Options(
+    return _options(
         Interval(least, value.hi.max(-1, keepdims=True)),
         Interval(
             np.where(active, slopes.lo, np.inf).min(-1, keepdims=True),
@@ -228,7 +245,7 @@ def _largest(peak: Options) -> Options:
 
 
 def _summed(parts: Sequence[Options]) -> Options:
-    return Options(
+    return _options(
         total([part.value for part in parts]), total([part.slopes for part in parts])
     )
 
@@ -239,7 +256,7 @@ def _integral(x: Jet, grid: Grid, kind: Kind) -> Options:
         value, slopes = x.value.square(), x.slopes * x.value * 2.0
     else:
         value, slopes = x.value.abs(), x.slopes * _sign(x.value)
-    return Options(_over_time(value, grid), _over_time(slopes, grid))
+    return _options(_over_time(value, grid), _over_time(slopes, grid))
 
 
 def _over_time(x: Interval, grid: Grid) -> Interval:
