@@ -29,8 +29,10 @@ class ProofProgress:
     def __str__(self) -> str:
         """Return what it will do, in a line."""
         several = "a bound" if self.total == 1 else f"{self.total} bounds"
+        one = self.parameters == 1
+        over = "a parameter" if one else f"{self.parameters} parameters"
         return (
-            f"proof of {several} over {self.parameters} parameters, all "
+            f"proof of {several} over {over}, all "
             f"corners and everything between: at most "
             f"{in_time(self.remaining.seconds)}"
         )

@@ -88,12 +88,8 @@ OPTIONS = {
         "--no-growth": (None, {"growth": False}),
         "--failures": (None, {"failures": True}),
         "--campaign": (300, {"campaign": 300}),
-        "--prove": (None, {"prove": True}),
     },
-    "prove": {
-        "--objective": (["PM"], {"objectives": ["PM"]}),
-        "--gap-percent": (5.0, {"gap_percent": 5.0}),
-    },
+    "prove": {},  # test_proofs.py
 }
 """Of each command: an option, its value, and the same argument in Python."""
 ELSEWHERE = {
@@ -110,15 +106,16 @@ ELSEWHERE = {
     "replay": {"--run", "--animation", "--no-animation", "--output", "-o"},
     "report": {"--output", "-o", "--pdf", "--check", "--tolerance"},
     "clearance": {"--output", "-o"},
-    "prove": {"--output", "-o", "--proof-seconds"},
+    "prove": {"--output", "-o", "--objective", "--gap-percent", "--proof-seconds"},
     "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes", "--resume"},
     "verify": {
         *("--output", "-o", "--workers", "--flips", "--corners", "--minutes"),
-        *("--resume", "--share", "--confidence", "--report", "--proof-seconds"),
+        *("--resume", "--share", "--confidence", "--report", "--prove"),
+        "--proof-seconds",
     },
 }
-"""Tested below; `--report` in roof/reports/test_html.py, `--proof-seconds` in
-roof/studies/test_proofs.py."""
+"""Tested below; `--report` in roof/reports/test_html.py, `--prove` and the like
+in roof/studies/test_proofs.py."""
 SWEPT = {"upper.mass_kg": [1180.0, 1200.0, 1220.0]}
 FEW = {"runs": 300, "share": 0.99, "confidence": 0.9}
 """Of a campaign: enough to show so much."""

@@ -83,6 +83,23 @@ def test_no_corner_in_drake_is_beyond_a_bound(proven):
     assert table.loc["highest_G_PM", "objective"] == "PM"
 
 
+def test_options_are_the_arguments_in_python(tmp_path, capsys, monkeypatch):
+    data = small(dispersions=ONE)
+    words = ["--objective", "PM", "--gap-percent", 2.0, "--proof-seconds", 60]
+    file = write_case(tmp_path, data)
+    code, _, err = run(capsys, monkeypatch, "prove", file, "-o", tmp_path / "t", *words)
+    assert code == 0, err
+    assert "Proof of 3 bounds over a parameter" in err
+    assert "at most 3 min" in err
+    how = {"gap_percent": 2.0, "proof_seconds": 60.0}
+    study = drakesep.prove(file, ["PM"], output=tmp_path / "p", **how)
+    typed, called = (tmp_path / name / "proofs.csv" for name in ("t", "p"))
+    assert typed.read_bytes() == called.read_bytes()
+    # A larger gap is a wider bound, and enough of one.
+    assert (study.table["gap_percent"] > 0.6).all()
+    assert (study.table["gap_percent"] < 2.001).all()
+
+
 def test_columns_computed_anew(proven):
     study, folder = proven
     table = without_gaps(folder / "proofs.csv")
