@@ -393,7 +393,7 @@ class _Search:
             self._push(child)
 
 
-_LEAST_ROOM = 0.25
+_LEAST_ROOM = 0.1
 """Part of the gap that is left for boxes, above what points have."""
 _CLIMBS = 6
 _CORNERS = 6
