@@ -1,6 +1,7 @@
 """What starts, stops and goes on with the study of a tab, and says how it stands."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 from nicegui import ui
 
@@ -103,7 +104,12 @@ def words_of(study: Study) -> str:
         return study.message
     verdict = study.summary.get("verdict")
     words = f"Ended: {verdict}." if verdict else "Ended."
-    return f"{words} {study.message}".strip() + f" Results are in {study.folder}"
+    return f"{words} {study.message}".strip() + f" Results are in {_from_here(study.folder)}"
+
+
+def _from_here(folder: Path) -> Path:
+    here = Path.cwd()
+    return folder.relative_to(here) if folder.is_relative_to(here) else folder
 
 
 def _in_time(seconds: float) -> str:
