@@ -16,7 +16,7 @@ _COMMAND = (sys.executable, "-c", "from drakesep.cli.entry import main; main()")
 
 
 READY = """window.did_handshake
-  && document.querySelector("[role=tabpanel]")?.textContent"""
+  && [...document.querySelectorAll("[role=tabpanel]")].some(e => e.textContent)"""
 """What is true once the page can be used."""
 
 

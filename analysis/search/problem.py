@@ -8,7 +8,7 @@ import dataclasses
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from drakesep.analysis.engines.evaluator import Evaluator
 from drakesep.analysis.search.effort import SearchSettings
@@ -57,6 +57,8 @@ class Candidate:
     """That found it."""
     ascent: Ascent | None = field(default=None, repr=False)
     """That ended there, if one did."""
+    start: int = 0
+    """Of the ascent: its number among those of the objective, from 1; 0 without."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,6 +120,16 @@ def candidates_of(problem: Problem, done: Iterable[Searched]) -> list[Candidate]
     ]
 
 
+class Iterate(NamedTuple):
+    """An iterate of one of many ascents."""
+
+    objective: int
+    """Its place among the evaluator's."""
+    start: int
+    """Number of the ascent among those of the objective, from 1."""
+    iteration: Iteration
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchProgress:
     """Where a search stands, or what comes after the searches."""
@@ -129,8 +141,8 @@ class SearchProgress:
     """Of them; None if it is not known."""
     best: Mapping[int, float] = field(default_factory=dict)
     """Best values so far, in SI, by objective."""
-    iteration: tuple[int, Iteration] | None = None
-    """Objective and iterate, of an ascent."""
+    iterate: Iterate | None = None
+    """That an ascent has come to, if this tells of one."""
 
 
 Known: TypeAlias = Sequence[Candidate]

@@ -13,6 +13,7 @@ from drakesep.analysis.search.problem import (
     FROM_BEST,
     FROM_NOMINAL,
     Candidate,
+    Iterate,
     Known,
     OnProgress,
     Problem,
@@ -151,6 +152,7 @@ def _search(
         for k, mine in points.items()
         for u in mine
     ]
+    numbers = [j for mine in points.values() for j in range(1, len(mine) + 1)]
     best: dict[int, float] = {}
     iterates = 0
 
@@ -165,7 +167,7 @@ def _search(
                 done=iterates,
                 total=None,
                 best=dict(best),
-                iteration=(k, iteration),
+                iterate=Iterate(k, numbers[i], iteration),
             )
         )
 
@@ -185,9 +187,14 @@ def _search(
         search=search,
         candidates=tuple(
             Candidate(
-                objective=a.objective, u=a.u, value=a.value, search=search, ascent=a
+                objective=a.objective,
+                u=a.u,
+                value=a.value,
+                search=search,
+                ascent=a,
+                start=number,
             )
-            for a in ascents
+            for a, number in zip(ascents, numbers, strict=True)
             if math.isfinite(a.value)
         ),
         points=sum(a.evaluations for a in ascents),

@@ -64,7 +64,8 @@ def read_nodes(text: str) -> Node | None:
     Args:
         text: that `read_yaml` has read.
     """
-    return YAML(typ="safe", pure=True).compose(text)
+    root: Node | None = YAML(typ="safe", pure=True).compose(text)
+    return root
 
 
 def _check(events: Iterable[Event]) -> None:

@@ -69,6 +69,10 @@ KeepOption = Annotated[
         "worst that decide. If not given, rows of up to ten million.",
     ),
 ]
+ChunkOption = Annotated[
+    int | None,
+    typer.Option(min=1, help="Draws of a chunk; 32768 if not given."),
+]
 FolderArgument = Annotated[
     Path, typer.Argument(metavar="DIR", help="The folder of a campaign.")
 ]
@@ -87,6 +91,7 @@ def run(
     confidence: ConfidenceOption = None,
     metrics: MetricOption = None,
     keep: KeepOption = None,
+    chunk: ChunkOption = None,
     resume: Annotated[
         bool,
         typer.Option(
@@ -124,6 +129,7 @@ def run(
         confidence=confidence,
         metrics=metrics,
         keep=keep,
+        chunk=chunk,
     )
     with Answer("campaign", quiet=quiet, as_json=as_json) as answer:
         loaded = load(answer, case)
@@ -156,10 +162,7 @@ def plan(
     confidence: ConfidenceOption = None,
     metrics: MetricOption = None,
     keep: KeepOption = None,
-    chunk: Annotated[
-        int | None,
-        typer.Option(min=1, help="Draws of a chunk; 32768 if not given."),
-    ] = None,
+    chunk: ChunkOption = None,
     output: OutputOption = None,
     quiet: QuietOption = False,
     as_json: JsonOption = False,

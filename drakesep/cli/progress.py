@@ -24,7 +24,7 @@ _PACE = 10.0
 """Seconds after which a log gets another line, if no tenth of the study was done."""
 
 
-class _Standing(NamedTuple):
+class Standing(NamedTuple):
     """Where a study stands, as it is shown."""
 
     step: str
@@ -40,6 +40,19 @@ AnyProgress: TypeAlias = (
 Tell: TypeAlias = Callable[[AnyProgress], None]
 
 
+_also: list[Tell] = []
+"""Who else is told of progress."""
+
+
+def tell_also(listener: Tell) -> None:
+    """Let somebody else be told how far studies of this process have come.
+
+    Args:
+        listener: called with all that `progress_bar` is told, before that shows it.
+    """
+    _also.append(listener)
+
+
 @contextlib.contextmanager
 def progress_bar(console: Console) -> Iterator[Tell]:
     """Show a bar while a study goes on; give what is to be told of its progress.
@@ -47,6 +60,18 @@ def progress_bar(console: Console) -> Iterator[Tell]:
     Where there is no terminal, lines on standard error say how far it has come. What
     the study will do is said in any case, before it does; nothing on a quiet console.
     """
+    with _shown(console) as show:
+
+        def tell(progress: AnyProgress) -> None:
+            for listener in _also:
+                listener(progress)
+            show(progress)
+
+        yield tell
+
+
+@contextlib.contextmanager
+def _shown(console: Console) -> Iterator[Tell]:
     if console.quiet:
         yield lambda _: None
     elif console.is_terminal:
@@ -104,7 +129,7 @@ def _bar(console: Console) -> Iterator[Tell]:
     task = bar.add_task("preparing", total=None, left="")
 
     def tell(progress: AnyProgress) -> None:
-        standing = _standing(progress)
+        standing = standing_of(progress)
         if standing.planned:
             console.print(standing.planned, markup=False, highlight=False)
         bar.update(
@@ -162,7 +187,7 @@ class _Log:
 
     def __call__(self, progress: AnyProgress) -> None:
         """Say how far a study has come, if it has come far enough since last time."""
-        standing = _standing(progress)
+        standing = standing_of(progress)
         step, share = standing.step, standing.remaining.share
         now = self._clock()
         if standing.planned:
@@ -183,7 +208,8 @@ def _tenths(share: float) -> int:
     return int(10.0 * share + 1e-9)
 
 
-def _standing(progress: AnyProgress) -> _Standing:
+def standing_of(progress: AnyProgress) -> Standing:
+    """Return where a study stands, in words."""
     if isinstance(progress, SweepProgress):
         step, begins, plan = "sweep", progress.done == 0, str(progress)
         described = f"{progress.done} of {progress.total} variants"
@@ -204,7 +230,7 @@ def _standing(progress: AnyProgress) -> _Standing:
         step, plan = progress.search.search, str(progress.effort)
         begins, described = step == PLAN, _described(progress)
     planned = plan[0].upper() + plan[1:] if begins else ""
-    return _Standing(step, planned, described, progress.remaining)
+    return Standing(step, planned, described, progress.remaining)
 
 
 def _described(progress: Progress) -> str:

@@ -109,17 +109,12 @@ def nominal_data(chart: Chart, flown: "Flown") -> list[dict[str, Any]]:
 
 def run_data(chart: Chart, flown: "Flown") -> list[dict[str, Any]]:
     """Return what changes in a chart with each run: its curves, and limits."""
-    return [
-        change
-        for s in _signals(chart, flown)
-        for change in (
-            {"id": f"run {s.axis}", "data": _points(flown, s)},
-            *(
-                {"id": f"limit {s.axis} {i}", "data": _line(limit, s)}
-                for i, limit in enumerate(s.limits)
-            ),
-        )
-    ]
+    changes: list[dict[str, Any]] = []
+    for s in _signals(chart, flown):
+        changes.append({"id": f"run {s.axis}", "data": _points(flown, s)})
+        for i, limit in enumerate(s.limits):
+            changes.append({"id": f"limit {s.axis} {i}", "data": _line(limit, s)})
+    return changes
 
 
 def _series(chart: Chart, flown: "Flown") -> Iterator[dict[str, Any]]:

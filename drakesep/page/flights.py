@@ -55,6 +55,7 @@ class Flights:
             Its errors: ValueError of values that cannot be flown, `FlightsEnded`.
         """
         asked = _Asked((case, dict(values), measure), Future())
+        asked.answer.set_running_or_notify_cancel()  # none is cancelled by who waits
         with self._lock:
             if self._flies is None:
                 self._begin(asked)
@@ -65,13 +66,18 @@ class Flights:
         return asked.answer
 
     def end(self) -> None:
-        """End the process, in the midst of a run if need be."""
+        """End the process, in the midst of a run if need be: nothing comes of it."""
         from drakesep.analysis.engines.processes import end_processes
 
         with self._lock:
             pool, self._pool = self._pool, None
+            asked = [self._flies, self._waits]
+            self._flies = self._waits = None
+        for each in asked:
+            if each is not None:
+                each.answer.set_result(None)
         if pool is not None:
-            end_processes(pool)  # type: ignore[arg-type]
+            end_processes(pool)
 
     def _started(self) -> Executor:
         from drakesep.analysis.engines.processes import start_processes
@@ -97,8 +103,10 @@ class Flights:
     ) -> None:
         """Hand on what came of a run, and fly what waits."""
         if done is not None:
-            error = done.exception()
+            error = BrokenExecutor() if done.cancelled() else done.exception()
         with self._lock:
+            if asked is not self._flies:  # it was ended
+                return
             if done is None or isinstance(error, BrokenExecutor):
                 self._pool = None
                 error = FlightsEnded("the process that flies has ended")

@@ -98,10 +98,8 @@ def fly(case: AnalysisCase, values: Mapping[str, float], *, measure: bool) -> Fl
     """
     result = simulate(case, values, measure=measure)
     if not result.completed:
-        return Flown(
-            message=result.labelled.outcome.message,
-            **{"times": {}, "separated": {}, "signals": (), "fares": ()},
-        )
+        why = result.labelled.outcome.message
+        return Flown(message=why, times={}, separated={}, signals=(), fares=())
     run = result.run
     bodies = [pair.B for pair in case.separation.pairs]
     return Flown(

@@ -215,26 +215,18 @@ class PlayView:
         await self._fly_nominal()
 
     def _show_fares(self, fares: Sequence["Fares"]) -> None:
-        nominal = (
-            {_key(each): each for each in self._nominal.fares} if self._nominal else {}
-        )
+        """Show how the run fares by each requirement, beside the nominal."""
+        shown = self._fares
+        if shown is None:
+            return
+        of_nominal = self._nominal.fares if self._nominal else ()
+        nominal = {_key(each): each for each in of_nominal}
         rows = [
             _row(self._measured.get(_key(each), each), nominal.get(_key(each)))
             for each in fares
         ]
-        head = "".join(
-            f"<th{c}>{w}</th>"
-            for w, c in (
-                ("requirement", ""),
-                *(("limit", _RIGHT), ("nominal", _RIGHT), ("this run", _RIGHT)),
-                ("", ""),
-            )
-        )
-        self._fares.set_content(
-            f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
-            if rows
-            else ""
-        )
+        shown.set_content(f"<table>{_HEAD}<tbody>{''.join(rows)}</tbody></table>")
+        shown.set_visibility(bool(rows))
 
     def _as_command(self) -> str:
         """Return the command that flies the same."""
@@ -252,6 +244,10 @@ def _set(shown: ui.echart, series: list[dict[str, Any]]) -> None:
 
 
 _RIGHT = ' class="number"'
+_HEAD = (
+    f"<thead><tr><th>requirement</th><th{_RIGHT}>limit</th><th{_RIGHT}>nominal</th>"
+    f"<th{_RIGHT}>this run</th><th></th></tr></thead>"
+)
 
 
 def _key(fares: "Fares") -> tuple[str, str, str, str]:

@@ -76,6 +76,7 @@ def _listen(port: int | None) -> socket.socket:
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind(("127.0.0.1", port or 0))
+        listening.listen()  # who comes before the server is ready waits
     except OSError as error:
         listening.close()
         raise InputError(

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from fastapi.responses import RedirectResponse
-from nicegui import context, ui
+from nicegui import app, context, ui
 
 from drakesep.page import (
     campaign_view,
@@ -73,6 +73,11 @@ def add_pages(case: str | None, results: Path) -> None:
         if not shown[key]:
             workspaces[key].rest()
 
+    def end() -> None:
+        for workspace in workspaces.values():
+            workspace.rest()
+
+    app.on_shutdown(end)
     ui.page("/")(begin)
     ui.page("/{key}")(show)
 

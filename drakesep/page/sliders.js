@@ -5,7 +5,7 @@ export default {
 <div class="sliders">
   <div v-for="s in sliders" :key="s.name" class="slider" :class="{moved: at(s) !== s.nominal}">
     <label :for="'slider-' + s.name" :title="s.name">{{ s.words }}</label>
-    <input class="slider-value" :value="at(s)" :aria-label="s.words + ' in ' + s.unit"
+    <input class="slider-value" v-shown="at(s)" :aria-label="s.words + ' in ' + s.unit"
       autocomplete="off" spellcheck="false" @change="e => typed(s, e.target)">
     <span class="slider-unit">{{ s.unit }}</span>
     <input type="range" :id="'slider-' + s.name" :min="s.low" :max="s.high" :step="s.step"
@@ -15,6 +15,18 @@ export default {
   </div>
 </div>`,
   props: { sliders: Array },
+  directives: {
+    // A field's text: set where it becomes another, so that what is being typed stays
+    // when something else of the page is drawn anew.
+    shown: {
+      mounted(field, { value }) {
+        field.value = value;
+      },
+      updated(field, { value, oldValue }) {
+        if (value !== oldValue) field.value = value;
+      },
+    },
+  },
   data() {
     return { moving: {} };
   },

@@ -8,7 +8,7 @@ from nicegui.element import Element
 from drakesep.page.playing import Playing
 
 
-class Sliders(Element, component="sliders.js"):
+class Sliders(Element, component="sliders.js"):  # type: ignore[call-arg]
     """A slider and a field for each parameter that is played with."""
 
     def __init__(self, move: Callable[[Mapping[str, float]], Any]):

@@ -32,7 +32,6 @@ Kind: TypeAlias = Literal["box", "sphere", "cylinder", "mesh"]
 
 _Y_TO_X = quaternion((0.0, 0.0, -0.5 * math.pi), math)
 """Cylinders of the browser are along y, ours along x."""
-_CAP = "sphere"
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,7 +155,7 @@ def _pieces(
             yield "cylinder", (radius, radius, length), along, ""
             for side in (0.5, -0.5):
                 end = place_in_stack(frame, (side * length, 0.0, 0.0))
-                yield _CAP, (radius,), Place(frame.q_SB, end), ""
+                yield "sphere", (radius,), Place(frame.q_SB, end), ""
         case Cone():
             sizes = (shape.radius_fore, shape.radius_aft, shape.length)
             yield "cylinder", sizes, along, ""
@@ -167,7 +166,7 @@ def _pieces(
 def _stl(shape: Mesh) -> str:
     from drakesep.systems.geometry.meshes import read_mesh
 
-    data = read_mesh(shape.file).export(file_type="stl")
+    data: Any = read_mesh(shape.file).export(file_type="stl")
     return f"data:model/stl;base64,{base64.b64encode(data).decode()}"
 
 

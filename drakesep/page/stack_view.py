@@ -85,8 +85,8 @@ class StackView:
 
     def _look_at(self, stack: Stack) -> None:
         middle, radius = stack.extent()
-        far = [m + radius * f for m, f in zip(middle, _FROM, strict=True)]
-        self._scene.move_camera(*far, *middle, duration=0.0)
+        x, y, z = (m + radius * f for m, f in zip(middle, _FROM, strict=True))
+        self._scene.move_camera(x, y, z, *middle, duration=0.0)
 
 
 def _draw(scene: Any, stack: Stack) -> None:
@@ -107,10 +107,10 @@ def _draw(scene: Any, stack: Stack) -> None:
         words = scene.text(name.replace("_", " "), "").move(*_above(centre, radius))
         words.with_name(name)
     for i, (axis, colour) in enumerate(_AXES.items()):
-        end = [0.0, 0.0, 0.0]
-        end[i] = 0.45 * radius
-        scene.line([0.0, 0.0, 0.0], end).material(colour)
-        scene.text(axis, f"color: {colour}; font-weight: 600").move(*end)
+        tip = [0.0, 0.0, 0.0]
+        tip[i] = 0.45 * radius
+        scene.line([0.0, 0.0, 0.0], tip).material(colour)
+        scene.text(axis, f"color: {colour}; font-weight: 600").move(*tip)
 
 
 def _above(point: Vector, radius: float) -> tuple[float, float, float]:

@@ -23,7 +23,7 @@ export default {
               :title="r.problem">{{ r.name }}</th>
             <td v-for="(c, i) in r.cells" :key="i" :class="{number: t.columns[i].numeric}">
               <span v-if="!c.path" class="tables-told">{{ c.text }}</span>
-              <input v-else :value="shown(c)" :style="{width: t.columns[i].width + 'ch'}"
+              <input v-else v-shown="shown(c)" :style="{width: t.columns[i].width + 'ch'}"
                 :class="{wrong: problem(c)}" :title="problem(c) || null"
                 :aria-invalid="!!problem(c)" :data-cell="key(c.path)"
                 :aria-label="[r.name, t.columns[i].title, t.columns[i].unit].join(' ')"
@@ -41,6 +41,18 @@ export default {
   </section>
 </div>`,
   props: { tables: Array, refused: Object },
+  directives: {
+    // A field's text: set where it becomes another, so that what is being typed stays
+    // when something else of the page is drawn anew.
+    shown: {
+      mounted(field, { value }) {
+        field.value = value;
+      },
+      updated(field, { value, oldValue }) {
+        if (value !== oldValue) field.value = value;
+      },
+    },
+  },
   methods: {
     key(path) {
       return JSON.stringify(path);
@@ -62,7 +74,7 @@ export default {
       const field = e.target;
       if (field.tagName !== "INPUT") return;
       if (e.key === "Escape") {
-        field.value = field.defaultValue = this.before(field) ?? field.value;
+        field.value = this.before(field) ?? field.value;
         field.select();
         return;
       }

@@ -16,7 +16,7 @@ _NARROWEST, _WIDEST = 5, 44
 """Fields, in digits."""
 
 
-class Tables(Element, component="tables.js"):
+class Tables(Element, component="tables.js"):  # type: ignore[call-arg]
     """Tables whose cells can be changed, and whose rows can be added and removed."""
 
     def __init__(

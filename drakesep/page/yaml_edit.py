@@ -46,7 +46,7 @@ class YamlText:
     def in_line(self, path: Path) -> bool:
         """Return whether a value is a mapping or list within brackets."""
         node = self._node(path)
-        return not isinstance(node, ScalarNode) and bool(node and node.flow_style)
+        return node is not None and _is_in_line(node)
 
     def shown(self, path: Path) -> str:
         """Return a value as it stands, in one line; empty if there is none."""
@@ -80,7 +80,7 @@ class YamlText:
             return self.without(path[:-1])
         [i] = [i for i, (key, _, _) in enumerate(entries) if key == path[-1]]
         _, begin, value = entries[i]
-        if parent is not None and parent.flow_style:
+        if parent is not None and _is_in_line(parent):
             return self._without_in_flow(entries, i)
         start = self.text.rfind("\n", 0, begin) + 1
         if isinstance(parent, MappingNode) and self.text[start:begin].strip():
@@ -138,7 +138,7 @@ class YamlText:
         if len(missing) > 1 and self._value((*known, missing[0])) is not None:
             raise InputError("is merged from elsewhere (<<): change the YAML")
         entries = [] if parent is None else _entries(parent)
-        if parent is not None and (parent.flow_style or not entries):
+        if parent is not None and (_is_in_line(parent) or not entries):
             end = _end(parent) - 1
             comma = ", " if entries else ""
             return self._cut(end, end, comma + _nested_in_line(missing, value))
@@ -165,6 +165,11 @@ class YamlText:
         return self._cut(start, entries[1][1] if len(entries) > 1 else _end(value))
 
 
+def _is_in_line(node: Node) -> bool:
+    """Return whether a mapping or list stands within brackets."""
+    return bool(getattr(node, "flow_style", False))
+
+
 def _entries(node: Node) -> list[tuple[str | int, int, Node]]:
     """Return the entries of a mapping or list: key, where it begins, value."""
     if isinstance(node, MappingNode):
@@ -178,7 +183,7 @@ def _entries(node: Node) -> list[tuple[str | int, int, Node]]:
 def _start_of_entry(node: SequenceNode, entry: Node) -> int:
     """Return where an entry of a list begins: of a block, at its dash."""
     start: int = entry.start_mark.index
-    if node.flow_style:
+    if _is_in_line(node):
         return start
     buffer: str = entry.start_mark.buffer
     return buffer.rfind("-", 0, start) if buffer else start
@@ -186,7 +191,7 @@ def _start_of_entry(node: SequenceNode, entry: Node) -> int:
 
 def _end(node: Node) -> int:
     """Return where the text of a value ends: of a block, with its last value."""
-    if isinstance(node, ScalarNode) or node.flow_style or not node.value:
+    if isinstance(node, ScalarNode) or _is_in_line(node) or not node.value:
         end: int = node.end_mark.index
         if isinstance(node, ScalarNode) and node.style in ("|", ">"):
             return end - 1

@@ -879,14 +879,21 @@ _WORST_CASES = (
         ),
     ),
     FileKind(
-        name="history.csv",
+        name="iterates.csv",
         studies=_SEARCHED,
-        what="The way of SQP from the nominal.",
+        what="The way of every ascent by SQP, of one search after another.",
         row="iterate",
-        key=("objective", "iteration"),
+        key=("objective", "search", "start", "iteration"),
         columns=(
             _OBJECTIVE,
-            Column("iteration", "", "Its number; 0 is the nominal."),
+            Column("search", "", "Its name."),
+            Column(
+                "start",
+                "",
+                "Number of the ascent among those of the objective, from 1; missing of "
+                "one whose first run failed.",
+            ),
+            Column("iteration", "", "Its number; 0 is where the ascent starts."),
             Column("value", _SAME, "Of the objective's metric."),
             _UNIT,
             Column("evaluations", "", "So far."),

@@ -3,28 +3,22 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pandas as pd
 
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.functions import FunctionRequirement
-from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
+from drakesep.analysis.metrics.objectives import OBJECTIVES
 from drakesep.analysis.metrics.of_run import metric_named, signal_of_run
 from drakesep.analysis.metrics.registry import find_metric
-from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.checks import InputError, unknown
 from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ
 from drakesep.systems.model.parameters import parameters
 from drakesep.systems.model.run import Run
-from drakesep.tables.columns import in_units, read_table, shown, unit_of_objective
+from drakesep.tables.columns import in_units, read_table
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.roles import WORST, Worst, label_of, role_in_tables
 from drakesep.units import split_unit, unit_of, with_unit
-
-
-if TYPE_CHECKING:  # JAX comes with them
-    from drakesep.analysis.search.sqp import Iteration
 
 
 _MOTION = {
@@ -208,23 +202,3 @@ def metrics_table(metrics: Mapping[str, float]) -> pd.DataFrame:
         }
         for name, value in metrics.items()
     )
-
-
-def history_table(
-    iterations: "Mapping[Objective, Sequence[Iteration]]", box: ToleranceBox
-) -> pd.DataFrame:
-    """Return a row for each iterate of each search, by objective."""
-    rows = []
-    for objective, history in iterations.items():
-        for iteration in history:
-            rows.append(
-                {
-                    "objective": objective.name,
-                    "iteration": iteration.number,
-                    "value": shown(objective, iteration.value),
-                    "unit": unit_of_objective(objective).symbol,
-                    "evaluations": iteration.evaluations,
-                    **in_units(box.values(iteration.u)),
-                }
-            )
-    return pd.DataFrame(rows)

@@ -13,6 +13,8 @@ from pydrake.systems.framework import (
 )
 
 
+ROUND_OFF = 1e-12
+"""Of times that add up to one at which something is due, s."""
 _STEP_MIN = 1e-9
 """Age of a step, s, from which on it may be ended."""
 
@@ -83,19 +85,20 @@ class LatchingSystem(LeafSystem):
                 "the Context must have an accuracy, to which releases and loads are "
                 "exact: call context.SetAccuracy(1e-6), say, before the simulation"
             )
-        return self._latch(context, update)
+        now, latched = context.get_time(), self._get_latched(context)
+        update.set_value(self._latched, self._due(context, latched, now))
+        update.set_value(self._step_start, [now])
+        return EventStatus.Succeeded()
 
     def _latch(self, context: Context, update: DiscreteValues) -> EventStatus:
-        latched = self._get_latched(context)
+        now, latched = context.get_time(), self._get_latched(context)
         if not self._is_waiting(latched):
             return EventStatus.DidNothing()
-        due = self._due(context, latched, context.get_time())
-        if not (
-            due != latched or self._is_starting(context) or self._needs_age(context)
-        ):
+        due = self._due(context, latched, now)
+        if due == latched and not self._needs_age(context):
             return EventStatus.DidNothing()
         update.set_value(self._latched, due)
-        update.set_value(self._step_start, [context.get_time()])
+        update.set_value(self._step_start, [now])
         return EventStatus.Succeeded()
 
     def _is_overdue(self, context: Context) -> bool:
@@ -107,7 +110,7 @@ class LatchingSystem(LeafSystem):
             start = context.get_discrete_state(self._step_start)[0]
             if now - start <= _STEP_MIN:
                 return False
-        just_before = math.nextafter(now, -math.inf)
+        just_before = min(now - 2.0 * ROUND_OFF, math.nextafter(now, -math.inf))
         latched = self._get_latched(context)
         return self._due(context, latched, just_before) != latched
 

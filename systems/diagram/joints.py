@@ -1,8 +1,8 @@
 """The attachments' joints by constraint forces (CFE)."""
 
 import math
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple, TypeAlias
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
@@ -17,11 +17,12 @@ from drakesep.systems.equations.mated_stack import (
     mated_orientation,
     mated_places,
 )
-from drakesep.systems.equations.relative_motion import BodyState, PairState
+from drakesep.systems.equations.relative_motion import BodyState, PairState, Wrench
+from drakesep.systems.equations.straight_line import LINE_OPS, straight_line
 from drakesep.systems.model.joints import JointType, holds_all_rotations
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
-from drakesep.systems.vectors import Quaternion, Rotation, Vector, add
+from drakesep.systems.vectors import Ops, Quaternion, Rotation, Vector, add
 
 
 _ZERO = (0.0, 0.0, 0.0)
@@ -63,12 +64,14 @@ class _Joint(NamedTuple):
 class _Pulled(NamedTuple):
     """What joints do to two bodies."""
 
-    A: BodyState
     motion: PairState
     turn: Turn
-    joints: list[tuple[int, HeldJoint, Vector, Pull]]
-    """The joints, each with the index of its attachment, its pad from B's origin, in A,
-    and what it does."""
+    pulls: list[tuple[Vector, Pull]]
+    """Of each joint its pad from B's origin, in A, and what it does."""
+
+
+_Kinds: TypeAlias = tuple[tuple[JointType, bool], ...]
+"""Of joints: the type, and whether their frames are A's."""
 
 
 class _Held(NamedTuple):
@@ -77,34 +80,69 @@ class _Held(NamedTuple):
     a: int
     b: int
     q_AB: Quaternion
-    turns: bool
-    """Whether one of them holds all rotations."""
-    joints: list[tuple[int, HeldJoint]]
-    """The joints, each with the index of its attachment."""
+    attachments: list[int]
+    """Index of each joint's attachment."""
+    joints: list[HeldJoint]
+    numbers: tuple[Any, ...]
+    """Of each joint all but its type."""
+    line: Callable[..., tuple[Wrench, Wrench]]
+
+    @classmethod
+    def of(
+        cls, a: int, b: int, q_AB: Quaternion, held: list[tuple[int, HeldJoint]]
+    ) -> "_Held":
+        """Return them together."""
+        attachments, joints = map(list, zip(*held, strict=True))
+        kinds = tuple((joint.type, joint.R_AJ is None) for joint in joints)
+        numbers = tuple(joint[1:] for joint in joints)
+        line = straight_line(_wrenches, LINE_OPS, kinds)
+        return cls(a, b, q_AB, attachments, joints, numbers, line)
 
     def pulled(self, bodies: BodyStates) -> _Pulled:
         """Return what they do."""
-        A, B = bodies[self.a], bodies[self.b]
-        motion = motion_laws.pair_state(A, B)
-        turn = NO_TURN
-        if self.turns:
-            turn = joint_laws.rotation_deviation(A, B, self.q_AB, motion.w_AB, math)
-        joints = [
-            (i, joint, *joint_laws.joint_pull(joint, motion, turn, math))
-            for i, joint in self.joints
-        ]
-        return _Pulled(A, motion, turn, joints)
+        return _pulled(math, self.joints, bodies[self.a], bodies[self.b], self.q_AB)
 
     def __call__(self, bodies: BodyStates, t: float, total: WrenchSum) -> None:
-        A, motion, turn, joints = self.pulled(bodies)
-        force, torque, moment = _ZERO, _ZERO, _ZERO
-        for _, joint, r_A, pull in joints:
-            each = joint_laws.pull_at_origin(joint, r_A, pull)
-            force, torque, moment = map(add, (force, torque, moment), each)
-        torque = add(torque, joint_laws.turning_torque(turn, moment))
-        on_A, on_B = motion_laws.wrenches_at_origin(A, motion.p_AoBo, force, torque)
+        A, B = bodies[self.a], bodies[self.b]
+        on_A, on_B = self.line(A, B, self.q_AB, self.numbers)
         total.add(self.a, on_A)
         total.add(self.b, on_B)
+
+
+def _pulled(
+    ops: Ops,
+    joints: Sequence[HeldJoint],
+    A: BodyState,
+    B: BodyState,
+    q_AB: Quaternion,
+) -> _Pulled:
+    motion = motion_laws.pair_state(A, B)
+    turn = NO_TURN
+    if any(holds_all_rotations(joint.type) for joint in joints):
+        turn = joint_laws.rotation_deviation(A, B, q_AB, motion.w_AB, ops)
+    pulls = [joint_laws.joint_pull(joint, motion, turn, ops) for joint in joints]
+    return _Pulled(motion, turn, pulls)
+
+
+def _wrenches(
+    ops: Ops,
+    kinds: _Kinds,
+    A: BodyState,
+    B: BodyState,
+    q_AB: Quaternion,
+    numbers: Sequence[Any],
+) -> tuple[Wrench, Wrench]:
+    """Return the wrenches on two bodies of the joints between them."""
+    joints = [
+        HeldJoint(type, *each) for (type, _), each in zip(kinds, numbers, strict=True)
+    ]
+    motion, turn, pulls = _pulled(ops, joints, A, B, q_AB)
+    force, torque, moment = _ZERO, _ZERO, _ZERO
+    for joint, (r_A, pull) in zip(joints, pulls, strict=True):
+        each = joint_laws.pull_at_origin(joint, r_A, pull)
+        force, torque, moment = map(add, (force, torque, moment), each)
+    torque = add(torque, joint_laws.turning_torque(turn, moment))
+    return motion_laws.wrenches_at_origin(A, motion.p_AoBo, force, torque)
 
 
 class CfeBushing(LeafSystem):
@@ -177,27 +215,27 @@ class CfeBushing(LeafSystem):
                     each = HeldJoint(type=joint.type, R_AJ=joint.R_AJ, **row)
                     held.append((joint.attachment, each))
             if held:
-                turns = any(holds_all_rotations(each.type) for _, each in held)
-                pairs.append(_Held(a, b, q_AB, turns, held))
+                pairs.append(_Held.of(a, b, q_AB, held))
         return pairs
 
-    def _pulled(self, context: Context) -> Iterator[_Pulled]:
-        held = self._forces.eval(context)
+    def _pulled(self, context: Context) -> Iterator[tuple[_Held, _Pulled]]:
         bodies = self._forces.read_bodies(context)
-        return (pair.pulled(bodies) for pair in held)
+        return ((pair, pair.pulled(bodies)) for pair in self._forces.eval(context))
 
     def _calc_loads(self, context: Context, output: BasicVector) -> None:
         loads = [0.0] * (6 * self._size)
-        for pair in self._pulled(context):
-            for i, joint, _, pull in pair.joints:
-                torque, force = joint_laws.joint_load(joint, pair.turn, pull)
+        for held, (_, turn, pulls) in self._pulled(context):
+            for i, joint, (_, pull) in zip(
+                held.attachments, held.joints, pulls, strict=True
+            ):
+                torque, force = joint_laws.joint_load(joint, turn, pull)
                 loads[6 * i : 6 * i + 6] = [*torque, *force]
         output.SetFromVector(loads)
 
     def _calc_energy(self, context: Context, output: BasicVector) -> None:
         energy = 0.0
-        for pair in self._pulled(context):
-            energy += sum(pull.energy for *_, pull in pair.joints)
+        for _, pulled in self._pulled(context):
+            energy += sum(pull.energy for _, pull in pulled.pulls)
         output.SetFromVector([energy])
 
 

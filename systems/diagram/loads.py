@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from pydrake.systems.framework import Context
 
-from drakesep.systems.diagram.event_latch import LatchingSystem
+from drakesep.systems.diagram.event_latch import ROUND_OFF, LatchingSystem
 from drakesep.systems.diagram.rows import Rows
 from drakesep.systems.diagram.state_layout import BodyStates, StateLayout
 from drakesep.systems.diagram.wrenches import Forces, WrenchSum
@@ -13,10 +13,6 @@ from drakesep.systems.equations import loads as load_laws
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import Vector
-
-
-_ROUND_OFF = 1e-12
-"""Of times that add up to an edge, s."""
 
 
 class LoadRow(NamedTuple):
@@ -140,7 +136,7 @@ class Loads(LatchingSystem):
         for k, (load, begin) in enumerate(
             zip(self._loads, self._begins(context), strict=True)
         ):
-            elapsed = t - begin + _ROUND_OFF
+            elapsed = t - begin + ROUND_OFF
             passed[k] = max(passed[k], float(bisect_right(load.times, elapsed)))
         return passed
 

@@ -182,7 +182,8 @@ class Release(LatchingSystem):
 
     def _needs_age(self, context: Context) -> bool:
         # A command may come from an event of this instant.
-        return self._get_command(context) is not None
+        triggers = self._triggers, self._trigger
+        return any(port.HasValue(context) for port in triggers)
 
     def _due(self, context: Context, latched: list[float], t: float) -> list[float]:
         released = [*latched]

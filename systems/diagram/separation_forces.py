@@ -1,15 +1,9 @@
 """Everything of a separation but its bodies, as a Drake diagram."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from pydrake.systems.framework import (
-    Context,
-    Diagram,
-    DiagramBuilder,
-    OutputPort,
-    System,
-)
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import Adder
 
 from drakesep.systems.argument_types import typed
@@ -135,27 +129,8 @@ class SeparationForces(Diagram):
                 "gravity", Gravity(separation, layout)
             )
             forces.append(self._gravity)
-        sums = []
-
-        def add_sum(name: str) -> OutputPort:
-            """Return the wrenches of all that acts."""
-            total: ForceSum = builder.AddNamedSystem(
-                name, ForceSum(layout, len(forces), external=external_wrenches)
-            )
-            for i, system in enumerate(forces):
-                builder.Connect(
-                    system.GetOutputPort("acting"), total.GetInputPort(f"acting_{i}")
-                )
-            if external_wrenches:
-                port = total.GetInputPort("external_wrenches")
-                if not sums:
-                    builder.ExportInput(port, "external_wrenches")
-                else:
-                    builder.ConnectInput("external_wrenches", port)
-            sums.append(total)
-            return total.GetOutputPort("wrenches")
-
-        wrenches = add_sum("force_sum")
+        options = layout, external_wrenches
+        sums = [_add_sum(builder, "force_sum", forces, *options)]
         self._preload = builder.AddNamedSystem("preload", Preload(separation))
         loads_of_joints: list[System] = [self._preload, self._bushing]
         self._rigid: RigidJoints | None = None
@@ -164,10 +139,19 @@ class SeparationForces(Diagram):
             self._rigid = builder.AddNamedSystem(
                 "rigid_joints", RigidJoints(separation, layout)
             )
-            builder.Connect(wrenches, self._rigid.GetInputPort("other_wrenches"))
+            builder.Connect(
+                sums[0].GetOutputPort("wrenches"),
+                self._rigid.GetInputPort("other_wrenches"),
+            )
             forces.append(self._rigid)
-            wrenches = add_sum("force_sum_with_joints")
+            sums.append(_add_sum(builder, "force_sum_with_joints", forces, *options))
             loads_of_joints.append(self._rigid)
+        wrenches = sums[-1].GetOutputPort("wrenches")
+        if external_wrenches:
+            name = "external_wrenches"
+            builder.ExportInput(sums[0].GetInputPort(name), name)
+            for total in sums[1:]:
+                builder.ConnectInput(name, total.GetInputPort(name))
         loads = builder.AddSystem(
             Adder(len(loads_of_joints), 6 * len(separation.attachments))
         )
@@ -291,6 +275,24 @@ class SeparationForces(Diagram):
             context: of this diagram.
         """
         return self._release.time_left(self.GetSubsystemContext(self._release, context))
+
+
+def _add_sum(
+    builder: DiagramBuilder,
+    name: str,
+    forces: Sequence[System],
+    layout: StateLayout,
+    external: bool,
+) -> ForceSum:
+    """Add a system that sums up what acts by others, and return it."""
+    total: ForceSum = builder.AddNamedSystem(
+        name, ForceSum(layout, len(forces), external=external)
+    )
+    for i, system in enumerate(forces):
+        builder.Connect(
+            system.GetOutputPort("acting"), total.GetInputPort(f"acting_{i}")
+        )
+    return total
 
 
 def _structure(separation: Separation) -> dict[str, object]:

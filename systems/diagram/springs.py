@@ -1,6 +1,5 @@
 """The separation springs, and whatever else pushes."""
 
-import functools
 import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeAlias
@@ -89,7 +88,8 @@ class _Pushes(NamedTuple):
     def of(cls, a: int, b: int, springs: list[_Push]) -> "_Pushes":
         """Return them together."""
         kinds = tuple((s.law, s.jumps, s.now.axis_A is None) for s in springs)
-        return cls(a, b, springs, tuple(s.now for s in springs), _line_of(kinds))
+        line = line_if_straight(_pushed, kinds, LINE_OPS)
+        return cls(a, b, springs, tuple(s.now for s in springs), line)
 
     def __call__(self, bodies: BodyStates, t: float, total: WrenchSum) -> None:
         on_A, on_B = self.line(bodies[self.a], bodies[self.b], t, self.now)
@@ -99,12 +99,6 @@ class _Pushes(NamedTuple):
 
 _Kinds: TypeAlias = tuple[tuple[PushLaw, bool, bool], ...]
 """Of springs: the law, whether it jumps, and whether it pushes along A's x axis."""
-
-
-@functools.cache
-def _line_of(kinds: _Kinds) -> Callable[..., tuple[Wrench, Wrench]]:
-    """Return the law of springs together, from the bodies that they push apart."""
-    return line_if_straight(_pushed, kinds, LINE_OPS)
 
 
 def _pushed(

@@ -38,11 +38,11 @@ class BodyStates(dict[int, BodyState]):
 
     def __init__(self, layout: StateLayout, x: State):
         super().__init__()
-        self._layout, self._x = layout, x
+        self._starts, self._x = layout.starts, x
 
     def __missing__(self, index: int) -> BodyState:
         """Read one."""
-        state = self[index] = self._layout.read_one(self._x, index)
+        state = self[index] = body_state(self._x, *self._starts[index])
         return state
 
 

@@ -48,14 +48,18 @@ def line_if_straight(law: Callable[..., Any], *fixed: Any) -> Callable[..., Any]
         law: as for `straight_line`, but perhaps one that is not drakesep's own.
         fixed: likewise.
     """
-    chosen = straight_line(law, *fixed)
+    as_it_is = functools.partial(law, *fixed)
+    try:
+        chosen = straight_line(law, *fixed)
+    except TypeError:  # something is fixed that has no hash
+        return as_it_is
 
     def call(*arguments: Any) -> Any:
         nonlocal chosen
         try:
             return chosen(*arguments)
         except TypeError:
-            chosen = functools.partial(law, *fixed)
+            chosen = as_it_is
             return chosen(*arguments)
 
     return call

@@ -148,7 +148,7 @@ def test_comparison_says_by_how_much(vega_verification):
 def test_tables_on_disk_read_back_exactly(vega_verification, vega_folder):
     for name, frame in {
         "worst_cases": vega_verification.table,
-        "history": vega_verification.history,
+        "iterates": vega_verification.iterates,
         "requirements": vega_verification.requirements,
         "motion_worst_L1": vega_verification.motions["worst_L1"],
     }.items():

@@ -11,6 +11,7 @@ import numpy as np
 
 from drakesep.analysis.campaigns.flights import CampaignFlights
 from drakesep.analysis.campaigns.gathering import KeptDraws, findings_of_kept
+from drakesep.analysis.campaigns.plan import CampaignPlan
 from drakesep.results.asked import Asked
 from drakesep.results.campaign_files import RecordedPlan, gathered, write_chunk
 from drakesep.results.folder import ResultsFolder
@@ -51,12 +52,15 @@ class ChunksUnderWay:
         self,
         executor: Executor | None,
         on_progress: Callable[[int], None] = lambda _: None,
+        on_chunk: Callable[[CampaignPlan, KeptDraws], None] = lambda *_: None,
     ) -> KeptDraws:
         """Return what is kept of all draws, once those left are flown and written.
 
         Args:
             executor: whose workers fly; None: this process does.
             on_progress: told how many draws of those that were left are done.
+            on_chunk: told what is kept of each chunk of those that were left, once it
+                is written, in whichever order they come.
         """
         recorded, home, chunks = self._recorded, self._home, self._chunks
         missing = [*chunks.missing]
@@ -68,6 +72,7 @@ class ChunksUnderWay:
         for number, draws in flown:
             write_chunk(home, recorded, number, draws)
             chunks.add(number, draws)
+            on_chunk(recorded.plan, draws)
         return chunks.whole()
 
 

@@ -85,7 +85,7 @@ def campaign(
         telling.plan(flight.seconds(), measuring, confirming)
         flown = with_measured(
             flights,
-            flight.flown(executor, telling.flown),
+            flight.flown(executor, telling.flown, telling.chunk_flown),
             recorded,
             home,
             executor=executor,

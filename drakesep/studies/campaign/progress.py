@@ -3,8 +3,10 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
+from drakesep.analysis.campaigns.gathering import KeptDraws
+from drakesep.analysis.campaigns.plan import CampaignPlan
 from drakesep.studies.worst_case.effort import in_time
 from drakesep.studies.worst_case.pace import Pace, Remaining
 
@@ -29,6 +31,10 @@ class CampaignProgress:
     """What is left of it."""
     measures: bool = False
     """Whether clearances are measured in some draws."""
+    chunk: KeptDraws | None = None
+    """Draws of the plan that have just been flown, and are in the folder."""
+    plan: CampaignPlan | None = None
+    """With a chunk: of the campaign."""
 
     def __str__(self) -> str:
         """Return what it will do, in a line."""
@@ -57,7 +63,7 @@ class Telling:
             flown_before: that are there already.
         """
         self._on_progress, self._runs = on_progress, runs
-        self._before, self._measures = flown_before, False
+        self._before, self._measures, self._done = flown_before, False, 0
         self._pace = Pace({})
 
     def plan(self, seconds: float, measuring: float, confirming: float) -> None:
@@ -76,6 +82,12 @@ class Telling:
         """Tell how many draws are flown, beside those that were before."""
         self._tell(FLY, done, self._runs - self._before)
 
+    def chunk_flown(self, plan: CampaignPlan, chunk: KeptDraws) -> None:
+        """Tell what is kept of a chunk that has been flown and written."""
+        self._done += len(chunk)
+        total = self._runs - self._before
+        self._tell(FLY, self._done, total, chunk=chunk, plan=plan)
+
     def measured(self, done: int, total: int) -> None:
         """Tell in how many draws it is measured how near parts come."""
         self._tell(MEASURE, done, total)
@@ -84,7 +96,7 @@ class Telling:
         """Tell how many draws are flown in Drake."""
         self._tell(CONFIRM, done, total)
 
-    def _tell(self, step: str, done: int, total: int) -> None:
+    def _tell(self, step: str, done: int, total: int, **of_chunk: Any) -> None:
         if self._on_progress is not None:
             self._on_progress(
                 CampaignProgress(
@@ -94,5 +106,6 @@ class Telling:
                     flown_before=self._before,
                     remaining=self._pace.at(step or FLY, done, total),
                     measures=self._measures,
+                    **of_chunk,
                 )
             )

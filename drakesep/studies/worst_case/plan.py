@@ -12,6 +12,7 @@ from drakesep.analysis.metrics.objectives import Objective
 from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.analysis.search.expensive_objectives import check_expensive
 from drakesep.analysis.search.problem import SearchProgress
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.results.asked import Asked
 from drakesep.results.folder import ResultsFolder
 from drakesep.studies.worst_case.effort import StudyEffort, check_minutes
@@ -94,6 +95,8 @@ class Progress:
 
     objectives: tuple[Objective, ...]
     """That are searched."""
+    box: ToleranceBox = field(repr=False)
+    """The tolerances over which they are."""
     search: SearchProgress
     """The search under way; after them the confirmation in Drake, and growth. Before
     them `PLAN`, with nothing done."""

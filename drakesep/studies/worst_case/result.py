@@ -13,7 +13,6 @@ from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.objectives import OBJECTIVES, Objective
 from drakesep.analysis.search.judge import WorstCase
 from drakesep.analysis.search.problem import FROM_NOMINAL, Candidate, Searched
-from drakesep.analysis.search.sqp import Iteration
 from drakesep.plots.approach import Approach
 from drakesep.plots.pictures import Pictures, Tornado
 from drakesep.results.asked import Asked
@@ -32,9 +31,10 @@ from drakesep.tables.evidence_tables import (
     sensitivities_table,
     worst_points_table,
 )
+from drakesep.tables.iterates_table import iterates_of, iterates_table
 from drakesep.tables.labelled_run import LabelledRun
 from drakesep.tables.roles import Published
-from drakesep.tables.run_tables import history_table, motion_table, runs_table
+from drakesep.tables.run_tables import motion_table, runs_table
 from drakesep.tables.table_4 import table_4
 
 
@@ -77,18 +77,10 @@ class WorstCases:
         return runs_table(self.runs, self.case.box.names, self.functions)
 
     @property
-    def history(self) -> pd.DataFrame:
-        """A row for each iterate of each search from the nominal."""
-        return history_table(self.iterations, self.case.box)
-
-    @property
-    def iterations(self) -> dict[Objective, tuple[Iteration, ...]]:
-        """Iterates of the search from the nominal, by objective."""
-        return {
-            self.objectives[c.objective]: c.ascent.history
-            for c in self.from_nominal
-            if c.ascent is not None
-        }
+    def iterates(self) -> pd.DataFrame:
+        """A row for each iterate of each search by SQP."""
+        iterates = iterates_of(self.searched)
+        return iterates_table(iterates, self.objectives, self.case.box)
 
     @property
     def from_nominal(self) -> list[Candidate]:
@@ -210,8 +202,8 @@ class WorstCases:
         if self.searched:
             write_csv(self.searches, folder / "searches.csv")
             write_csv(self.candidates, folder / "candidates.csv")
-        if self.iterations:
-            write_csv(self.history, folder / "history.csv")
+            if len(iterates := self.iterates):
+                write_csv(iterates, folder / "iterates.csv")
         if self.worst:
             write_csv(self.evidence, folder / "evidence.csv")
             write_csv(self.worst_points, folder / "worst_points.csv")

@@ -15,6 +15,7 @@ from drakesep.analysis.engines.drake_pool import WORKERS_START, DrakePool
 from drakesep.analysis.engines.evaluator import Evaluator
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
+from drakesep.analysis.engines.jax.shared_batch import shared_batch
 from drakesep.analysis.engines.run_evaluator import RunEvaluator
 from drakesep.analysis.failure_cases import FailureCase
 from drakesep.analysis.metrics.objectives import MetricObjective, Objective
@@ -187,6 +188,7 @@ class Session:
             self.on_progress(
                 Progress(
                     objectives=self.plan.objectives,
+                    box=self.plan.case.box,
                     search=progress,
                     effort=self.effort,
                     remaining=self._pace.at(
@@ -347,10 +349,10 @@ def _batch_of(plan: StudyPlan) -> Batch:
         for name, value in failure.values.items()
         if name not in case.box.names and math.isfinite(value)
     }
-    batch = Batch(
+    batch = shared_batch(
         case.separation,
         (*case.box.names, *fail),
-        deviation_limits=case.limits_of_pairs,
+        case.limits_of_pairs,
         metrics=read,
         without=() if asked else of_paper,
     )

@@ -111,7 +111,7 @@ def test_progress_is_told_in_the_callers_thread_and_the_same_each_time():
     assert [p for _, p in told[:half]] == [p for _, p in told[half:]]
     searches = [p.search for _, p in told[:half]]
     assert list(dict.fromkeys(searches)) == list(ALL)
-    assert {p.iteration[0] for _, p in told if p.iteration} == {0, 1}
+    assert {p.iterate.objective for _, p in told if p.iterate} == {0, 1}
 
 
 def test_an_interrupt_abandons_them():

@@ -56,7 +56,7 @@ def test_worst_case(drakesep, tmp_path):
     assert "SQP from the nominal" in out
     worst = pd.read_csv(tmp_path / "worst_cases.csv").set_index("label")
     assert worst.loc["worst_PM", "payload.mass_kg"] == pytest.approx(1880.0)
-    assert set(pd.read_csv(tmp_path / "history.csv")["objective"]) == {"PM"}
+    assert set(pd.read_csv(tmp_path / "iterates.csv")["objective"]) == {"PM"}
 
 
 @pytest.mark.slow

@@ -10,6 +10,7 @@ from rich.console import Console
 from drakesep.analysis.metrics.objectives import OBJECTIVES
 from drakesep.analysis.search.effort import SearchSettings
 from drakesep.analysis.search.problem import SearchProgress
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.cli.progress import _lines, _Log, _Steps, progress_bar, steps
 from drakesep.studies.worst_case.effort import StudyEffort
 from drakesep.studies.worst_case.pace import Remaining
@@ -30,6 +31,7 @@ EFFORT = StudyEffort(
 def progress(search, done=0, total=None, *, share=0.0, left=25.0):
     return Progress(
         objectives=(OBJECTIVES["PM"],),
+        box=ToleranceBox(()),
         search=SearchProgress(search=search, done=done, total=total, best={0: -1.15}),
         effort=EFFORT,
         remaining=Remaining(share, left),

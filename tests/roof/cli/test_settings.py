@@ -6,6 +6,7 @@ Tables are compared to the last digit, file by file.
 
 import dataclasses
 import itertools
+import json
 import re
 import shutil
 from collections import OrderedDict
@@ -102,7 +103,7 @@ ELSEWHERE = {
     },
     "simulate": {"--output", "-o"},
     "sweep": {"--output", "-o", "--workers"},
-    "campaign": {"--output", "-o", "--workers", "--resume", "--dask"},
+    "campaign": {"--output", "-o", "--workers", "--resume", "--dask", "--chunk"},
     "replay": {"--run", "--animation", "--no-animation", "--output", "-o"},
     "report": {"--output", "-o", "--pdf", "--check", "--tolerance"},
     "clearance": {"--output", "-o"},
@@ -147,7 +148,6 @@ def quick(monkeypatch, batches):
             batches[key] = Batch(separation, names, **how)
         return batches[key]
 
-    monkeypatch.setattr("drakesep.studies.worst_case.session.Batch", batch)
     monkeypatch.setattr("drakesep.studies.variant_engines.Batch", batch)
     monkeypatch.setattr(Session, "draw", lambda *_: None)
     monkeypatch.setattr("drakesep.analysis.campaigns.flights.Batch", batch)
@@ -333,6 +333,14 @@ def test_what_two_parameters_do_not_show(
     plan = drakesep.read_results(tmp_path).record.plan
     assert {name: plan[name] for name in planned} == planned
     assert plan["searches"] == ["corners"]
+
+
+def test_chunks_of_a_campaign(case, tmp_path, drakesep_):
+    """They change nothing of what it says, but how it is flown."""
+    words = ["--runs", 300, "--share", 0.99, "--chunk", 100, "-o", tmp_path]
+    drakesep_("campaign", case, *words)
+    plan = json.loads((tmp_path / "plan.json").read_text())
+    assert (plan["runs"], plan["chunk"], plan["chunks"]) == (300, 100, 3)
 
 
 def test_share_and_confidence_of_a_campaign_beside(case, tmp_path, drakesep_):

@@ -21,6 +21,7 @@ from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.results.campaign_files import DRAWS, TALLIES, chunk_file
 from drakesep.studies.campaign import confirmation, executors, flight
 from drakesep.studies.campaign.settings import CampaignSettings
+from drakesep.tables.draws_so_far import DrawsSoFar
 from drakesep.units import unit_of, with_unit
 
 
@@ -57,6 +58,23 @@ def reference(case, tmp_path_factory):
 def tables(folder):
     names = (DRAWS, "campaign.csv", "campaign_worst.csv", "campaign_runs.csv.gz")
     return {name: (folder / name).read_bytes() for name in names}
+
+
+def test_what_draws_show_is_told_as_they_come(reference, case, tmp_path):
+    """At last what the table says; and histograms have every draw."""
+    told, so_far = [], DrawsSoFar()
+    drakesep.campaign(case, RUNS, output=tmp_path, on_progress=told.append, **HOW)
+    shown = [so_far.add(p.plan, p.chunk) for p in told if p.chunk is not None]
+    assert [draws for draws, _ in shown] == [64, 128, 192, 256, RUNS]
+    table = pd.read_csv(reference[1] / "campaign.csv")
+    rows = shown[-1][1]
+    assert [row["limit"] for row in rows] == table["limit"].tolist()
+    assert [row["failures"] for row in rows] == table["failures"].tolist()
+    assert [row["share_shown"] for row in rows] == table["share_shown"].tolist()
+    for row, worst in zip(rows, table["worst"], strict=True):
+        assert sum(row["counts"]) == RUNS
+        edge = row["edges"][-1 if row["sense"] == "<=" else 0]
+        assert edge == pytest.approx(worst, rel=1e-12)
 
 
 def test_its_report_tells_what_its_tables_have(reference, tmp_path):

@@ -35,11 +35,7 @@ def case(tmp_path_factory):
 def quick():
     """Batches are compiled once, few are confirmed, nothing is drawn."""
     with pytest.MonkeyPatch.context() as patch:
-        compiled_once(
-            patch,
-            "drakesep.analysis.campaigns.flights",
-            "drakesep.studies.worst_case.session",
-        )
+        compiled_once(patch, "drakesep.analysis.campaigns.flights")
         patch.setattr(confirmation, "SAMPLE", 2)
         patch.setattr(Session, "draw", lambda *_: None)
         patch.setattr("drakesep.plots.campaign.save_campaign", lambda *_: None)

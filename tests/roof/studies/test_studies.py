@@ -23,7 +23,8 @@ def test_progress_tells_every_iterate(tmp_path):
     study = drakesep.worst_case(
         "vega", ["PM"], output=tmp_path, on_progress=seen.append, **IN_DRAKE
     )
-    [history] = study.iterations.values()
+    [ascended] = study.searched[0].candidates
+    history = ascended.ascent.history
     planned, *searched, confirmed = [p.search for p in seen]
     assert planned.search == "plan"
     assert str(seen[0].effort).startswith(
@@ -33,7 +34,7 @@ def test_progress_tells_every_iterate(tmp_path):
     assert shares == sorted(shares)
     assert shares[0] == 0.0
     assert shares[-1] == pytest.approx(1.0)
-    assert [search.iteration for search in searched] == [(0, i) for i in history]
+    assert [search.iterate for search in searched] == [(0, 1, i) for i in history]
     assert {search.search for search in searched} == {"sqp"}
     assert [o.name for o in seen[0].objectives] == ["PM"]
     assert confirmed.search == "confirmation"

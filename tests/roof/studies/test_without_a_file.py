@@ -130,7 +130,7 @@ def test_verification(file):
         for case in (made_in_python(), load_case(file))
     )
     assert ours.passed
-    for name in ("table", "requirements", "evidence", "history"):
+    for name in ("table", "requirements", "evidence", "iterates"):
         first, second = (getattr(study, name) for study in (ours, of_file))
         assert len(first)
         pd.testing.assert_frame_equal(first, second, check_exact=True)

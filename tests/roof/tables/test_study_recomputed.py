@@ -92,7 +92,7 @@ def tables(small_study):
     _, folder = small_study
     read = {path.stem: pd.read_csv(path) for path in folder.glob("*.csv")}
     assert set(read) == {
-        *("worst_cases", "history", "comparison", "requirements", "table_4"),
+        *("worst_cases", "iterates", "comparison", "requirements", "table_4"),
         *("evidence", "searches", "candidates", "worst_points", "sensitivities"),
         *("tolerances", "remarks"),  # these by test_springs_over_time
     }
@@ -267,23 +267,34 @@ def test_searches(tables):
     assert (frame["unphysical_share_of_tolerances"] == 0.0).all()
 
 
-def test_history(tables, in_drake):
-    frame, runs = tables["history"], tables["worst_cases"].set_index("label")
-    ends = tables["candidates"].query("search == 'sqp'").set_index("objective")["value"]
+def test_iterates(tables, in_drake):
+    frame, runs = tables["iterates"], tables["worst_cases"].set_index("label")
+    ends = tables["candidates"].set_index(["objective", "search"])["value"]
+    evidence = tables["evidence"].set_index("objective")
     assert frame.columns.tolist() == [
-        *("objective", "iteration", "value", "unit", "evaluations"),
+        *("objective", "search", "start", "iteration", "value", "unit", "evaluations"),
         *PARAMETERS,
     ]
-    assert sorted(set(frame["objective"])) == sorted(MADE_OF)
-    for name, rows in frame.groupby("objective"):
+    assert list(dict.fromkeys(frame["search"])) == ["sqp", "multistart"]
+    for search, rows in frame.groupby("search"):  # objective after objective
+        assert [*dict.fromkeys(rows["objective"])] == [*evidence.index], search
+    for (name, search), rows in frame.groupby(["objective", "search"]):
         metric, sign = MADE_OF[name]
-        assert rows["iteration"].tolist() == list(range(len(rows)))
-        assert rows["evaluations"].is_monotonic_increasing
-        assert rows.iloc[0][PARAMETERS].tolist() == pytest.approx([*NOMINAL.values()])
+        starts = rows["start"].drop_duplicates().tolist()
+        assert starts == list(range(1, len(starts) + 1))
+        if search == "multistart":
+            assert 1 + len(starts) == evidence.loc[name, "starts"]
         # At a kink an iterate may be lower: the search ends at the best it has seen.
-        best = sign * ends[name]
+        best = sign * ends[name, search]
         assert (sign * rows["value"]).max() <= best + 1e-12 * abs(best)
         assert set(rows["unit"]) == {symbol(metric)}
+        for _, mine in rows.groupby("start"):
+            assert mine["iteration"].tolist() == list(range(len(mine)))
+            assert mine["evaluations"].is_monotonic_increasing
+        if search == "multistart":
+            continue
+        assert starts == [1]
+        assert rows.iloc[0][PARAMETERS].tolist() == pytest.approx([*NOMINAL.values()])
         for _, row in rows.iterrows():
             room = 2e-4 if metric.endswith("until_s") else 2e-6
             assert row["value"] == pytest.approx(

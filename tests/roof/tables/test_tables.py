@@ -86,18 +86,24 @@ def test_requirements(vega_verification):
     assert frame["margin"].to_numpy() == pytest.approx(signed, abs=1e-12)
 
 
-def test_history(vega_verification):
-    history = vega_verification.history
-    columns = ["objective", "iteration", "value", "unit", "evaluations", *PARAMETERS]
-    assert list(history.columns) == columns
-    for objective, rows in history.groupby("objective"):
+def test_iterates(vega_verification):
+    iterates = vega_verification.iterates
+    columns = [
+        *("objective", "search", "start", "iteration", "value", "unit", "evaluations"),
+        *PARAMETERS,
+    ]
+    assert list(iterates.columns) == columns
+    assert list(dict.fromkeys(iterates["search"])) == ["sqp", "multistart"]
+    from_nominal = iterates[iterates["search"] == "sqp"]
+    assert (from_nominal["start"] == 1).all()
+    for objective, rows in from_nominal.groupby("objective"):
         assert rows["iteration"].tolist() == list(range(len(rows)))
         assert rows["evaluations"].is_monotonic_increasing
         if objective in ("L1", "L2", "Linf", "PM"):
             found = vega_verification.table.set_index("label").loc[f"sqp_{objective}"]
             assert found["iterations"] == rows["iteration"].iloc[-1]
             assert found["evaluations"] >= rows["evaluations"].iloc[-1]
-    first = history[history["iteration"] == 0]
+    first = from_nominal[from_nominal["iteration"] == 0]
     assert (first["payload.mass_kg"] == 1860.0).all()
 
 

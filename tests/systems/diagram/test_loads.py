@@ -60,6 +60,27 @@ def test_torque_in_world_axes():
     assert given[:3] == pytest.approx(np.zeros(3), abs=1e-5)
 
 
+def test_steps_that_end_at_rows_of_a_table_are_not_searched():
+    """Times of rows are met to round-off: a load of nearly nothing costs few steps."""
+    times = (0.07, 0.1, 0.3)
+    whiff = [
+        Load(
+            name=name,
+            body="upper",
+            after=after,
+            start=0.02,
+            times=times,
+            forces=((1e-9, 0, 0),) * 3,
+        )
+        for name, after in (("from the start", None), ("after", "attachment_1"))
+    ]
+    plain = with_loads(initial=GENERIC, release_times=(0.03,) * 4)
+    loaded = dataclasses.replace(plain, loads=tuple(whiff))
+    without, with_them = (Simulation(each).run() for each in (plain, loaded))
+    # Each of the six rows cuts a step in two, and the tries of the first are shorter.
+    assert with_them.steps <= without.steps + 2 * 6
+
+
 def test_thruster_turns_with_its_body():
     """A thrust through the CG of a spinning body: the impulse of a turning force."""
     separation = with_loads(initial=InitialMotion(w_WA_A=(0.0, 0.0, 2.0)))

@@ -105,3 +105,7 @@ def test_what_is_no_line_is_refused_or_left_as_it_is(law):
         straight_line(law)(0.5)
     left = line_if_straight(law)
     assert [left(x) for x in (0.5, 0.75)] == [law(x) for x in (0.5, 0.75)]
+
+
+def test_what_has_no_hash_may_be_fixed():
+    assert line_if_straight(lambda fixed, x: fixed[0] * x, [3.0])(0.5) == 1.5

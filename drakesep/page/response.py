@@ -1,0 +1,79 @@
+"""The motion at a point of the tolerances, over the nominal and the limits."""
+
+import asyncio
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from nicegui import ui
+
+from drakesep.page import charts
+from drakesep.page.flights import FlightsEnded
+from drakesep.page.workspace import Workspace
+
+
+if TYPE_CHECKING:  # imports Drake
+    from drakesep.case_file.case import Case
+    from drakesep.page.flown import Flown
+
+_SHOWN = 3
+"""Charts, of the body that leaves first."""
+
+
+class Response:
+    """Charts of one run; the newest that is asked for is shown."""
+
+    def __init__(self, workspace: Workspace):
+        self._workspace = workspace
+        self._nominal: tuple[Case, Flown] | None = None
+        self._note = ui.label().classes("study-words wrong").props('role="alert"')
+        self._charts = ui.element("div").classes("response")
+        self._built: list[tuple[charts.Chart, ui.echart]] = []
+
+    async def show(self, case: "Case", values: Mapping[str, float]) -> None:
+        """Fly a point and show its motion.
+
+        Args:
+            case: that is flown.
+            values: of parameters, by their names with units.
+        """
+        nominal = await self._of_nominal(case)
+        flown = await self._fly(case, values)
+        if nominal is None or flown is None:
+            return
+        self._note.set_text(flown.message and f"This run failed: {flown.message}")
+        if flown.message:
+            return
+        for chart, shown in self._built:
+            options = charts.options(chart, nominal)
+            changed = {each["id"]: each for each in charts.run_data(chart, flown)}
+            for series in options["series"]:
+                series.update(changed.get(series["id"], {}))
+            shown.options.clear()
+            shown.options.update(options)
+            shown.update()
+
+    async def _of_nominal(self, case: "Case") -> "Flown | None":
+        if self._nominal is not None and self._nominal[0] is case:
+            return self._nominal[1]
+        flown = await self._fly(case, {})
+        if flown is None or flown.message:
+            return None
+        self._nominal = case, flown
+        self._charts.clear()
+        with self._charts:
+            wanted = charts.charts_of(flown, next(iter(flown.times)))[:_SHOWN]
+            self._built = [(chart, self._chart(chart, flown)) for chart in wanted]
+        return flown
+
+    def _chart(self, chart: charts.Chart, flown: "Flown") -> ui.echart:
+        shown = ui.echart(charts.options(chart, flown)).classes("study-chart")
+        shown.props(f'role="img" aria-label="{chart.title}"')
+        return shown
+
+    async def _fly(self, case: "Case", values: Mapping[str, float]) -> "Flown | None":
+        try:
+            flying = self._workspace.flights.fly(case.in_si(), values)
+            return await asyncio.wrap_future(flying)
+        except (FlightsEnded, ValueError) as error:
+            self._note.set_text(str(error))
+            return None
