@@ -14,7 +14,12 @@ from six_springs import six_springs_case
 
 import drakesep
 from drakesep.analysis import AnalysisCase, Requirement
+from drakesep.analysis.bounds.branch_and_bound import Effort, Prover
+from drakesep.analysis.bounds.claims import claim_of
+from drakesep.analysis.bounds.grid import make_grid
+from drakesep.analysis.bounds.problem import problem_of
 from drakesep.analysis.bounds.proving import ProofSettings, prove_bounds
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.separation import InitialMotion
 
@@ -264,3 +269,26 @@ def test_another_vehicle_is_proven():
         for axis, value in zip("xyz", after, strict=True):
             bound = bounds.proven[f"highest_rate_after_separation_{axis}"]
             assert value < bound.value
+
+
+def leaves(node):
+    if not node.children:
+        yield node
+    for child in node.children:
+        yield from leaves(child)
+
+
+def test_a_proof_that_is_cut_short_is_a_bound_of_what_it_knows():
+    pair = generic_pair()
+    tolerances = {f"upper.cg_{axis}": 0.03 for axis in "yz"}
+    tolerances |= {f"upper.inertia_{entry}": 60.0 for entry in ("xy", "xz", "yy")}
+    problem = problem_of(pair, ToleranceBox.around(pair, tolerances))
+    grid = make_grid(problem, 8, 4)
+    claim = claim_of(pair, problem, grid, "G_L1", "highest")
+    effort = Effort(gap=1e-6, boxes=30, batch=4)
+    proof = Prover(problem, grid).prove(claim.quantity, effort)
+    assert not proof.finished
+    assert proof.found < proof.bound < 10.0 * proof.found
+    for leaf in leaves(proof.tree):  # each was looked at, and is below the bound
+        assert leaf.centre is not None
+        assert leaf.bound <= proof.bound
