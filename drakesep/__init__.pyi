@@ -23,6 +23,9 @@ from .studies.campaign.replay import replay as replay
 from .studies.campaign.result import Campaign as Campaign
 from .studies.clearance import Clearances as Clearances
 from .studies.clearance import clearance as clearance
+from .studies.proof_progress import ProofProgress as ProofProgress
+from .studies.proofs import Proofs as Proofs
+from .studies.prove import prove as prove
 from .studies.rare_events import RareEvents as RareEvents
 from .studies.rare_events import rare_events as rare_events
 from .studies.sensitivity import Sensitivity as Sensitivity

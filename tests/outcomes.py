@@ -26,6 +26,7 @@ OF_STUDY = {
     NO_FOLDER: 2,
     INTERRUPTED: 130,
 }
+OF_CLEARANCE = {**OF_STUDY, NOT_MET: 1}
 OF_DISTRIBUTIONS = {one: code for one, code in OF_STUDY.items() if one != RUN_FAILED}
 CODES = {
     "cases": {GOOD: 0, INTERRUPTED: 130},
@@ -33,7 +34,7 @@ CODES = {
     "new": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
     "simulate": OF_STUDY,
     "sweep": {**OF_STUDY, OTHER_RUN_FAILED: 4},
-    "clearance": {**OF_STUDY, NOT_MET: 1},
+    "clearance": OF_CLEARANCE,
     "campaign": {**OF_STUDY, NOT_MET: 1},
     "campaign sensitivity": OF_DISTRIBUTIONS,
     "campaign rare-events": OF_DISTRIBUTIONS,
@@ -41,6 +42,7 @@ CODES = {
     "animate": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "worst-case": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "verify": {**OF_STUDY, NOT_MET: 1, OTHER_RUN_FAILED: 4},
+    "prove": {one: code for one, code in OF_CLEARANCE.items() if one != RUN_FAILED},
     "compare": {GOOD: 0, NOT_MET: 1, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
     "report": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
     "export": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
@@ -58,6 +60,7 @@ SETTINGS = {
     "animate": ("--run", "worst_L1"),
     "worst-case": ("--objective", "L3"),
     "verify": ("--samples", "0"),
+    "prove": ("--gap-percent", "0"),
     "compare": ("--tolerance", "-1"),
     "report": ("nowhere",),
     "export": ("--epoch", "tomorrow"),
@@ -160,12 +163,13 @@ def arguments(command, outcome, folder):
 
 
 def interrupt(monkeypatch):
-    """Ctrl-C as the first run flies, or as a case is read where none flies."""
+    """Ctrl-C as the first run flies; where none does, as the work begins."""
 
     def stop(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Simulation, "run", stop)
+    monkeypatch.setattr("drakesep.studies.prove.proven_answers", stop)
     monkeypatch.setattr("drakesep.cli.console.print_cases", stop)
     monkeypatch.setattr("drakesep.cli.console.print_case", stop)
     monkeypatch.setattr("drakesep.case_file.new_case.new_case", stop)

@@ -11,6 +11,7 @@ from drakesep.cli.campaign_commands import campaign, replay
 from drakesep.cli.case_commands import cases, new, show
 from drakesep.cli.compare_command import compare
 from drakesep.cli.export_command import export
+from drakesep.cli.prove_command import prove
 from drakesep.cli.report_command import report
 from drakesep.cli.run_commands import animate, clearance, simulate
 from drakesep.cli.search_commands import verify, worst_case
@@ -53,7 +54,7 @@ def options(
 _COMMANDS = (
     *(cases, show, new),
     *(simulate, sweep, clearance, animate),
-    *(worst_case, verify, replay),
+    *(worst_case, verify, prove, replay),
     *(report, compare, export),
     ui,
 )

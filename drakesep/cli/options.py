@@ -59,6 +59,12 @@ ConfidenceOption = Annotated[
     float | None,
     typer.Option(help="At which that share is to be shown; 0.9 if not given."),
 ]
+ProofSecondsOption = Annotated[
+    float | None,
+    typer.Option(
+        help="For each bound, about; what is known then is its bound. 60 if not given."
+    ),
+]
 QuietOption = Annotated[
     bool,
     typer.Option(

@@ -11,6 +11,7 @@ from rich import progress as rich_progress
 from rich.console import Console
 
 from drakesep.studies.campaign.progress import CONFIRM, MEASURE, CampaignProgress
+from drakesep.studies.proof_progress import ProofProgress
 from drakesep.studies.runs_progress import RunsProgress
 from drakesep.studies.sweep import SweepProgress
 from drakesep.studies.worst_case.effort import in_time
@@ -33,7 +34,9 @@ class Standing(NamedTuple):
     remaining: Remaining
 
 
-AnyProgress: TypeAlias = Progress | SweepProgress | CampaignProgress | RunsProgress
+AnyProgress: TypeAlias = (
+    Progress | SweepProgress | CampaignProgress | RunsProgress | ProofProgress
+)
 Tell: TypeAlias = Callable[[AnyProgress], None]
 
 
@@ -217,6 +220,12 @@ def standing_of(progress: AnyProgress) -> Standing:
     elif isinstance(progress, RunsProgress):
         step, begins, plan = progress.what, progress.done == 0, str(progress)
         described = f"{progress.done} runs"
+    elif isinstance(progress, ProofProgress):
+        step, begins, plan = progress.claim, not progress.claim, str(progress)
+        described = (
+            f"bound {progress.done + 1} of {progress.total}, {progress.claim}: "
+            f"{progress.boxes} boxes"
+        )
     else:
         step, plan = progress.search.search, str(progress.effort)
         begins, described = step == PLAN, _described(progress)

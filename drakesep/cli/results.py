@@ -10,6 +10,7 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.metrics.requirements import Verdict
 from drakesep.cli.campaign_lines import NOT_SHOWN, print_answers
 from drakesep.cli.console import print_frame, print_notes
+from drakesep.cli.proof_lines import print_proofs, print_proven
 from drakesep.cli.requirement_lines import growth_lines, requirement_lines
 from drakesep.studies.clearance import Clearances
 from drakesep.studies.remarks import notes_of
@@ -115,6 +116,8 @@ def print_requirements(console: Console, study: Verification) -> None:
         print_frame(console, title, requirement_lines(frame, bodies), whole=True)
     else:
         print_answers(console, study.answers, study.campaign)
+    if study.proofs is not None:
+        print_proofs(console, study.proofs)
     if study.growths:
         title = "How far tolerances may grow until a requirement is violated"
         print_frame(console, title, growth_lines(frame, bodies), whole=True)
@@ -185,6 +188,8 @@ def print_verdict(console: Console, study: Verification) -> None:
     if study.case.failure_cases and not study.failed_cases:
         count = len(study.case.failure_cases)
         console.print(f"Failure cases were not looked at: {count}; see --failures.")
+    if study.proofs is not None:
+        print_proven(console, study.proofs)
     match study.verdict:
         case Verdict.MET.value:
             console.print(f"[bold green]Every requirement is met[/]{_how(study)}.")

@@ -12,6 +12,7 @@ from drakesep.cli.options import (
     ConfidenceOption,
     JsonOption,
     OutputOption,
+    ProofSecondsOption,
     QuietOption,
     ShareOption,
     WorkersOption,
@@ -174,6 +175,15 @@ def verify(
     ] = None,
     share: ShareOption = None,
     confidence: ConfidenceOption = None,
+    prove: Annotated[
+        bool,
+        typer.Option(
+            "--prove",
+            help="Prove what nothing within the tolerances is beyond, beside the worst "
+            "found; what no bound covers is named.",
+        ),
+    ] = False,
+    proof_seconds: ProofSecondsOption = None,
     page: Annotated[
         bool,
         typer.Option("--report", help="Make a report of the folder, as `report` does."),
@@ -219,6 +229,8 @@ def verify(
                     campaign=campaign,
                     share=share,
                     confidence=confidence,
+                    prove=prove,
+                    proof_seconds=proof_seconds,
                     **_given(
                         starts=starts,
                         samples=samples,
@@ -238,9 +250,9 @@ def verify(
             say_written(answer, file)
         print_verdict(answer.console, study)
         if study.verdict is None:
-            answer.fail(study.campaign_failure or _WHAT_FAILED)
+            answer.fail(study.failure_beside or _WHAT_FAILED)
         if not study.completed:  # and yet a run is beyond a limit
-            answer.not_met(study.campaign_failure or _WHAT_FAILED)
+            answer.not_met(study.failure_beside or _WHAT_FAILED)
         if not study.passed:
             answer.not_well()
 

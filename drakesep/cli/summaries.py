@@ -16,6 +16,7 @@ from drakesep.case_file.case import Case
 from drakesep.reports.compare import Comparison
 from drakesep.studies.campaign.result import Campaign
 from drakesep.studies.clearance import Clearances
+from drakesep.studies.proofs import CERTIFICATE, Proofs
 from drakesep.studies.rare_events import RareEvents
 from drakesep.studies.remarks import notes_of
 from drakesep.studies.sensitivity import Sensitivity
@@ -89,8 +90,8 @@ class StudySummary:
     folder: str
     """That has the results."""
     verdict: str | None
-    """`met`, `not met`, `not shown`, `not looked at`; `clear`, `contact`; null: there
-    is none."""
+    """`met`, `not met`, `not shown`, `not looked at`; `clear`, `contact`; `proven met`,
+    `not proven`; null: there is none."""
     notes: list[str]
     """What should be known of the runs; each begins with the label of another run than
     the nominal, or than the one that was flown."""
@@ -146,10 +147,22 @@ class VerifySummary(WorstCaseSummary):
     """Rows of requirements.csv."""
     answers: list[Row]
     """Rows of answers.csv; empty if no campaign was flown."""
+    proofs: list[Row]
+    """Rows of proofs.csv; empty without `--prove`."""
     failure_cases: list[Row]
     """Rows of failure_cases.csv; empty if they were not looked at."""
     report: str | None
     """The page that `--report` asks for; null: it was not asked for."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProveSummary(StudySummary):
+    """Of `prove`."""
+
+    proofs: list[Row]
+    """Rows of proofs.csv."""
+    certificate: str | None
+    """That `python -m drakesep.check_proof` checks; null: nothing is proven."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -254,6 +267,7 @@ SUMMARIES: dict[str, type[Any]] = {
     "animate": AnimateSummary,
     "worst-case": WorstCaseSummary,
     "verify": VerifySummary,
+    "prove": ProveSummary,
     "compare": CompareSummary,
     "report": ReportSummary,
     "export": ExportSummary,
@@ -399,6 +413,19 @@ def of_rare_events(study: RareEvents, folder: Path) -> RareEventsSummary:
     )
 
 
+def of_proofs(study: Proofs, folder: Path) -> ProveSummary:
+    """Return the summary of what is proven."""
+    certificate = str(folder / CERTIFICATE) if study.bounds.proven else None
+    return ProveSummary(
+        case=study.case.name,
+        folder=str(folder),
+        verdict=study.verdict,
+        notes=[],
+        proofs=_rows(study.table),
+        certificate=certificate,
+    )
+
+
 def of_clearances(study: Clearances, folder: Path) -> ClearanceSummary:
     """Return the summary of how near parts come."""
     return ClearanceSummary(
@@ -430,6 +457,7 @@ def of_verification(
         **vars(of_worst_cases(study, folder)),
         requirements=_rows(study.requirements),
         answers=_rows(study.answers) if study.campaign else [],
+        proofs=_rows(study.proofs.table) if study.proofs else [],
         failure_cases=_rows(study.failure_cases) if study.failed_cases else [],
         report=None if report is None else str(report),
     )

@@ -44,6 +44,21 @@ class OfFailures:
         save_failure_cases(self.requirements, folder)
 
 
+@dataclass(frozen=True)
+class OfProofs:
+    """Bounds beside the worst found, and beside limits."""
+
+    proofs: pd.DataFrame
+    """As proofs.csv has them."""
+
+    def save(self, folder: Path) -> None:
+        """Draw it into a folder, if there is a bound."""
+        if self.proofs["proven_bound"].notna().any():
+            from drakesep.plots.proofs import save_proofs
+
+            save_proofs(self.proofs, folder)
+
+
 @dataclass(frozen=True, kw_only=True)
 class OfCampaign:
     """What is required over the draws of a campaign."""

@@ -5,7 +5,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
+from drakesep.analysis.bounds.answers import PROVEN_MET
 from drakesep.analysis.metrics.requirements import Verdict
+from drakesep.plots.limits import SIGNS
 from drakesep.reports.cells import EMPTY, Cell, Row
 from drakesep.reports.deciding import Deciding, deciding_of, disproves
 from drakesep.reports.studies import Studies
@@ -37,13 +39,15 @@ class Entry:
     """Of requirements_of_run.csv."""
     beside: Row | None = None
     """Of answers.csv, which holds searches and draws against each other."""
+    proof: Row | None = None
+    """Of proofs.csv."""
     unconfirmed: str = ""
     """How the worst run ended, if it was not confirmed."""
 
     @property
     def asked(self) -> Row:
         """The row that says what is required."""
-        found = self.searched or self.drawn or self.flown
+        found = self.searched or self.drawn or self.flown or self.proof
         assert found is not None
         return found
 
@@ -93,17 +97,17 @@ class Entry:
     @property
     def proven_bound(self) -> Cell:
         """No run within the tolerances is worse than it, as is proven."""
-        return self.searched["proven_bound"] if self.searched else EMPTY
+        return self.proof["proven_bound"] if self.proof else EMPTY
 
     @property
     def proven(self) -> Cell:
         """The verdict of that bound."""
-        return self.searched["proven"] if self.searched else EMPTY
+        return self.proof["verdict"] if self.proof else EMPTY
 
     @property
     def gap(self) -> Cell:
-        """Between the worst that was found and that bound."""
-        return self.searched["gap"] if self.searched else EMPTY
+        """Between the worst that was found and that bound, per cent of the former."""
+        return self.proof["gap_percent"] if self.proof else EMPTY
 
     @property
     def deciding(self) -> Deciding:
@@ -125,7 +129,8 @@ class Entry:
     def verdict(self) -> Cell:
         """On it, by the study that has to tell; a violation stands whoever tells it.
 
-        A single run gives no verdict.
+        A single run gives no verdict. What is proven for every run is met, if nothing
+        else tells; it never mends what is not.
         """
         rows = [row for row in (self.searched, self.drawn) if row]
         if self.searched and self.searched.get("verdict") == NOT_MET:
@@ -139,6 +144,8 @@ class Entry:
             for cell in told:
                 if cell.value == word:
                     return cell
+        if not told and not self.share and self.proven.value == PROVEN_MET:
+            return Cell(MET)
         return told[0] if told else Cell(NOT_LOOKED_AT)
 
     @property
@@ -161,7 +168,7 @@ def _open_points(entry: Entry) -> Iterator[str]:
         yield "a draw within the tolerances is worse than the worst that was found"
     if entry.share and drawn is None:
         yield "what is required of a share of launches is for a campaign to show"
-    if not entry.share and searched is None:
+    if not entry.share and searched is None and entry.proven.value != PROVEN_MET:
         yield "the worst case over the tolerances has not been searched"
     if searched and not entry.share:
         if searched.get("verdict") == NOT_LOOKED_AT:
@@ -171,12 +178,32 @@ def _open_points(entry: Entry) -> Iterator[str]:
             yield "growth: looked at on the way to the worst case alone"
         elif how != "search":
             yield f"growth: {how}"
+    if _is_beyond_proven(entry):
+        yield (
+            f"the worst, in {entry.asked['which_run'].text}, is beyond the tolerances "
+            "over which is proven"
+        )
+    if entry.proof and entry.proof.get("verdict") != PROVEN_MET:
+        yield f"{entry.proven.text}: {entry.proof.get('reason', '')}"
     if drawn and drawn.get("failed", 0):
         yield "draws failed, which count as beyond the limit"
     if drawn and entry.share and drawn.get("verdict") == NOT_SHOWN:
         yield "too few draws to show the share, or that it is not kept"
     if drawn and entry.share and drawn.get("verdict") == NOT_LOOKED_AT:
         yield "no draw tells it, or Drake does not confirm those that do"
+
+
+def _is_beyond_proven(entry: Entry) -> bool:
+    """Return whether a published run is beyond a bound: it is beyond tolerances, too.
+
+    Any other is beyond no bound, or contradicts it, which its verdict says.
+    """
+    if not (entry.searched and entry.proof and entry.proven_bound and entry.worst):
+        return False
+    beyond = entry.worst.value - entry.proven_bound.value
+    sign = 1.0 if entry.searched.get("sense") in ("<", SIGNS["<="]) else -1.0
+    other = entry.searched.get("which_run") != entry.proof.get("found_by")
+    return bool(other and sign * beyond > 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -224,6 +251,9 @@ def matrix_of(studies: Studies) -> Matrix:
         "drawn": _keyed(studies.rows("campaign.csv")),
         "flown": _keyed(studies.rows("requirements_of_run.csv")),
         "beside": _keyed(studies.rows("answers.csv")),
+        "proof": _keyed(
+            row for row in studies.rows("proofs.csv") if row.get("requirement")
+        ),
     }
     status = {
         row.get("label"): str(row.get("status", ""))

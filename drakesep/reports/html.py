@@ -19,6 +19,7 @@ from drakesep.reports import (
     failures_part,
     motion_part,
     not_covered_part,
+    proof_part,
     provenance_part,
     sensitivities_part,
     worst_cases_part,
@@ -132,6 +133,7 @@ def _parts(studies: Studies, matrix: Matrix, page: Path) -> Iterable[Part]:
         yield Part("tolerances", "Tolerances and distributions", separation)
     worst_cases = worst_cases_part.of(studies)
     yield Part("worst_cases", "Worst cases, with their evidence", worst_cases)
+    yield Part("proofs", "What is proven", proof_part.of(studies))
     yield Part("motion", "Motion over time", motion_part.of(studies))
     yield Part("failures", "Failure cases", failures_part.of(studies))
     yield Part("campaign", "Campaign", campaign_part.of(studies))

@@ -94,6 +94,20 @@ def motion_pictures(study: Study) -> Iterator[Picture]:
         )
 
 
+def proof_pictures(study: Study) -> Iterator[Picture]:
+    """Yield proven bounds beside the worst found and the limits."""
+    from drakesep.plots.proofs import proofs_figure
+
+    words = ("requirement", "axis", "pair", "id", "objective", "unit", "reason")
+    table = table_of_study(study, "proofs.csv", *words)
+    yield picture_of(
+        proofs_figure(table, width=ACROSS * CELL),
+        "A row for each requirement and objective: the worst found, the proven bound "
+        "and the limit, as shares of the limit, as in the table of proven bounds.",
+        "Proven bounds (bars) beside the worst found (dots) and limits (dashed).",
+    )
+
+
 def failure_pictures(study: Study) -> Iterator[Picture]:
     """Yield what is required in failure cases beside the design, a page at a time."""
     from drakesep.plots.failure_cases import failure_figure, panels_within

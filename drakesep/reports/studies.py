@@ -19,7 +19,11 @@ from drakesep.systems.checks import InputError
 _WORDS = frozenset({"id", "source", "requirement", "axis", "pair", "label"})
 """Columns of words, though they be digits: an id of 4.10 is none of 4.1."""
 _NUMBER = re.compile(r"-?(?:inf|\d+(?:\.\d*)?(?:e[-+]?\d+)?)")
-_ONE_OF = {"campaign.csv": "campaign", "rare_events.csv": "study of rare events"}
+_ONE_OF = {
+    "campaign.csv": "campaign",
+    "rare_events.csv": "study of rare events",
+    "proofs.csv": "study with proofs",
+}
 """Tables whose answers are of the case itself, whichever study has them."""
 _ONCE = ("verify", "worst-case", "campaign")
 """Studies whose answers are of the case itself: two of them would contradict."""

@@ -15,8 +15,9 @@ SIMULATE, CLEARANCE = "simulate", "clearance"
 WORST_CASE, VERIFY = "worst-case", "verify"
 SWEEP, CAMPAIGN = "sweep", "campaign"
 SENSITIVITY, RARE_EVENTS = "sensitivity", "rare-events"
+PROVE = "prove"
 _OF_KEPT_RUNS = (SIMULATE, CLEARANCE, WORST_CASE, VERIFY)
-STUDIES = (*_OF_KEPT_RUNS, SWEEP, CAMPAIGN, SENSITIVITY, RARE_EVENTS)
+STUDIES = (*_OF_KEPT_RUNS, SWEEP, CAMPAIGN, SENSITIVITY, RARE_EVENTS, PROVE)
 """Those that write a folder."""
 STUDY, CASE = "study.json", "case.json"
 RUNS = "runs"
@@ -715,6 +716,17 @@ _REMARKS = FileKind(
 _FAILURE = Column(
     "failure_case", "", "Its name; in other tables than of runs also `design`."
 )
+_BOUND = (
+    Column(
+        "proven_bound",
+        _SAME,
+        "No run within the tolerances is beyond it, as is proven: of every value and "
+        "combination, inertias that no body can have and what ellipsoids leave out "
+        "included; see proof.md. Empty: there is none.",
+    ),
+    Column("gap_percent", "%", "Of the bound beyond the worst found, of that."),
+)
+
 _VERDICT = (
     *_LIMIT,
     Column("nominal", _SAME, "In the nominal run."),
@@ -745,6 +757,8 @@ _VERDICT = (
         "That alone violates it with least growth; or `not looked at`.",
     ),
     Column("its_growth_factor", "", "On that tolerance."),
+    *_BOUND,
+    Column("proven", "", "`verdict` of proofs.csv; `not looked at` without `--prove`."),
     Column(
         "verdict",
         "",
@@ -995,6 +1009,10 @@ _WORST_CASES = (
                 "",
                 "Whether all runs flown in Drake are within the limit.",
             ),
+            *_BOUND,
+            Column(
+                "proven", "", "`verdict` of proofs.csv; `not looked at` without one."
+            ),
             Column(
                 "decided_by",
                 "",
@@ -1106,7 +1124,64 @@ _WORST_CASES = (
     ),
 )
 
+_PROVEN = (PROVE, VERIFY)
+"""In `verify`, if it is asked for."""
+_PROOFS = (
+    FileKind(
+        name="proofs.csv",
+        studies=_PROVEN,
+        what="Proven bounds beside the worst found and the limits, see worst_cases.md; "
+        "what no bound covers, with the reason.",
+        row="requirement and axis, then objective",
+        key=(*_LIMIT_KEY, "objective"),
+        columns=(
+            Column("requirement", "", "Its quantity; empty of an objective."),
+            Column("axis", "", "Empty if it has none."),
+            _UNIT,
+            Column("sense", "", "`<=` or `<`: it is bounded from above; else below."),
+            Column("limit", _SAME, "That is required; empty of an objective."),
+            *_LIMIT[5:],
+            Column("objective", "", "Of a row that is of no requirement."),
+            *_BOUND,
+            Column(
+                "found",
+                _SAME,
+                "The worst found: in runs within the tolerances, flown in Drake; in "
+                "`prove`, what enclosures show to be attained, in inertias that no "
+                "body can have, too.",
+            ),
+            Column("found_by", "", "Label of that run; or `enclosure`."),
+            Column(
+                "verdict",
+                "",
+                "`proven met`: the bound is within the limit; `not proven`; `not "
+                "covered`: there is no bound; `bounded`: of an objective, there is; "
+                "`contradicted`: a run is beyond the bound, and one of the two is "
+                "wrong. Of a share of launches, too, it is over the tolerances, beyond "
+                "which draws may be.",
+            ),
+            Column("reason", "", "Why no more is proven."),
+            Column("claim", "", "Its name in proof.json."),
+            Column("boxes", "", "That were enclosed for it."),
+            *_IDENTITY,
+        ),
+    ),
+    FileKind(
+        name="proof.json",
+        studies=_PROVEN,
+        what="The certificate: the problem, and of each bound the tree of boxes that "
+        "proves it, in the form that proof.md says; "
+        "`python -m drakesep.check_proof proof.json` checks it.",
+    ),
+)
+
 _PLOTS = (
+    FileKind(
+        name="proofs.png",
+        studies=_PROVEN,
+        what="proofs.csv as a plot: found, proven bound and limit, as shares of the "
+        "limit.",
+    ),
     FileKind(
         name="translation.png",
         studies=(SIMULATE, *_SEARCHED),
@@ -1184,6 +1259,7 @@ EFFORT = frozenset(
     {
         *("iterations", "evaluations", "run_by_run", "points", "failed_samples"),
         *("starts", "ended_there", "unfinished", "local_maxima", "random_samples"),
+        "boxes",
     }
 )
 """Columns that say how hard something was, not what was found."""
@@ -1199,6 +1275,7 @@ FILES = (
     *_CAMPAIGN,
     *_DISTRIBUTIONS,
     *_WORST_CASES,
+    *_PROOFS,
     *_PLOTS,
     *_OF_RUNS,
 )

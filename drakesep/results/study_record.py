@@ -50,7 +50,8 @@ class StudyRecord:
     """Why it failed."""
     verdict: str | None = None
     """Of a study that gives one: ``met``, ``not met`` or ``not looked at``; of
-    `clearance`, ``clear`` or ``contact``."""
+    `clearance`, ``clear`` or ``contact``; of `prove`, ``proven met`` or ``not
+    proven``."""
     again: str | None
     """What does the study again, in a shell; null if it was asked with functions."""
     arguments: Mapping[str, Any] = field(default_factory=dict)

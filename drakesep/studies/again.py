@@ -7,6 +7,7 @@ from typing import Any
 from drakesep.results.catalogue import (
     CAMPAIGN,
     CLEARANCE,
+    PROVE,
     RARE_EVENTS,
     SENSITIVITY,
     SIMULATE,
@@ -18,6 +19,7 @@ from drakesep.results.reading import Results
 from drakesep.results.study_record import Ended
 from drakesep.studies.campaign.procedure import campaign
 from drakesep.studies.clearance import clearance
+from drakesep.studies.prove import prove
 from drakesep.studies.rare_events import rare_events
 from drakesep.studies.sensitivity import sensitivity
 from drakesep.studies.simulate import simulate
@@ -36,6 +38,7 @@ _STUDIES: dict[str, Callable[..., Any]] = {
     CAMPAIGN: campaign,
     SENSITIVITY: sensitivity,
     RARE_EVENTS: rare_events,
+    PROVE: prove,
 }
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Unpack
 
 from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.bounds.proving import ProofSettings
 from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.search.effort import Effort, SearchSettings
 from drakesep.case_file.case import Case
@@ -25,6 +26,8 @@ from drakesep.studies.background_process import BackgroundProcess
 from drakesep.studies.campaign.settings import CampaignSettings
 from drakesep.studies.campaign_beside import CampaignBeside
 from drakesep.studies.failure_cases import failure_cases_verified
+from drakesep.studies.proof_beside import planned_with_proofs, with_proofs
+from drakesep.studies.prove import proof_settings
 from drakesep.studies.tolerance_growth import find_growths
 from drakesep.studies.verified import Verification
 from drakesep.studies.worst_case.plan import OnProgress, StudyPlan
@@ -54,6 +57,8 @@ def verify(
     campaign: int | None = None,
     share: float | None = None,
     confidence: float | None = None,
+    prove: bool = False,
+    proof_seconds: float | None = None,
     **effort: Unpack[Effort],
 ) -> Verification:
     """Find the worst cases of a case and hold them against its requirements.
@@ -84,6 +89,9 @@ def verify(
             there is none.
         share: as `campaign` takes it; with a campaign, and only with it.
         confidence: as `campaign` takes it.
+        prove: whether to prove, beside the worst found, what nothing within the
+            tolerances is beyond; what no bound covers is named.
+        proof_seconds: as `prove` takes it; with `prove`, and only with it.
         effort: `starts`, `samples`, `vertices`, `flips`, `generations`, `corners` and
             `seed` of `SearchSettings`; the speed of runs, as it is measured, decides
             what is left out: see `Verification.effort`.
@@ -96,6 +104,7 @@ def verify(
     """
     settings = SearchSettings(**effort)
     wanted = _campaign(campaign, settings.seed, share, confidence)
+    settled = _proofs(prove, proof_seconds)
     asked = Asked.of(
         VERIFY,
         case,
@@ -109,6 +118,8 @@ def verify(
             "campaign": campaign,
             "share": share,
             "confidence": confidence,
+            "prove": prove or None,
+            "proof_seconds": proof_seconds,
             **effort,
         },
         seed=settings.seed,
@@ -116,6 +127,8 @@ def verify(
     if wanted is not None:
         asked = replace(asked, case=wanted.of_shares(asked.case))
     plan = planned(asked, objectives, searches, requirements, failures=failures)
+    if settled is not None:
+        plan = planned_with_proofs(plan, settled, requirements)
     beside = None if wanted is None else CampaignBeside.of(wanted, asked)
     plan = plan if beside is None else beside.planned(plan)
     with contextlib.ExitStack() as stack:
@@ -146,6 +159,10 @@ def verify(
                 )
                 study = replace(study, growths=growths, single_growths=single_growths)
             under_way.write_down(study)
+            study = with_proofs(study, under_way)
+            if study.proofs is not None:
+                under_way.write_down(study, Verification.write_proofs)
+                under_way.draw(study.proofs.picture.save)
             if beside is not None:
                 study = beside.flown(study, under_way)
                 under_way.write_down(study, Verification.write_campaign)
@@ -168,6 +185,15 @@ def _campaign(
     for name, value in (("share", share), ("confidence", confidence)):
         if value is not None:
             raise InputError(f"{name}: must stand with a campaign, got none")
+    return None
+
+
+def _proofs(wanted: bool, seconds: float | None) -> ProofSettings | None:
+    """Return how hard bounds are proven beside worst cases; None: there are none."""
+    if wanted:
+        return proof_settings(proof_seconds=seconds)
+    if seconds is not None:
+        raise InputError("proof_seconds: must stand with prove, got none")
     return None
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.bounds.answers import ProvenAnswer
 from drakesep.analysis.failure_cases import DESIGN, FailureCase
 from drakesep.analysis.metrics.requirements import (
     Finding,
@@ -20,6 +21,7 @@ from drakesep.plots.pictures import OfFailures, Pictures
 from drakesep.plots.shown_runs import bodies_shown_by
 from drakesep.results.folder import ResultsFolder
 from drakesep.studies.campaign.result import Campaign
+from drakesep.studies.proofs import Proofs
 from drakesep.studies.tolerance_growth import Growths, ways_out
 from drakesep.studies.worst_case.result import WorstCases
 from drakesep.tables.answers_table import answers_table
@@ -42,6 +44,8 @@ class Verification(WorstCases):
     """The failure cases, each verified as the design is."""
     campaign: Campaign | None = None
     """That was flown beside the worst cases."""
+    proofs: Proofs | None = None
+    """What is proven, if that was asked for."""
     missed: Mapping[Requirement, int] = field(default_factory=dict)
     """Draws of it that are worse than the worst case found, though within what was
     searched."""
@@ -100,16 +104,23 @@ class Verification(WorstCases):
             self.case.box,
             self._bodies,
             self.functions,
+            self._proven,
         )
 
     @property
     def answers(self) -> pd.DataFrame:
-        """A row for each requirement: what a campaign and the worst case found say."""
+        """A row for each requirement: campaign, worst case found and proven bound."""
         shares = self.campaign.findings if self.campaign else ()
         return answers_table(
             *(self.findings, shares, self.missed, self._bodies, self.functions),
             self.campaign.worst_failure_cases if self.campaign else {},
+            self._proven,
         )
+
+    @property
+    def _proven(self) -> Mapping[Requirement, ProvenAnswer]:
+        """What is proven of the requirements."""
+        return self.proofs.by_requirement if self.proofs else {}
 
     @property
     def tolerances(self) -> pd.DataFrame:
@@ -134,8 +145,15 @@ class Verification(WorstCases):
                 write_csv(self.table_4, folder / "table_4.csv")
         if self.single_growths:
             write_csv(self.tolerances, folder / "tolerances.csv")
+        self.write_proofs(results)
         self.write_campaign(results)
         self.write_failures(results)
+
+    def write_proofs(self, results: ResultsFolder) -> None:
+        """Write what is proven, and the verdicts with it beside them."""
+        if self.proofs is not None:
+            self.proofs.write_tables(results.path)
+            write_csv(self.requirements, results.path / "requirements.csv")
 
     def write_campaign(self, results: ResultsFolder) -> None:
         """Write the tables of the campaign, and the verdicts with what it says."""
@@ -188,7 +206,13 @@ class Verification(WorstCases):
     @property
     def _failure_of_design(self) -> str:
         """What failed of the design, of its campaign too."""
-        return "; ".join(filter(None, [super().failure, self.campaign_failure]))
+        return "; ".join(filter(None, [super().failure, self.failure_beside]))
+
+    @property
+    def failure_beside(self) -> str:
+        """What failed of what is beside the worst cases: proofs and campaign."""
+        proofs = self.proofs.failure if self.proofs else ""
+        return "; ".join(filter(None, [proofs, self.campaign_failure]))
 
     @property
     def campaign_failure(self) -> str:
@@ -238,6 +262,8 @@ class Verification(WorstCases):
     def draw(self, folder: Path) -> None:
         """Draw what shows it into a folder."""
         super().draw(folder)
+        if self.proofs is not None:
+            self.proofs.picture.save(folder)
         if self.campaign is not None:
             self.campaign.draw(folder)
         if self.failed_cases:

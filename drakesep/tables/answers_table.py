@@ -1,20 +1,26 @@
-"""The statistical answer and the worst case found, side by side, never confused."""
+"""The statistical, the found and the proven answer, side by side, never confused."""
 
 import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
 from drakesep.analysis.campaigns.shares import ShareFinding
 from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.requirements import Finding, Requirement
+from drakesep.tables.proven_columns import beside_requirement
 from drakesep.tables.requirement_tables import (
     identity_columns,
     limit_columns,
     unit_of_limit,
 )
 from drakesep.units import Unit
+
+
+if TYPE_CHECKING:
+    from drakesep.analysis.bounds.answers import ProvenAnswer
 
 
 BY_CAMPAIGN, BY_WORST_CASE = "campaign", "worst case"
@@ -28,8 +34,9 @@ def answers_table(
     bodies: Sequence[str],
     functions: Sequence[FunctionRequirement] = (),
     failure_cases: Mapping[Requirement, str] = MappingProxyType({}),
+    proven: "Mapping[Requirement, ProvenAnswer]" = MappingProxyType({}),
 ) -> pd.DataFrame:
-    """Return a row for each requirement and axis: what draws and what searches say.
+    """Return a row for each requirement and axis: what draws, searches, proofs say.
 
     Args:
         findings: over the runs that searches have led to.
@@ -38,6 +45,7 @@ def answers_table(
         bodies: names of those that leave; that of the first pair is the first.
         functions: that are required, some of the findings are of them.
         failure_cases: of which the worst draws are, where something fails in them.
+        proven: what is proven of requirements, if that was asked for.
     """
     by_draws = {one.requirement: one for one in shares}
     rows = []
@@ -56,6 +64,7 @@ def answers_table(
                 "which_run": finding.run,
                 "missed_draw": missed.get(requirement),
                 "by_worst_case": finding.verdict_on_runs.value,
+                **beside_requirement(requirement, unit, proven),
                 "decided_by": (
                     BY_CAMPAIGN if finding.decided_by_campaign else BY_WORST_CASE
                 ),

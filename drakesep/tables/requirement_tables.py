@@ -1,7 +1,8 @@
 """Tables of requirements, with margins, verdicts, and tolerances that violate them."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import pandas as pd
@@ -11,10 +12,12 @@ from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.metrics.requirements import Finding, Requirement, Verdict
 from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.tables.proven_columns import beside_requirement
 from drakesep.units import Unit, unit_of, with_unit
 
 
 if TYPE_CHECKING:  # JAX comes with them
+    from drakesep.analysis.bounds.answers import ProvenAnswer
     from drakesep.analysis.margins.tolerance_margins import Growth
 
 
@@ -25,6 +28,7 @@ def requirements_table(
     box: ToleranceBox | None = None,
     bodies: Sequence[str] = ("",),
     functions: Sequence[FunctionRequirement] = (),
+    proven: "Mapping[Requirement, ProvenAnswer]" = MappingProxyType({}),
 ) -> pd.DataFrame:
     """Return a row for each requirement and axis, with its margins and verdict.
 
@@ -35,6 +39,7 @@ def requirements_table(
         box: the tolerances, if they grow.
         bodies: names of those that leave; that of the first pair is the first.
         functions: that are required, some of the findings are of them.
+        proven: what is proven of requirements, if that was asked for.
     """
     of_all = dict(growths)
     rows = []
@@ -53,6 +58,7 @@ def requirements_table(
                 "growth_by": _how(growth),
                 "looked_up_to": math.nan if growth is None else growth.looked_up_to,
                 **_first_tolerance(finding, single_growths, box),
+                **beside_requirement(requirement, unit, proven),
                 "verdict": finding.verdict.value,
                 **identity_columns(requirement, bodies),
             }

@@ -27,7 +27,7 @@ RESULTS = {
     *("Ascent", "BatchEvaluator", "BatchResult", "Campaign", "CampaignProgress"),
     *("Bound", "Bounds"),
     *("Clearance", "Clearances", "Comparison", "Contact", "RareEvents"),
-    *("Sensitivity", "Summary", "Tally"),
+    *("ProofProgress", "Proofs", "Sensitivity", "Summary", "Tally"),
     *("ContactForces", "Evaluator", "Evidence", "Finding", "Growth", "Iteration"),
     *(
         "MassProperties",

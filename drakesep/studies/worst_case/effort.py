@@ -29,9 +29,9 @@ from drakesep.systems.checks import InputError, check_positive
 
 
 GROWTH, CONFIRMATION = "growth", "confirmation"
-CAMPAIGN, FAILURES = "campaign", "failure cases"
+PROOF, CAMPAIGN, FAILURES = "proof", "campaign", "failure cases"
 """What follows the searches."""
-_ASKED_FOR = (CAMPAIGN, FAILURES)
+_ASKED_FOR = (PROOF, CAMPAIGN, FAILURES)
 """What is asked for, however long it takes."""
 _MOST_FLIPS, _MOST_SAMPLES = 4, 2048
 """Of a failure case: there are many of these, and the design's worst are known."""
@@ -85,6 +85,8 @@ class StudyEffort:
     """Failure cases that are searched beside the design."""
     draws: int = 0
     """Of the campaign that is flown beside the searches."""
+    proofs: int = 0
+    """Bounds that are proven beside them."""
     seconds: Mapping[str, float]
     """That each search takes, and what follows them, in their order."""
     left_out: tuple[str, ...] = ()
@@ -120,6 +122,10 @@ class StudyEffort:
         steps = [what[name] for name in self.searches if name in what]
         if self.growth:
             steps.append("growth of tolerances")
+        if self.proofs:
+            at_most = in_time(self.seconds[PROOF])
+            bounds = _counted(self.proofs, "bound")
+            steps.append(f"proof of {bounds} in at most {at_most}")
         if self.draws:
             steps.append(f"{_spaced(self.draws)} draws of a campaign")
         if self.failures:
@@ -166,6 +172,8 @@ def planned_effort(
     failures: int = 0,
     draws: int = 0,
     draws_in_drake: int = 0,
+    proofs: int = 0,
+    proof_seconds: float = 0.0,
 ) -> StudyEffort:
     """Return what a study will do.
 
@@ -181,6 +189,8 @@ def planned_effort(
         failures: failure cases that are searched beside the design.
         draws: of the campaign that is flown beside the searches.
         draws_in_drake: of them, those that Drake flies.
+        proofs: bounds that are proven beside the searches.
+        proof_seconds: that these take together, at most.
 
     Raises:
         ValueError: it takes longer, with the least effort.
@@ -193,6 +203,7 @@ def planned_effort(
         failures=failures,
         draws=draws,
         draws_in_drake=draws_in_drake,
+        proof_seconds=proof_seconds,
         drake_alone=wanted.drake_alone,
     )
     growth_is_wanted = (not wanted.drake_alone) if growth is None else growth
@@ -225,6 +236,7 @@ def planned_effort(
         growth=grows,
         failures=failures,
         draws=draws,
+        proofs=proofs,
         seconds=costs.of(names, settings, grows, speed.cores),
         left_out=without,
         minutes=granted,
@@ -344,6 +356,7 @@ class _Costs:
         failures: int,
         draws: int,
         draws_in_drake: int,
+        proof_seconds: float,
         drake_alone: bool,
     ):
         self._n = len(case.box)
@@ -353,6 +366,7 @@ class _Costs:
         self._speed = speed
         self._failures = failures
         self._draws, self._draws_in_drake = draws, draws_in_drake
+        self._proof_seconds = proof_seconds
         self._drake_alone = drake_alone
         self._cheap = [o for o in objectives if not o.expensive]
         self._expensive = [o for o in objectives if o.expensive]
@@ -393,6 +407,8 @@ class _Costs:
         seconds[CONFIRMATION] = self._ends * each
         if growth:
             seconds[GROWTH] = self._growth(settings, cores)
+        if self._proof_seconds:
+            seconds[PROOF] = self._proof_seconds
         if self._draws:  # whatever searches fly with, the batch engine flies them
             flown = self._draws * self._speed.run / self._speed.cores
             seconds[CAMPAIGN] = flown + self._draws_in_drake * self._speed.drake

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.bounds.proving import ProofSettings
 from drakesep.analysis.clearance.objective import LowestClearance
 from drakesep.analysis.failure_cases import FailureCase
 from drakesep.analysis.metrics.objectives import Objective
@@ -49,6 +50,10 @@ class StudyPlan:
     """Of the campaign that is flown beside the worst cases."""
     draws_in_drake: int = 0
     """Of them, those that Drake flies, at most."""
+    proofs: int = 0
+    """Bounds that are proven beside the worst cases."""
+    proof_settings: ProofSettings | None = None
+    """How hard they are tried; None: there are none."""
     clearances: Mapping[str, LowestClearance] = field(default_factory=dict)
     """That tell how near nominal and published runs come, by their metrics."""
     resume: bool = False
@@ -72,6 +77,11 @@ class StudyPlan:
     def case(self) -> AnalysisCase:
         """The case."""
         return self.asked.case
+
+    @property
+    def proof_seconds(self) -> float:
+        """That all bounds take, at most."""
+        return self.proofs * self.proof_settings.seconds if self.proof_settings else 0.0
 
     @property
     def on_batch_engine(self) -> bool:

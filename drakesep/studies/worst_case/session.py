@@ -95,6 +95,8 @@ class Session:
             failures=len(plan.failures),
             draws=plan.draws,
             draws_in_drake=plan.draws_in_drake,
+            proofs=plan.proofs,
+            proof_seconds=plan.proof_seconds,
         )
 
     def evaluator_of(

@@ -39,6 +39,8 @@ VERDICTS = {
     ("verify", NOT_MET): "not met",
     ("campaign", GOOD): "met",
     ("campaign", NOT_MET): "not met",
+    ("prove", GOOD): "proven met",
+    ("prove", NOT_MET): "not proven",
     ("clearance", GOOD): "clear",
     ("clearance", NOT_MET): "contact",
     ("report", GOOD): "no verdict",  # of a campaign that is planned
@@ -179,6 +181,7 @@ def test_every_command_has_a_shape():
     [
         ("verify", {"requirements": "requirements", "runs": "worst_cases"}),
         ("worst-case", {"worst_cases": "evidence"}),
+        ("prove", {"proofs": "proofs"}),
         ("clearance", {"clearances": "clearance_summary"}),
         ("campaign", {"requirements": "campaign"}),
         ("campaign sensitivity", {"indices": "sobol_indices"}),

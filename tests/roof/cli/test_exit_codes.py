@@ -40,7 +40,7 @@ LAST = {
 }
 """With which the one line begins; a verdict is told on standard output."""
 BEGUN = (
-    *("simulate", "sweep", "campaign", "clearance", "replay"),
+    *("simulate", "sweep", "campaign", "clearance", "replay", "prove"),
     *("campaign sensitivity", "campaign rare-events"),
 )
 """Whose folder is begun when the first run is interrupted."""
@@ -72,6 +72,9 @@ def test_exit_code(command, outcome, tmp_path, capsys, monkeypatch):
     elif outcome == NOT_MET and command in ("verify", "campaign"):
         assert not lines
         assert out.splitlines()[-1] == "Not every requirement is met."
+    elif outcome == NOT_MET and command == "prove":
+        assert not lines
+        assert "It is proven of 0 of 1 requirements that they are met." in out
     elif outcome == NOT_MET and command == "compare":
         assert not lines
         assert "The answers differ: 1 by more than 1e-06." in out

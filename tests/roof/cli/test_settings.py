@@ -90,6 +90,7 @@ OPTIONS = {
         "--failures": (None, {"failures": True}),
         "--campaign": (300, {"campaign": 300}),
     },
+    "prove": {},  # test_proofs.py
 }
 """Of each command: an option, its value, and the same argument in Python."""
 ELSEWHERE = {
@@ -106,13 +107,16 @@ ELSEWHERE = {
     "replay": {"--run", "--animation", "--no-animation", "--output", "-o"},
     "report": {"--output", "-o", "--pdf", "--check", "--tolerance"},
     "clearance": {"--output", "-o"},
+    "prove": {"--output", "-o", "--objective", "--gap-percent", "--proof-seconds"},
     "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes", "--resume"},
     "verify": {
         *("--output", "-o", "--workers", "--flips", "--corners", "--minutes"),
-        *("--resume", "--share", "--confidence", "--report"),
+        *("--resume", "--share", "--confidence", "--report", "--prove"),
+        "--proof-seconds",
     },
 }
-"""Tested below; `--report` in roof/reports/test_html.py."""
+"""Tested below; `--report` in roof/reports/test_html.py, `--prove` and the like
+in roof/studies/test_proofs.py."""
 SWEPT = {"upper.mass_kg": [1180.0, 1200.0, 1220.0]}
 FEW = {"runs": 300, "share": 0.99, "confidence": 0.9}
 """Of a campaign: enough to show so much."""
@@ -212,7 +216,7 @@ def hard_in_words(without=()):
 
 def called(command, case, folder, arguments):
     """The study in Python, and its tables in a folder."""
-    if command in ("simulate", "clearance"):
+    if command in ("simulate", "clearance", "prove"):
         study = getattr(drakesep, command)(case, **arguments)
         study.save(folder)
         return

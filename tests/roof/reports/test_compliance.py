@@ -1,5 +1,6 @@
 """The compliance matrix: what several studies say of a requirement, put together."""
 
+import dataclasses
 import itertools
 import math
 
@@ -55,6 +56,37 @@ def test_verdict_of_several_studies(verify, campaign, of, draws, expected):
     one = entry(verify, campaign, of, draws)
     assert one.verdict.value == expected
     assert one.verdict.place.endswith(":verdict")
+
+
+PROVEN = row("proofs.csv", verdict="proven met", proven_bound=0.8, found_by="worst")
+
+
+@pytest.mark.parametrize(
+    ("verify", "of", "expected"),
+    [
+        (None, EVERY, MET),
+        (MET, EVERY, MET),
+        # What a run shows, or is not known, no proof mends; and draws may be beyond
+        # the tolerances.
+        (NOT_MET, EVERY, NOT_MET),
+        (LOOKED, EVERY, LOOKED),
+        (None, SHARE, LOOKED),
+    ],
+)
+def test_what_is_proven_is_met_if_nothing_else_tells(verify, of, expected):
+    proof = Row({**PROVEN.values, "share": of}, PROVEN.place)
+    one = dataclasses.replace(entry(verify, of=of), proof=proof)
+    assert one.verdict.value == expected
+    assert (one.proven.value, one.proven_bound.value) == ("proven met", 0.8)
+    assert "bound proven over the tolerances" in one.methods
+
+
+def test_a_published_run_beyond_a_bound_is_said_to_be_beyond_the_tolerances():
+    one = dataclasses.replace(entry(MET), proof=PROVEN)
+    assert not any("beyond the tolerances" in point for point in one.open_points)
+    searched = row("requirements.csv", verdict=MET, worst=0.9, which_run="theirs")
+    one = dataclasses.replace(one, searched=searched)
+    assert "in theirs, is beyond the tolerances" in "; ".join(one.open_points)
 
 
 def test_a_single_run_gives_no_verdict():
@@ -204,11 +236,12 @@ def test_not_met_has_a_negative_margin_or_a_reason(share, by_search, by_draws, s
 
 def test_a_proven_bound_stands_where_a_table_has_it():
     told = {"worst": 0.7, "margin": 0.3, "verdict": MET}
-    proven = {"proven_bound": 0.71, "gap": 0.01, "proven": MET}
-    with_it = Entry(searched=row("requirements.csv", **told, **proven))
-    without = Entry(searched=row("requirements.csv", **told))
-    assert [with_it.proven_bound.value, with_it.gap.value] == [0.71, 0.01]
-    assert with_it.proven.value == MET
+    proven = {"proven_bound": 0.71, "gap_percent": 1.4, "verdict": "proven met"}
+    searched = row("requirements.csv", **told)
+    with_it = Entry(searched=searched, proof=row("proofs.csv", **proven))
+    without = Entry(searched=searched)
+    assert [with_it.proven_bound.value, with_it.gap.value] == [0.71, 1.4]
+    assert with_it.proven.value == "proven met"
     assert not (without.proven_bound or without.gap or without.proven)
     assert "proven" in " ".join(with_it.methods)
     assert "proven" not in " ".join(without.methods)

@@ -39,6 +39,7 @@ def folders(tmp_path_factory):
     data = case_of_a_second()
     case = write_case(home, data)
     words = ["verify", case, "-o", home / "verify", "--failures", "--report", "--quiet"]
+    words += ["--prove"]
     with pytest.MonkeyPatch.context() as patch, pytest.raises(SystemExit):
         patch.setattr("sys.argv", ["drakesep", *map(str, [*words, *SEARCH])])
         app.main()

@@ -20,10 +20,11 @@ def studies(case, two, folder):
     quick = {"searches": ["drake"], "workers": 1}
     drakesep.simulate(case, output=folder / "simulate")
     drakesep.clearance(case, output=folder / "clearance")
-    how = {"growth": True, "corners": 1, "campaign": 100}
+    how = {"growth": True, "corners": 1, "campaign": 100, "prove": True}
     drakesep.verify(case, output=folder / "verify", **how, **quick)
     drakesep.sweep(case, {"payload.mass_kg": [1880]}, output=folder / "sweep")
     drakesep.campaign(case, 100, output=folder / "campaign", workers=1)
+    drakesep.prove(case, output=folder / "prove")
     few = {"base": 2, "replicates": 2}
     drakesep.sensitivity(two, output=folder / "sensitivity", **few)
     few = {"per_level": 20, "replicates": 2, "least": 0.1}
