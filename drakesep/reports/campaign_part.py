@@ -4,12 +4,15 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from drakesep.reports.cells import EMPTY, Cell, Columns, Row, Table, table_of
+from drakesep.reports.compliance import NOT_LOOKED_AT
 from drakesep.reports.pictures import Picture
 from drakesep.reports.studies import Studies
 
 
 _SHOWN = 3
 """Parameters that are told of for each metric: those that matter most."""
+_VERDICT, _BY_DRAWS = "verdict", "by_campaign"
+"""What draws say, in campaign.csv and in answers.csv."""
 _SHARES: Columns = {
     "requirement axis pair": "requirement",
     "unit": "unit",
@@ -22,7 +25,7 @@ _SHARES: Columns = {
     "bound": "bound",
     "worst": "worst draw",
     "measured": "measured",
-    "verdict": "verdict",
+    _VERDICT: "verdict",
 }
 _ANSWERS: Columns = {
     "requirement axis pair": "requirement",
@@ -34,7 +37,7 @@ _ANSWERS: Columns = {
     "worst_case_found": "worst case found",
     "worst_case_beyond_bound": "how much worse than the bound",
     "missed_draw": "missed draw",
-    "by_campaign": "by the draws",
+    _BY_DRAWS: "by the draws",
     "by_worst_case": "by the worst case",
     "decided_by": "decided by",
 }
@@ -94,6 +97,10 @@ class CampaignPart(NamedTuple):
     """Whether two limits are counted together."""
     of_every_run: bool
     """Whether something is required of every run."""
+    has_verdicts: bool
+    """Whether draws say of any requirement that it is met or not."""
+    measures: bool
+    """Whether clearances are measured, of some draws."""
     failing: Sequence[Row]
     """Requirements whose worst draw is of a failure case."""
     confirmed: Table
@@ -120,17 +127,36 @@ def of(studies: Studies) -> CampaignPart | None:
     return CampaignPart(
         draws=rows[0]["runs"] if rows else EMPTY,
         failed=rows[0]["failed"] if rows else EMPTY,
-        shares=table_of(rows, _SHARES),
+        shares=_judged(rows, _SHARES, _VERDICT),
         together=any(row.get("sides") == "two" for row in rows),
         of_every_run=any(not row["share"] for row in rows),
+        has_verdicts=_is_judged(rows, _VERDICT),
+        measures=any(row["measured"] for row in rows),
         failing=[row for row in rows if row["worst_failure_case"]],
         confirmed=table_of(worst, _CONFIRMED),
         statistics=table_of(studies.rows("campaign_statistics.csv"), _STATISTICS),
         ranks=table_of(_largest(studies.rows("campaign_sensitivities.csv")), _RANKS),
         rare=table_of(rare, _RARE),
-        answers=table_of(studies.rows("answers.csv"), _ANSWERS),
+        answers=_judged(studies.rows("answers.csv"), _ANSWERS, _BY_DRAWS),
         pictures=[*campaign_pictures(found[0])] if found else [],
     )
+
+
+def _judged(rows: Sequence[Row], columns: Columns, verdict: str) -> Table:
+    """Return a table without the verdict of the draws, where they can give none.
+
+    What every run must keep they can disprove alone: a column of "not looked at" would
+    be read as if nobody had looked.
+    """
+    is_judged = _is_judged(rows, verdict)
+    told = {
+        name: said for name, said in columns.items() if is_judged or name != verdict
+    }
+    return table_of(rows, told)
+
+
+def _is_judged(rows: Sequence[Row], verdict: str) -> bool:
+    return any(row["share"] or row.get(verdict) != NOT_LOOKED_AT for row in rows)
 
 
 def _largest(rows: Sequence[Row]) -> list[Row]:

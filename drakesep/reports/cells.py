@@ -89,8 +89,8 @@ class Cell:
         """Return it with so many digits that it is not taken for another."""
         if not (self.is_number and other.is_number) or self.value == other.value:
             return self
-        digits = self.digits
-        while digits < _MOST and number_text(self.value, digits) == other.text:
+        digits, shown = self.digits, _rounded(other.value, other.digits)
+        while digits < _MOST and _rounded(self.value, digits) == shown:
             digits += 1
         return replace(self, digits=digits)
 
@@ -98,14 +98,27 @@ class Cell:
 EMPTY = Cell()
 
 
+def _rounded(value: float, digits: int) -> float:
+    return float(f"{value:.{digits}g}")
+
+
 def number_text(value: float, digits: int) -> str:
-    """Return a number with so many digits; small and large ones by powers of ten."""
+    """Return a number with so many digits; small and large ones by powers of ten.
+
+    Zeros at the end of what is rounded stay, so that 100.0 is not taken for the whole
+    number 100, and fits the margin beside it.
+
+    Args:
+        value: the number.
+        digits: that are shown; zeros at the end of inputs are left out.
+    """
     if math.isinf(value):
         return f"{_MINUS if value < 0.0 else ''}∞"
     if value.is_integer() and abs(value) < _COUNTED:
         return f"{int(value)}".replace("-", _MINUS)
-    text = f"{value:.{digits}g}"
-    mantissa, _, exponent = text.partition("e")
+    zeros = "#" if digits < _WHOLE else ""
+    mantissa, _, exponent = f"{value:{zeros}.{digits}g}".partition("e")
+    mantissa = mantissa.removesuffix(".")
     if exponent:
         mantissa += f"·10{str(int(exponent)).translate(_RAISED)}"
     return mantissa.replace("-", _MINUS)

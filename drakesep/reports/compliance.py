@@ -1,7 +1,8 @@
 """The compliance matrix: each requirement with all that studies say of it."""
 
+import operator
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -11,6 +12,7 @@ from drakesep.plots.limits import SIGNS
 from drakesep.reports.cells import EMPTY, Cell, Row
 from drakesep.reports.deciding import Deciding, deciding_of, disproves
 from drakesep.reports.studies import Studies
+from drakesep.tables.roles import Worst, label_of
 
 
 MET, NOT_MET = Verdict.MET.value, Verdict.NOT_MET.value
@@ -23,6 +25,14 @@ _SEARCHED, _PROVEN, _DRAWN, _FLOWN = (
     "campaign of draws",
     "single run, which gives no verdict",
 )
+
+_BEYOND: Mapping[str, Callable[[float, float], bool]] = {
+    SIGNS["<="]: operator.gt,
+    SIGNS[">="]: operator.lt,
+    SIGNS["<"]: operator.ge,
+    SIGNS[">"]: operator.le,
+}
+"""When a value does not keep a limit, by its sense as rows have it."""
 
 _Key: TypeAlias = tuple[Any, ...]
 
@@ -41,6 +51,8 @@ class Entry:
     """Of answers.csv, which holds searches and draws against each other."""
     proof: Row | None = None
     """Of proofs.csv."""
+    evidence: Row | None = None
+    """Of evidence.csv, for the worst that was found."""
     unconfirmed: str = ""
     """How the worst run ended, if it was not confirmed."""
 
@@ -74,6 +86,20 @@ class Entry:
         if self.searched and self.searched["nominal"]:
             return self.searched["nominal"]
         return self.flown["value"] if self.flown else EMPTY
+
+    @property
+    def nominal_is_beyond(self) -> bool:
+        """Whether the nominal run does not keep the limit."""
+        if not (self.searched and self.searched["nominal"]):
+            return False
+        beyond = _BEYOND[str(self.searched.get("sense"))]
+        return bool(beyond(self.searched.get("nominal"), self.searched.get("limit")))
+
+    @property
+    def is_unsampled(self) -> bool:
+        """Whether neither random samples nor draws speak for the worst found."""
+        sampled = self.evidence is None or self.evidence.get("random_samples", 0) > 0
+        return not (sampled or self.drawn)
 
     @property
     def worst(self) -> Cell:
@@ -164,6 +190,10 @@ def _open_points(entry: Entry) -> Iterator[str]:
     searched, drawn = entry.searched, entry.drawn
     if entry.unconfirmed:
         yield f"the worst run is not confirmed: {entry.unconfirmed}"
+    if entry.nominal_is_beyond:
+        yield "the nominal run is beyond the limit, whatever the tolerances"
+    if entry.is_unsampled:
+        yield "neither random samples nor draws speak for the worst found"
     if entry.beside and entry.beside["missed_draw"]:
         yield "a draw within the tolerances is worse than the worst that was found"
     if entry.share and drawn is None:
@@ -259,6 +289,10 @@ def matrix_of(studies: Studies) -> Matrix:
         row.get("label"): str(row.get("status", ""))
         for row in studies.rows("worst_cases.csv")
     }
+    evidence = {
+        label_of(Worst(str(row.get("objective")))): row
+        for row in studies.rows("evidence.csv")
+    }
     telling = [rows for name, rows in tables.items() if name != "beside"]
     keys = dict.fromkeys(key for rows in telling for key in rows)
     entries = []
@@ -267,6 +301,9 @@ def matrix_of(studies: Studies) -> Matrix:
         searched = found["searched"]
         ended = status.get(searched.get("which_run")) if searched else None
         failed = ended if ended and ended.startswith("failed") else ""
+        found["evidence"] = (
+            evidence.get(searched.get("which_run")) if searched else None
+        )
         entries.append(Entry(**found, unconfirmed=failed))
     return Matrix(entries=entries)
 

@@ -13,7 +13,7 @@ _SEARCHES: Columns = {
     "points": "runs",
     "failed": "of them failed",
     "first_failure": "why the first failed",
-    "unphysical_share_of_tolerances": "share of the tolerances that cannot be",
+    "unphysical_share_of_tolerances": "share of the tolerances that no body can have",
 }
 
 

@@ -26,8 +26,8 @@ _OUTCOMES: Columns = {
     CASE: "failure case",
     "changed": "what has failed",
     "verdict": "verdict",
-    "not_met": "rows not met",
-    "beyond": "worst beyond limit",
+    "not_met": "requirements not met",
+    "beyond": "worst values beyond",
     "nearest_requirement nearest_axis nearest_pair": "nearest requirement",
     "nearest_limit": "its limit",
     "nearest_worst": "worst",
@@ -88,8 +88,7 @@ def _by_requirement(rows: Sequence[Row]) -> list[Table]:
 def _heading(column: dict[str, Row]) -> Heading:
     row = next(iter(column.values()))
     whose = [row[n] for n in ("requirement", "axis", "pair") if row[n]]
-    sense = {"<=": "at most", ">=": "at least"}.get(str(row.get("sense")), "within")
-    cells = [*whose, Cell(sense), row["limit"], row["unit"]]
+    cells = [*whose, row["sense"], row["limit"], row["unit"]]
     return Heading("", is_number=True, cells=cells)
 
 

@@ -18,9 +18,9 @@ _SLOPES: Columns = {
     "parameter": "parameter",
     "minus": "below by",
     "plus": "above by",
-    "downward_at_worst": "change for all below",
-    "upward_at_worst": "change for all above",
-    "at_worst": "there at",
+    "downward_at_worst": "change if lowered by that",
+    "upward_at_worst": "change if raised by that",
+    "at_worst": "at worst",
 }
 _GROWTH: Columns = {
     "requirement axis pair": "requirement",

@@ -10,6 +10,7 @@ from typing import Any
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.reports.cells import EMPTY, Cell, Row, input_cell
 from drakesep.results.catalogue import CASE, STUDY
+from drakesep.results.provenance import DIRTY
 from drakesep.results.reading import Results, read_results
 from drakesep.results.recorded_case import recorded_text
 from drakesep.results.study_record import Ended, StudyRecord
@@ -51,6 +52,11 @@ class Study:
     def ended(self) -> bool:
         """Whether it came to its end, and nothing in it failed."""
         return self.record.ended is Ended.COMPLETED
+
+    @property
+    def is_dirty(self) -> bool:
+        """Whether drakesep had changes that are in no commit."""
+        return (self.record.commit or "").endswith(DIRTY)
 
     def has(self, file: str) -> bool:
         """Return whether the study has left a file."""

@@ -1,10 +1,13 @@
 """What a reader asks first: is it met, what is the worst, who says so."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from drakesep.analysis.failure_cases import DESIGN
+from drakesep.analysis.metrics.metric import Kind
+from drakesep.analysis.metrics.registry import find_metric
+from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.reports.cells import EMPTY, Cell, Row
 from drakesep.reports.compliance import (
     MET,
@@ -17,6 +20,8 @@ from drakesep.reports.compliance import (
 )
 from drakesep.reports.studies import Studies, Study
 from drakesep.tables.failure_tables import CASE, HELD, margin_share
+from drakesep.tables.requirement_tables import limit_columns
+from drakesep.units import unit_of
 
 
 _NEAREST = 3
@@ -28,8 +33,10 @@ class Finding(NamedTuple):
 
     about: str
     verdict: str
+    asked: Sequence[Row] = ()
+    """Requirements that are not as they should be."""
     names: Sequence[Cell] = ()
-    """Of what is not as it should be."""
+    """Of failure cases with that verdict, if it is not good."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,12 +48,18 @@ class Summary:
     findings: Sequence[Finding]
     nearest: Sequence[Entry]
     """Requirements beyond their limits, or nearest to them, the worst first."""
+    nominal_beyond: Sequence[Entry]
+    """Requirements that the nominal run is beyond."""
     contacts: Sequence[Row]
     """Clearances at which parts touch in some draws, of campaign.csv."""
     worst_failure: Row | None
-    """The failure case that is worst by a requirement, of failure_cases.csv."""
+    """What is worst by a requirement in a failure case, of failure_requirements.csv."""
+    failure_contacts: Sequence[Row]
+    """Clearances at which parts touch in failure cases, likewise."""
     searches: Sequence[Row]
     """Of searches.csv."""
+    unsampled: Sequence[Entry]
+    """Requirements whose worst found no random samples and no draws speak for."""
     draws: Cell
     """How many launches a campaign has drawn."""
     unfinished: Sequence[Study]
@@ -65,30 +78,36 @@ def summary_of(studies: Studies, matrix: Matrix) -> Summary:
         studies: that are reported.
         matrix: their compliance matrix.
     """
-    failures = [r for r in studies.rows("failure_cases.csv") if r.get(CASE) != DESIGN]
-    findings = _findings(studies, matrix, failures)
+    failures = _of_failures(studies.rows("failure_cases.csv"))
+    by_failure = _of_failures(studies.rows("failure_requirements.csv"))
     unfinished = [study for study in studies.all if not study.ended]
-    judged = [finding.verdict for finding in findings if finding.about != _CLEARANCE]
+    judged = [_as_verdict(str(row.get("verdict"))) for row in failures]
+    if matrix:
+        judged.append(matrix.verdict)
     if any(study.kind in ("verify", "campaign") for study in unfinished):
         judged.append(NO_VERDICT)
     told = [one for one in matrix.entries if one.deciding.margin or _is_broken(one)]
     return Summary(
         verdict=worst_verdict(judged),
-        findings=findings,
+        findings=_findings(studies, matrix, failures),
         nearest=sorted(told, key=_nearest_first)[:_NEAREST],
+        nominal_beyond=[one for one in matrix.entries if one.nominal_is_beyond],
         contacts=[
             row
             for row in studies.rows("campaign.csv")
             if row.get("measured", 0) and row.get("worst", 1.0) <= 0.0
         ],
-        worst_failure=_worst_of(failures),
+        worst_failure=_worst_of(by_failure),
+        failure_contacts=_touching(by_failure, studies.case.requirements),
         searches=studies.rows("searches.csv"),
+        unsampled=[one for one in matrix.entries if one.is_unsampled],
         draws=next((row["runs"] for row in studies.rows("campaign.csv")), EMPTY),
         unfinished=unfinished,
     )
 
 
-_CLEARANCE = "Clearance in a single run"
+def _of_failures(rows: Sequence[Row]) -> list[Row]:
+    return [row for row in rows if row.get(CASE) != DESIGN]
 
 
 def _findings(
@@ -99,21 +118,28 @@ def _findings(
         beyond = matrix.with_verdict(NOT_MET) or [
             entry for entry in matrix.entries if entry.verdict.value != MET
         ]
-        names = [entry.asked["requirement"] for entry in beyond]
-        found.append(Finding("Requirements on the design", matrix.verdict, names))
-    if failures:
-        words = [_as_verdict(str(row.get("verdict"))) for row in failures]
-        verdict = worst_verdict(words)
-        names = [
-            row[CASE]
-            for row, word in zip(failures, words, strict=True)
-            if word == verdict != MET
-        ]
-        found.append(Finding("Failure cases", verdict, names))
+        asked = [entry.asked for entry in beyond]
+        found.append(Finding("Requirements on the design", matrix.verdict, asked))
+    found += _failure_findings(failures)
     for study in studies.of("clearance"):
         verdict = study.record.verdict or NO_VERDICT
-        found.append(Finding(_CLEARANCE, verdict))
+        found.append(Finding("Clearance in a single run", verdict))
     return found
+
+
+def _failure_findings(failures: Sequence[Row]) -> Iterator[Finding]:
+    """Yield each verdict on failure cases that is not good; if there is none, the good.
+
+    Where a body stays, which is worse than any limit, stands first.
+    """
+    named: dict[str, list[Cell]] = {}
+    for row in failures:
+        named.setdefault(str(row.get("verdict")), []).append(row[CASE])
+    not_good = sorted(named.keys() - {MET}, key=lambda word: (word != HELD, word))
+    for word in not_good:
+        yield Finding("Failure cases", word, names=named[word])
+    if named and not not_good:
+        yield Finding("Failure cases", MET)
 
 
 def _as_verdict(word: str) -> str:
@@ -137,23 +163,37 @@ def _nearest_first(entry: Entry) -> tuple[bool, float]:
 
 
 def _margin_share(entry: Entry) -> float:
-    nominal = entry.nominal.value if entry.nominal else 0.0
     decided = entry.deciding
-    worst = decided.value.value if decided.value else 0.0
-    limit, margin = entry.asked.get("limit"), decided.margin.value
-    return margin_share(
-        {"limit": limit, "nominal": nominal, "worst": worst, "margin": margin}
+    return _share(
+        entry.asked["limit"], entry.nominal, decided.value, decided.margin.value
     )
 
 
-def _worst_of(failures: Sequence[Row]) -> Row | None:
-    """Return the failure case that is farthest beyond a limit, or nearest to one."""
+def _share(limit: Cell, nominal: Cell, worst: Cell, margin: float) -> float:
+    """Return a margin as a share of its limit, as tables of failure cases have it."""
+    told = {"limit": limit, "nominal": nominal, "worst": worst}
+    sizes = {name: cell.value if cell else 0.0 for name, cell in told.items()}
+    return margin_share({**sizes, "margin": margin})
+
+
+def _worst_of(rows: Sequence[Row]) -> Row | None:
+    """Return what is farthest beyond a limit in a failure case, or nearest to one."""
 
     def share(row: Row) -> float:
-        limit, worst = float(row.get("nearest_limit")), float(row.get("nearest_worst"))
-        away = abs(worst - limit) / (abs(limit) or 1.0)
-        beyond = row.get("verdict") == NOT_MET or row.get("beyond", 0) > 0
-        return -away if beyond else away
+        return _share(row["limit"], row["nominal"], row["worst"], row.get("margin"))
 
-    told = [row for row in failures if row["nearest_worst"]]
-    return min(told, key=share, default=None)
+    return min((row for row in rows if row["margin"]), key=share, default=None)
+
+
+def _touching(rows: Sequence[Row], asked: Sequence[Requirement]) -> list[Row]:
+    """Return the rows of clearances at which parts touch."""
+    clearances = {
+        limit_columns(one, unit_of(one.metric))["requirement"]
+        for one in asked
+        if (found := find_metric(one.metric)) and found[0].kind is Kind.CLEARANCE
+    }
+    return [
+        row
+        for row in rows
+        if row.get("requirement") in clearances and row.get("worst", 1.0) <= 0.0
+    ]

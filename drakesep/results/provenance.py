@@ -11,6 +11,8 @@ from pathlib import Path
 from drakesep.version import __version__
 
 
+DIRTY = "-dirty"
+"""At the end of a commit beside which there were changes, as git says it."""
 _LIBRARIES = ("drake", "jax", "jaxlib", "numpy", "scipy", "pandas")
 _CHECKOUT = Path(__file__).parents[2]
 """Of drakesep, if it is not installed apart from it."""

@@ -123,6 +123,39 @@ def test_open_points(one, words):
     assert any(words in point for point in one.open_points)
 
 
+def test_evidence_that_there_is_not_is_an_open_point():
+    """A worst case without random samples, unless draws speak for it."""
+    searched = row("requirements.csv", worst=0.7, margin=0.3, verdict=MET)
+    none, some = (row("evidence.csv", random_samples=n) for n in (0, 50000))
+    words = "neither random samples nor draws"
+    assert words in " ".join(Entry(searched=searched, evidence=none).open_points)
+    for one in (
+        Entry(searched=searched, evidence=some),
+        Entry(searched=searched, evidence=none, drawn=row("campaign.csv", worst=0.6)),
+    ):
+        assert words not in " ".join(one.open_points)
+
+
+@pytest.mark.parametrize(
+    ("sense", "nominal", "is_beyond"),
+    [
+        ("<=", 1.0, False),
+        ("<=", 1.1, True),
+        (">=", 1.0, False),
+        (">=", 0.9, True),
+        ("<", 1.0, True),
+        (">", 1.0, True),
+        (">", 1.1, False),
+    ],
+)
+def test_a_nominal_run_beyond_the_limit_is_an_open_point(sense, nominal, is_beyond):
+    one = Entry(searched=row("requirements.csv", sense=sense, nominal=nominal))
+    assert one.nominal_is_beyond is is_beyond
+    assert (
+        any("nominal run is beyond" in point for point in one.open_points) == is_beyond
+    )
+
+
 def test_a_value_beyond_its_limit_is_never_shown_as_the_limit():
     limit = Cell(1.0, "", 10)
     beyond = Cell(1.00000123, "").told_from(limit)
@@ -135,15 +168,22 @@ def test_a_value_beyond_its_limit_is_never_shown_as_the_limit():
     [
         (0.123456, "0.1235"),
         (262144.0, "262144"),
-        (-1.5, "\N{MINUS SIGN}1.5"),
+        (-1.5, "\N{MINUS SIGN}1.500"),
+        (100.0123, "100.0"),
+        (1234.5678, "1235"),
         (-6.7124e-08, "\N{MINUS SIGN}6.712·10⁻⁸"),
         (math.inf, "∞"),
         (0.0, "0"),
-        (1.25e9, "1.25·10⁹"),
+        (1.25e9, "1.250·10⁹"),
     ],
 )
 def test_numbers_as_they_are_shown(value, text):
     assert number_text(value, 4) == text
+
+
+def test_inputs_are_shown_as_they_were_given():
+    assert number_text(0.3, 10) == "0.3"
+    assert number_text(1e-6, 10) == "1·10⁻⁶"
 
 
 @pytest.mark.parametrize(
