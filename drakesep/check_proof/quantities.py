@@ -1,0 +1,193 @@
+"""What is claimed of a motion: its signals, and the parts that a bound is made of."""
+
+from dataclasses import dataclass
+
+from flint import arb
+
+from .certificate import Claim, Term
+from .intervals import (
+    ONE,
+    ZERO,
+    Interval,
+    Jet,
+    NotVerified,
+    Vector,
+    dot,
+    hull,
+    inverse,
+    jet_minus,
+    jet_negative,
+    jet_product,
+    jet_square,
+    jet_sum,
+    magnitude,
+    plus,
+    product,
+    scaled,
+    square,
+    times,
+    transposed,
+)
+from .motion import Motion
+
+
+@dataclass
+class Peak:
+    """The largest of options, each a piece of time with a sign."""
+
+    options: list[Jet]
+
+    @property
+    def upper(self) -> arb:
+        upper = self.options[0][0][1]
+        for jet in self.options[1:]:
+            upper = upper.max(jet[0][1])
+        return upper
+
+    @property
+    def lower(self) -> arb:
+        lower = self.options[0][0][0]
+        for jet in self.options[1:]:
+            lower = lower.max(jet[0][0])
+        return lower
+
+    def slopes(self) -> list[Interval]:
+        """Return the derivatives, over those options that can be the largest."""
+        least = self.lower
+        first, *others = (jet for jet in self.options if not jet[0][1] < least)
+        out = first[1:]
+        for jet in others:
+            out = [hull(a, b) for a, b in zip(out, jet[1:], strict=True)]
+        return out
+
+
+@dataclass
+class Integral:
+    """An integral over the whole time, of a magnitude or of a square."""
+
+    jet: Jet
+
+    @property
+    def upper(self) -> arb:
+        return self.jet[0][1]
+
+    @property
+    def lower(self) -> arb:
+        return self.jet[0][0]
+
+    def slopes(self) -> list[Interval]:
+        return self.jet[1:]
+
+
+Part = Peak | Integral
+
+
+def parts(claim: Claim, motion: Motion) -> list[Part]:
+    """Return the parts whose sum the quantity is."""
+    out: list[Part] = []
+    for term in claim.terms:
+        vectors = _signal(term, motion)
+        if claim.kind == "peak":
+            jets = {n: _of_law(term, vectors[n], motion) for n in term.pieces}
+            out.append(
+                Peak(
+                    [
+                        jets[n] if sign > 0 else jet_negative(jets[n])
+                        for n in term.pieces
+                        for sign in term.signs
+                    ]
+                )
+            )
+            continue
+        whole = motion.constants.zero
+        of_piece = _magnitude if claim.kind == "integral_of_magnitude" else jet_square
+        for vector, h in zip(vectors, motion.lengths, strict=True):
+            jet = of_piece(_of_law(term, vector, motion))
+            whole = jet_sum(whole, [(low * h, high * h) for low, high in jet])
+        out.append(Integral(whole))
+    return out
+
+
+def _magnitude(x: Jet) -> Jet:
+    low, high = x[0]
+    if low >= ZERO:
+        return x
+    if high <= ZERO:
+        return jet_negative(x)
+    sign = (arb(-1), arb(1))
+    return [(ZERO, magnitude(x[0])), *times(sign, x[1:])]
+
+
+def _signal(term: Term, motion: Motion) -> list[Vector]:
+    if term.field == "rate":
+        return motion.kinematics.w[motion.problem.pairs[term.pair].leaver]
+    if term.field == "relative_rate":
+        return motion.kinematics.relative[term.pair]
+    if term.field == "relative_velocity":
+        return motion.state.rho[term.pair]
+    if term.field == "relative_position":
+        return motion.state.moved[term.pair]
+    return _angles(motion.problem.pairs[term.pair].leaver, motion)
+
+
+def _of_law(term: Term, x: Vector, motion: Motion) -> Jet:
+    if term.law == "component":
+        assert term.component is not None
+        return x[term.component]
+    if term.law == "length_squared":
+        return jet_sum(*(jet_square(jet) for jet in x))
+    assert term.vector is not None
+    vector = motion.constants.constant(term.vector)
+    along = dot(vector, x)
+    if term.law == "along":
+        return along
+    across = [jet_minus(a, jet_product(along, v)) for a, v in zip(x, vector, strict=True)]
+    return jet_sum(*(jet_square(jet) for jet in across))
+
+
+def _angles(b: int, motion: Motion) -> list[Vector]:
+    """Return roll, pitch and yaw on each piece."""
+    body = motion.problem.bodies[b]
+    in_W = [scaled(motion.problem.R_W, [[x] for x in c]) for c in transposed(body.R_S)]
+    fixed = [scaled(transposed(body.R_S), column) for column in in_W]
+    fixed = transposed([[jet[0] for jet in column] for column in fixed])
+    out = []
+    for P in motion.orientation(b):
+        columns = []
+        for c, column in enumerate(transposed(P)):
+            column[c] = [plus(ONE, column[c][0]), *column[c][1:]]
+            columns.append(scaled(fixed, column))
+        M = transposed(columns)
+        out.append(
+            [
+                _direction(M[2][1], M[2][2]),
+                jet_negative(_arcsine(M[2][0])),
+                _direction(M[1][0], M[0][0]),
+            ]
+        )
+    return out
+
+
+def _direction(y: Jet, x: Jet) -> Jet:
+    """Return atan2(y, x) for x > 0."""
+    if not x[0][0] > ZERO:
+        raise NotVerified("an angle may be beyond 90 deg")
+    low_x, high_x = x[0]
+    low, high = y[0]
+    value = (
+        (low / (high_x if low >= ZERO else low_x)).atan(),
+        (high / (low_x if high >= ZERO else high_x)).atan(),
+    )
+    over = inverse(plus(square(x[0]), square(y[0])))
+    by_y = times(product(x[0], over), y[1:])
+    by_x = times(product(y[0], over), x[1:])
+    return [value, *jet_minus(by_y, by_x)]
+
+
+def _arcsine(x: Jet) -> Jet:
+    low, high = x[0]
+    if not (low > -1 and high < 1):
+        raise NotVerified("an angle of pitch may be 90 deg")
+    cosine = square(x[0])
+    slope = inverse(((1 - cosine[1]).sqrt(), (1 - cosine[0]).sqrt()))
+    return [(low.asin(), high.asin()), *times(slope, x[1:])]
