@@ -415,7 +415,7 @@ def _bodies(top: dict[str, Any], parameters: list[Parameter]) -> list[Body]:
 
 def _pair(record: object, name: str, bodies: list[Body]) -> Pair:
     """Return a pair as it is mated, from how its bodies stand in the stack."""
-    p = keys(record, name, "A B")
+    p = keys(record, name, "A B", "reference")
     a, b = (index(p[key], f"{name}.{key}", len(bodies)) for key in "AB")
     A, B = bodies[a], bodies[b]
     to_A = transposed(A.R_S)

@@ -62,17 +62,21 @@ class Setting:
 
 @dataclass
 class State:
-    """What the theorem encloses, on each piece of time; `r` from its value at t = 0."""
+    """What the theorem encloses, on each piece of time.
+
+    Of each pair a point of the body that leaves, amid its pads, is followed instead of
+    its CG: as seen from the carrier it is at b with the velocity v (see `_velocity`).
+    """
 
     S: list[list[Vector]]  # of each body
     Q: list[list[Rows]]  # of each pair
-    rho: list[list[Vector]]
-    moved: list[list[Vector]]
+    v: list[list[Vector]]
+    moved: list[list[Vector]]  # b - b(0)
 
     @property
     def parts(self) -> "Nested":
         """All intervals, in lists."""
-        return [self.S, self.Q, self.rho, self.moved]
+        return [self.S, self.Q, self.v, self.moved]
 
     def without_slopes(self, slopes: list[Interval]) -> "State":
         """Return the values, with other derivatives."""
@@ -81,7 +85,7 @@ class State:
             return [[[[jet[0], *slopes] for jet in v] for v in pieces] for pieces in x]
 
         Q = [[[[[j[0], *slopes] for j in v] for v in rows] for rows in p] for p in self.Q]
-        return State(vectors(self.S), Q, vectors(self.rho), vectors(self.moved))
+        return State(vectors(self.S), Q, vectors(self.v), vectors(self.moved))
 
 
 def integral(x: list[Vector], lengths: list[arb]) -> list[Vector]:
@@ -226,9 +230,6 @@ class Pushing:
         origin = constants.constant(pair.origin)
         cg_B = constants.vector(problem.bodies[pair.leaver].cg)
         self.cg_A = constants.vector(problem.bodies[pair.carrier].cg)
-        self.at_start = vector_minus(
-            vector_sum(origin, scaled(self.R0, cg_B)), self.cg_A
-        )
         self.groups = [
             (g, group)
             for g, group in enumerate(problem.groups)
@@ -236,8 +237,16 @@ class Pushing:
         ]
         self.springs = [k for _, group in self.groups for k in group]
         places = {k: constants.vector(problem.springs[k].place) for k in self.springs}
-        self.axis = {k: problem.springs[k].axis for k in self.springs}
-        axes = {k: constants.constant(axis) for k, axis in self.axis.items()}
+        point_A = constants.constant(_amid(problem, self.springs))
+        self.kappa = vector_minus(
+            scaled(self.R0T, vector_minus(point_A, origin)), cg_B
+        )  # from the CG of B, in B
+        self.at_start = vector_minus(point_A, self.cg_A)  # b(0)
+        self.arms = {
+            k: scaled(self.R0T, vector_minus(place, point_A))
+            for k, place in places.items()
+        }
+        axes = {k: constants.constant(problem.springs[k].axis) for k in self.springs}
         axes_B = {k: scaled(self.R0T, axis) for k, axis in axes.items()}
         self.axes, self.axes_B = axes, axes_B
         self.e = {
@@ -297,14 +306,14 @@ class Pushing:
         return [jets_intersected(x, y) for x, y in zip(directly, apart, strict=True)]
 
     def delayed(
-        self, X: list[Rows], rho: list[Vector], setting: Setting
+        self, X: list[Rows], v: list[Vector], setting: Setting
     ) -> tuple[list[Vector], list[Vector]]:
         """Return, of Eq. 6 and 7, the sums with q, by piece: on B, and less on A."""
         lengths = setting.problem.lengths
-        size = len(rho[0][0])
+        size = len(v[0][0])
         functions = [
             [jet for row in rows for jet in row] + vector
-            for rows, vector in zip(X, rho, strict=True)
+            for rows, vector in zip(X, v, strict=True)
         ]
         columns = Columns(
             [
@@ -318,7 +327,10 @@ class Pushing:
         on_B: list[list[Vector]] = []
         on_A: list[list[Vector]] = []
 
-        def act(q: list[list[Interval]], k: int, e: Vector, count: int) -> None:
+        def act(q: list[list[Interval]], group: list[int]) -> None:
+            k, count = group[0], len(group)
+            e = vector_sum(*(self.e[i] for i in group))
+            arms = vector_sum(*(self.arms[i] for i in group))
             vectors_B, vectors_A = [], []
             for n in range(setting.problem.pieces):
                 jets = [
@@ -327,7 +339,7 @@ class Pushing:
                 rows = [jets[0:3], jets[3:6], jets[6:9]]
                 pushed = by_vector(transposed(rows), self.axes_B[k])
                 vectors_B.append(cross(e, pushed))
-                moved = scaled(self.R0, by_vector(rows, e))
+                moved = scaled(self.R0, by_vector(rows, arms))
                 many = [times(point(count), jet) for jet in jets[9:]]
                 vectors_A.append(cross(vector_sum(many, moved), self.axes[k]))
             on_B.append(vectors_B)
@@ -335,7 +347,7 @@ class Pushing:
 
         for g, group in self.groups:
             q = setting.kernels[g](columns)
-            act(q, group[0], vector_sum(*(self.e[k] for k in group)), len(group))
+            act(q, group)
         for k, kernel in self.kernels.items():
             q = kernel(columns)
             for i in range(1, size):
@@ -346,11 +358,21 @@ class Pushing:
                             plus(a, b)
                             for a, b in zip(q[i * 12 + c], more[c], strict=True)
                         ]
-            act(q, k, self.e[k], 1)
+            act(q, [k])
         return (
             [vector_sum(*vectors) for vectors in zip(*on_B, strict=True)],
             [vector_sum(*vectors) for vectors in zip(*on_A, strict=True)],
         )
+
+
+def _intersected(x: Vector, y: Vector) -> Vector:
+    return [jets_intersected(a, b) for a, b in zip(x, y, strict=True)]
+
+
+def _amid(problem: Problem, springs: list[int]) -> list[Interval]:
+    """Return the mean of the nominal places of springs."""
+    places = [[value.value for value in problem.springs[k].place] for k in springs]
+    return [point(sum(axis) / max(len(places), 1)) for axis in zip(*places, strict=True)]
 
 
 @dataclass
@@ -458,8 +480,8 @@ class Motion:
             x = replace(x, S=widened(S, wider))
             Q = self._orientations(x, self._kinematics(x))
             x = replace(x, Q=widened(Q, wider))
-            rho = self._velocities(x, self._kinematics(x))
-            x = replace(x, rho=widened(rho, wider))
+            v = self._velocities(x, self._kinematics(x))
+            x = replace(x, v=widened(v, wider))
             x = replace(x, moved=widened(self._ways(x), wider))
         return x
 
@@ -482,7 +504,7 @@ class Motion:
         for j, pushing in enumerate(self.pushing):
             a, b = pushing.pair.carrier, pushing.pair.leaver
             X = [turned(Q, w) for Q, w in zip(x.Q[j], k.relative[j], strict=True)]
-            on_B, on_A = pushing.delayed(X, x.rho[j], self.setting)
+            on_B, on_A = pushing.delayed(X, x.v[j], self.setting)
             S[b] = [vector_sum(*v) for v in zip(S[b], pushing.on_B, on_B, strict=True)]
             S[a] = [
                 vector_minus(v, vector_sum(now, later))
@@ -498,8 +520,8 @@ class Motion:
         ]
 
     def _ways(self, x: State) -> list[list[Vector]]:
-        """Return r - r(0) of Eq. 8."""
-        return [integral(rho, self.lengths) for rho in x.rho]
+        """Return b - b(0), as r - r(0) in Eq. 8."""
+        return [integral(v, self.lengths) for v in x.v]
 
     def _velocities(self, x: State, k: Kinematics) -> list[list[Vector]]:
         return [self._velocity(j, x, k) for j in range(len(self.pushing))]
@@ -520,28 +542,89 @@ class Motion:
         return integral(torques, self.lengths)
 
     def _velocity(self, j: int, x: State, k: Kinematics) -> list[Vector]:
-        """Eq. 9."""
+        """Return v, in the manner of Eq. 9.
+
+        With y = rho + w x r, the difference of the CGs' velocities in W, v = y - w x b
+        + R (w_B x kappa). Where u of the carrier stands, what cancels has been left out.
+        """
+        pushing = self.pushing[j]
+        a, b = pushing.pair.carrier, pushing.pair.leaver
+        mated = self.bodies[a].mated_rate
+        still = [
+            vector_minus(
+                vector_minus(pushed, cross(k.u[a][n], self._place(j, n, x))),
+                cross(mated, x.moved[j][n]),
+            )
+            for n, pushed in enumerate(self._pushed_apart(j, x, k))
+        ]
+        out = []
+        for n, rest in enumerate(still):
+            swung = cross(k.w[b][n], pushing.kappa)
+            change = vector_sum(
+                cross(k.u[b][n], pushing.kappa), by_vector(x.Q[j][n], swung)
+            )
+            out.append(vector_sum(rest, scaled(pushing.R0, change)))
+        return out
+
+    def _place(self, j: int, n: int, x: State) -> Vector:
+        """Return b."""
+        return vector_sum(self.pushing[j].at_start, x.moved[j][n])
+
+    def _pushed_apart(self, j: int, x: State, k: Kinematics) -> list[Vector]:
+        """Return y - y(0), by Newton's law in the carrier's axes."""
         pushing = self.pushing[j]
         a, b = pushing.pair.carrier, pushing.pair.leaver
         gravity = symmetric(self.setting.disturbance.acceleration)
         of_A = [p for p in self.pushing if p.pair.carrier == a]
         turning, now = [], []
         for n in range(self.problem.pieces):
-            u, w = k.u[a][n], k.w[a][n]
-            r = vector_sum(pushing.at_start, x.moved[j][n])
-            twice = vector_sum(w, self.bodies[a].mated_rate)  # u + 2 w0
-            bent = vector_sum(cross(twice, x.rho[j][n]), cross(w, cross(w, r)))
+            w = k.w[a][n]
+            swung = cross(k.w[b][n], pushing.kappa)
+            swung = vector_sum(swung, by_vector(x.Q[j][n], swung))
+            y = vector_minus(
+                vector_sum(x.v[j][n], cross(w, self._place(j, n, x))),
+                scaled(pushing.R0, swung),
+            )
             turning.append(
-                [[minus(gravity, jet[0]), *jet_negative(jet[1:])] for jet in bent]
+                [[minus(gravity, jet[0]), *jet_negative(jet[1:])] for jet in cross(w, y)]
             )
             all_of_A = vector_sum(*(p.along[n] for p in of_A))
-            pushed = vector_sum(
-                [jet_product(self.bodies[b].inverse_mass, f) for f in pushing.along[n]],
-                [jet_product(self.bodies[a].inverse_mass, f) for f in all_of_A],
+            now.append(
+                vector_sum(
+                    [
+                        jet_product(self.bodies[b].inverse_mass, f)
+                        for f in pushing.along[n]
+                    ],
+                    [jet_product(self.bodies[a].inverse_mass, f) for f in all_of_A],
+                )
             )
-            now.append(vector_minus(pushed, cross(u, r)))
         later = integral(turning, self.lengths)
         return [vector_sum(*v) for v in zip(now, later, strict=True)]
+
+    def of_cg(self, j: int) -> tuple[list[Vector], list[Vector]]:
+        """Enclose rho and r - r(0), each in two ways."""
+        x, k, pushing = self.state, self.kinematics, self.pushing[j]
+        a = pushing.pair.carrier
+        mated = self.bodies[a].mated_rate
+        velocities, ways = [], []
+        start = vector_minus(pushing.at_start, scaled(pushing.R0, pushing.kappa))
+        for n, pushed in enumerate(self._pushed_apart(j, x, k)):
+            turn = scaled(pushing.R0, by_vector(x.Q[j][n], pushing.kappa))
+            way = vector_minus(x.moved[j][n], turn)
+            X = turned(x.Q[j][n], k.relative[j][n])
+            swing = scaled(pushing.R0, by_vector(X, pushing.kappa))
+            carried = vector_sum(
+                cross(k.u[a][n], vector_sum(start, way)), cross(mated, way)
+            )
+            velocities.append(
+                _intersected(
+                    vector_minus(pushed, carried), vector_minus(x.v[j][n], swing)
+                )
+            )
+            ways.append(way)
+        integrals = integral(velocities, self.lengths)
+        both = zip(ways, integrals, strict=True)
+        return velocities, [_intersected(way, other) for way, other in both]
 
     def orientation(self, b: int) -> list[Rows]:
         """Enclose P of a body by the same theorem (Eq. 10)."""

@@ -124,9 +124,9 @@ def _signal(term: Term, motion: Motion) -> list[Vector]:
     if term.field == "relative_rate":
         return motion.kinematics.relative[term.pair]
     if term.field == "relative_velocity":
-        return motion.state.rho[term.pair]
+        return motion.of_cg(term.pair)[0]
     if term.field == "relative_position":
-        return motion.state.moved[term.pair]
+        return motion.of_cg(term.pair)[1]
     return _angles(motion.problem.pairs[term.pair].leaver, motion)
 
 
