@@ -1,0 +1,1 @@
+"""Bounds that cannot be exceeded, proven by enclosures; see docs/proof.md."""

@@ -1,0 +1,393 @@
+"""Branch and bound over boxes of parameters: section 7 of docs/proof.md.
+
+A claim F <= U is shown box by box. Where F grows one way with a parameter over all of a
+box, only that face is looked at; else the box is cut.
+"""
+
+import heapq
+import itertools
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drakesep.analysis.bounds.box import Boxes, whole_box
+from drakesep.analysis.bounds.gravity import disturbance
+from drakesep.analysis.bounds.grid import stroke_ends
+from drakesep.analysis.bounds.intervals import Interval, up
+from drakesep.analysis.bounds.motion import Enclosure, Grid, NominalKernels
+from drakesep.analysis.bounds.problem import BoundProblem
+from drakesep.analysis.bounds.quantities import Options, Quantity, Term, options
+from drakesep.systems.arrays import Array
+
+
+SLACK = 1e-6
+"""Part of a claim, and of a derivative, by which they are shown with something to spare
+for another arithmetic."""
+
+
+@dataclass(slots=True, eq=False)
+class Node:
+    """A box, and what was done with it."""
+
+    lower: Array
+    upper: Array
+    bound: float = np.inf
+    """F is at most this on the box."""
+    faces: dict[int, bool] = field(default_factory=dict)
+    """Coordinates that are moved to a face, and whether to the upper one."""
+    cut: tuple[int, float] | None = None
+    """The coordinate along which it is cut, and where."""
+    centre: Array | None = None
+    """Of a leaf: the point of its mean value."""
+    children: list["Node"] = field(default_factory=list)
+    parent: "Node | None" = field(default=None, repr=False)
+
+    def grow(self, children: list["Node"]) -> None:
+        """Take children."""
+        self.children = children
+        for child in children:
+            child.parent = self
+
+    def close(self) -> None:
+        """Be a leaf."""
+        self.children, self.faces, self.cut = [], {}, None
+
+
+class Progress(NamedTuple):
+    """How far a proof is."""
+
+    boxes: int
+    """Looked at."""
+    pending: int
+    found: float
+    """The largest value that is surely attained."""
+    bound: float
+    """That is being shown, or is known."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Effort:
+    """How hard to try."""
+
+    gap: float = 0.005
+    """Of the bound above the largest value found, relative, at which to stop."""
+    seconds: float = 600.0
+    """After which what is left is bounded as it is."""
+    boxes: int = 100_000
+    """After which it is, too."""
+    batch: int = 32
+    """Boxes that are enclosed together."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Proof:
+    """A claim that is shown."""
+
+    quantity: Quantity
+    bound: float
+    """F is at most this."""
+    found: float
+    """F is at least this somewhere in the box."""
+    at: tuple[float, ...]
+    """Where that is."""
+    tree: Node
+    boxes: int
+    seconds: float
+    finished: bool
+    """Whether the gap is as small as was asked for."""
+
+
+class Prover:
+    """Encloses quantities of one problem on one grid."""
+
+    def __init__(self, problem: BoundProblem, grid: Grid):
+        self.problem, self.grid = problem, grid
+        self._kernels = NominalKernels(problem, grid)
+        self._gravity = disturbance(problem)
+        self.enclosed = 0
+
+    def options(
+        self,
+        quantity: Quantity,
+        lower: Array,
+        upper: Array,
+        slopes: NDArray[np.bool_],
+    ) -> tuple[Options, NDArray[np.bool_]]:
+        """Return the options of a quantity over boxes, and where they are proven.
+
+        Args:
+            quantity: in question.
+            lower: (boxes, n) ends of s.
+            upper: (boxes, n) the others.
+            slopes: (n,) by which parameters derivatives are taken; others' are zero.
+        """
+        chosen = np.flatnonzero(slopes).tolist()
+        enclosure = Enclosure(
+            Boxes(self.problem, lower, upper, chosen),
+            self.grid,
+            self._kernels,
+            self._gravity,
+            attitudes=quantity.attitudes,
+        )
+        value, by = options(enclosure, self.grid, quantity)
+        every = np.zeros((2, len(slopes), *value.lo.shape))
+        every[:, chosen] = by.lo, by.hi
+        return Options(value, Interval(*every)), enclosure.proven
+
+    def prove(
+        self,
+        quantity: Quantity,
+        effort: Effort | None = None,
+        starts: Sequence[Array] = (),
+        on_progress: Callable[[Progress], None] = lambda _: None,
+    ) -> Proof:
+        """Return a proven bound of a quantity, as near to what is attained as asked.
+
+        Args:
+            quantity: that is bounded from above.
+            effort: how hard to try.
+            starts: points (n,) of s where it may be large.
+            on_progress: called as it goes on; what it raises ends it.
+        """
+        return _Search(self, quantity, effort or Effort(), starts, on_progress).run()
+
+
+class _Search:
+    """One proof on its way."""
+
+    def __init__(
+        self,
+        prover: Prover,
+        quantity: Quantity,
+        effort: Effort,
+        starts: Sequence[Array],
+        on_progress: Callable[[Progress], None],
+    ):
+        self._prover, self._quantity, self._effort = prover, quantity, effort
+        self._starts, self._on_progress = starts, on_progress
+        root = whole_box(prover.problem)
+        self._root = Node(root.lower[0], root.upper[0])
+        self._all = np.ones(len(root.lower[0]), dtype=bool)
+        self._order = itertools.count()
+        self._queue: list[tuple[float, int, Node]] = []
+        self._found, self._at = -np.inf, self._root.lower
+        self._aim = -np.inf
+        self._boxes = 0
+        self._begun = time.monotonic()
+
+    def run(self) -> Proof:
+        self._climb()
+        self._push(self._root)
+        while self._queue and not self._exhausted:
+            count = min(self._effort.batch, len(self._queue))
+            self._look([heapq.heappop(self._queue)[2] for _ in range(count)])
+            self._report()
+        left = [node.bound for _, _, node in self._queue]
+        aim = max([self._aim, *left])
+        for _, _, node in self._queue:  # what is known of them is of their parents
+            if node.parent is not None:
+                node.parent.close()
+        return Proof(
+            quantity=self._quantity,
+            bound=aim + SLACK * abs(aim),
+            found=self._found,
+            at=tuple(float(x) for x in self._at),
+            tree=self._root,
+            boxes=self._boxes,
+            seconds=time.monotonic() - self._begun,
+            finished=not left,
+        )
+
+    @property
+    def _exhausted(self) -> bool:
+        spent = time.monotonic() - self._begun > self._effort.seconds
+        return spent or self._boxes >= self._effort.boxes
+
+    def _report(self) -> None:
+        bound = max([self._aim, *(node.bound for _, _, node in self._queue)])
+        self._on_progress(Progress(self._boxes, len(self._queue), self._found, bound))
+
+    def _push(self, node: Node) -> None:
+        heapq.heappush(self._queue, (-node.bound, next(self._order), node))
+
+    # ------------------------------------------------------------ what is attained
+
+    def _attained(self, points: Array, value: Interval, proven: Array) -> None:
+        """Take note of values that are attained at points."""
+        least = np.where(proven, self._least(points, value), -np.inf)
+        best = int(np.argmax(least))
+        if least[best] > self._found:
+            self._found, self._at = float(least[best]), points[best].copy()
+        wanted = self._found + self._effort.gap * abs(self._found) * (1.0 - SLACK)
+        wanted -= 2.0 * SLACK * abs(wanted)
+        if self._found > -np.inf:
+            # What is shown of a lower aim holds for a higher one.
+            self._aim = max(self._aim, wanted)
+
+    def _least(self, points: Array, value: Interval) -> Array:
+        """Return what the quantity surely is at points, from its options there."""
+        if self._quantity.kind != "peak" or len(self._quantity.terms) > 1:
+            return np.asarray(value.lo.max(-1))
+        [term] = self._quantity.terms
+        boxes = Boxes(self._prover.problem, points, points)
+        may, does = _sure(term, boxes, self._prover.grid)
+        by_sign = value.lo.reshape(len(points), len(term.signs), -1)
+        if term.moment:  # in one of the pieces in which it may be
+            return np.where(may[:, None], by_sign, np.inf).min(-1).max(-1)
+        return np.where(does[:, None], by_sign, -np.inf).max((-2, -1))
+
+    def _climb(self) -> None:
+        """Go from corner to corner to where the quantity is large."""
+        lower, upper = self._root.lower, self._root.upper
+        points = [*self._starts, *self._first_corners()]
+        seen: set[bytes] = set()
+        for _ in range(_CLIMBS):
+            new = []
+            for point in points:
+                if point.tobytes() not in seen:
+                    seen.add(point.tobytes())
+                    new.append(point)
+            if not new:
+                break
+            at = np.array(new[: self._effort.batch])
+            found, proven = self._prover.options(self._quantity, at, at, self._all)
+            self._boxes += len(at)
+            self._attained(at, found.value, proven)
+            points = []
+            for b in range(len(at)):
+                best = int(np.argmax(found.value.hi[b]))
+                slope = found.slopes.lo[:, b, best] + found.slopes.hi[:, b, best]
+                points.append(np.where(slope > 0.0, upper, lower))
+
+    def _first_corners(self) -> list[Array]:
+        """Return corners to which the options grow from the middle, the best first."""
+        lower, upper = self._root.lower, self._root.upper
+        middle = 0.5 * (lower + upper)[None]
+        found, proven = self._prover.options(self._quantity, middle, middle, self._all)
+        if not proven[0]:
+            return []
+        self._attained(middle, found.value, proven)
+        slopes = 0.5 * (found.slopes.lo + found.slopes.hi)[:, 0]
+        value = found.value.hi[0] + np.abs(slopes).T @ (0.5 * (upper - lower))
+        corners = []
+        for o in np.argsort(-value)[:: max(1, len(value) // _CORNERS)]:
+            corners.append(np.where(slopes[:, o] > 0.0, upper, lower))
+        if len(value) == 1:
+            corners += [np.where(corners[0] == upper, lower, upper)]
+        return corners
+
+    # -------------------------------------------------------------- what is bounded
+
+    def _look(self, nodes: list[Node]) -> None:
+        """Bound some boxes, and cut those that are not shown."""
+        lower = np.array([node.lower for node in nodes])
+        upper = np.array([node.upper for node in nodes])
+        found, proven = self._prover.options(
+            self._quantity, lower, upper, (upper > lower).any(axis=0)
+        )
+        self._boxes += len(nodes)
+        known = proven & np.isfinite(found.value.hi).all(-1)
+        known &= np.isfinite(found.slopes.hi).all((0, 2))
+        live = found.value.hi > self._aim
+        hull = _hull(found.slopes, live)
+        centres = _centres(hull, lower, upper)
+        at, sound = self._prover.options(self._quantity, centres, centres, ~self._all)
+        self._attained(centres, at.value, sound & known)
+        by_mean = up(at.value.hi + _beyond(found.slopes, lower, upper, centres))
+        by_mean = np.where(sound[:, None], by_mean, np.inf)
+        best = np.where(np.isnan(by_mean), np.inf, by_mean)
+        bounds = np.minimum(found.value.hi, best).max(-1)
+        for b, node in enumerate(nodes):
+            if not known[b]:
+                self._cut(node, upper[b] - lower[b])
+                continue
+            node.bound = min(node.bound, float(bounds[b]))
+            node.centre = centres[b]
+            if node.bound > self._aim:
+                self._branch(node, Interval(hull.lo[:, b], hull.hi[:, b]))
+
+    def _branch(self, node: Node, slopes: Interval) -> None:
+        """Move a box to faces, or cut it."""
+        clear = SLACK * slopes.magnitude().max()
+        wide = node.upper > node.lower
+        grows, falls = wide & (slopes.lo > clear), wide & (slopes.hi < -clear)
+        if grows.any() or falls.any():
+            node.faces = {int(i): bool(grows[i]) for i in np.flatnonzero(grows | falls)}
+            child = Node(
+                np.where(grows, node.upper, node.lower),
+                np.where(falls, node.lower, node.upper),
+                node.bound,
+            )
+            node.grow([child])
+            self._push(child)
+            return
+        self._cut(node, slopes.magnitude() * (node.upper - node.lower))
+
+    def _cut(self, node: Node, effect: Array) -> None:
+        i = int(np.argmax(effect))
+        if not node.upper[i] > node.lower[i]:
+            i = int(np.argmax(node.upper - node.lower))
+        x = float(0.5 * (node.lower[i] + node.upper[i]))
+        below, above = node.upper.copy(), node.lower.copy()
+        below[i] = above[i] = x
+        node.cut = (i, x)
+        node.grow(
+            [
+                Node(node.lower, below, node.bound),
+                Node(above, node.upper, node.bound),
+            ]
+        )
+        for child in node.children:
+            self._push(child)
+
+
+_CLIMBS = 6
+_CORNERS = 6
+
+
+def _sure(
+    term: Term, boxes: Boxes, grid: Grid
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return, for points, which pieces (boxes, pieces) a term may, and surely does, see."""
+    pieces = np.arange(term.first, term.last + 1)
+    starts, ends = grid.times[pieces], grid.times[pieces + 1]
+    if term.since == "first":
+        every = np.ones((boxes.count, len(pieces)), dtype=bool)
+        return every, every
+    separation = stroke_ends(boxes, [term.signal.pair])
+    early, late = separation.lo[:, None], separation.hi[:, None]
+    if term.moment:
+        may = (ends >= early) & (starts <= late)
+        return may, may
+    return ends >= early, starts >= late
+
+
+def _hull(slopes: Interval, live: NDArray[np.bool_]) -> Interval:
+    """Return the hull (n, boxes) of derivatives over live options; 0 without one."""
+    lo = np.where(live, slopes.lo, np.inf).min(-1)
+    hi = np.where(live, slopes.hi, -np.inf).max(-1)
+    none = ~live.any(-1)
+    return Interval(np.where(none, 0.0, lo), np.where(none, 0.0, hi))
+
+
+def _centres(hull: Interval, lower: Array, upper: Array) -> Array:
+    """Return the points (boxes, n) about which mean values say most (Baumann)."""
+    rises, falls = np.maximum(hull.hi, 0.0).T, np.maximum(-hull.lo, 0.0).T
+    both = rises + falls
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(both > 0.0, rises / both, 0.5)
+    share = np.where(np.isfinite(share), share, 0.5)
+    return np.clip(lower + share * (upper - lower), lower, upper)
+
+
+def _beyond(slopes: Interval, lower: Array, upper: Array, centres: Array) -> Array:
+    """Return by how much options (boxes, options) may exceed those at the centres."""
+    above, under = up(upper - centres).T[..., None], up(centres - lower).T[..., None]
+    rises = np.maximum(up(slopes.hi * above), up(-slopes.lo * under))
+    rises = np.maximum(rises, 0.0)
+    n = len(rises)
+    return np.asarray(rises.sum(0) * (1.0 + (n + 2) * 2.0**-52))

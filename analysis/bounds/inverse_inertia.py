@@ -1,0 +1,44 @@
+"""The inverse of an inertia over boxes, nearly sharp entry by entry."""
+
+import itertools
+from collections.abc import Sequence
+
+from drakesep.analysis.bounds.intervals import Interval
+
+
+def inverse(entries: Sequence[Interval]) -> list[list[Interval]]:
+    """Return the inverse by Schur complements; NaN where a pivot may not be positive.
+
+    Args:
+        entries: xx, yy, zz, xy, xz, yz.
+    """
+    xx, yy, zz, xy, xz, yz = entries
+    I = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    G: dict[tuple[int, int], Interval] = {}
+    for a in range(3):
+        b, c = (x for x in range(3) if x != a)
+        shares = {b: _share(I, a, b, c), c: _share(I, a, c, b)}
+        rest = I[a][b] - I[b][c] * I[a][c] / I[c][c]
+        pivot = I[b][b] - I[b][c].square() / I[c][c]
+        last = I[a][a] - I[a][c].square() / I[c][c] - rest.square() / pivot
+        G[a, a] = _positive(last).inverse()
+        for k, share in shares.items():
+            found = -(G[a, a] * share)
+            key = (min(a, k), max(a, k))
+            G[key] = G[key].meet(found) if key in G else found
+    for a, b in itertools.combinations(range(3), 2):
+        G[b, a] = G[a, b]
+    return [[G[a, b] for b in range(3)] for a in range(3)]
+
+
+def _share(I: list[list[Interval]], a: int, b: int, c: int) -> Interval:
+    over = I[a][b] - I[b][c] * I[a][c] / I[c][c]
+    return over / _positive(I[b][b] - I[b][c].square() / I[c][c])
+
+
+def _positive(x: Interval) -> Interval:
+    """Return x, and NaN where it may not be positive."""
+    import numpy as np
+
+    good = x.lo > 0.0
+    return Interval(np.where(good, x.lo, np.nan), np.where(good, x.hi, np.nan))

@@ -1,0 +1,298 @@
+"""What a bound is proven of: a separation and a box of parameters, as plain numbers.
+
+They stand alone, so that a certificate can hold them and a second program read them.
+What is not covered is refused by name.
+"""
+
+import functools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.systems.checks import InputError, Vector3
+from drakesep.systems.equations.mated_stack import nominal_place
+from drakesep.systems.equations.pushers import push_axis, push_place
+from drakesep.systems.model.orbit import Orbit
+from drakesep.systems.model.parameters import parameters, places_of_parts
+from drakesep.systems.model.separation import Attachment, Body, Separation
+from drakesep.systems.model.springs import Spring
+from drakesep.systems.vectors import Rotation, quaternion, rotation_matrix
+
+
+class NotCovered(InputError):
+    """Something of which no bound can be proven; the message says what and why."""
+
+
+class Number(NamedTuple):
+    """A number of the problem: constant, or one parameter."""
+
+    value: float
+    """In SI; of a parameter its nominal value."""
+    parameter: int | None = None
+    """Its place among the parameters."""
+
+
+Place: TypeAlias = tuple[Number, Number, Number]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoxParameter:
+    """A parameter p = nominal + scale s."""
+
+    name: str
+    nominal: float
+    scale: float
+    lower: float
+    """Least s."""
+    upper: float
+    """Greatest s."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoundBody:
+    """A body as it moves."""
+
+    name: str
+    mass: Number
+    cg: Place
+    """From its origin, in its axes."""
+    inertia: tuple[Number, ...]
+    """About the CG, entries xx, yy, zz, xy, xz, yz."""
+    orientation: Rotation
+    """In the stack, row by row; entries other than 0, 1 and -1 are rounded."""
+    place: Vector3
+    """Of its origin in the stack."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoundPair:
+    """A carrier and a body that leaves it, by their places among the bodies."""
+
+    A: int
+    B: int
+    reference: Vector3
+    """Any point fixed in B, best where it is pushed; in B, from its origin, m."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoundSpring:
+    """A spring of Eq. 5 that pushes the B of a pair."""
+
+    name: str
+    pair: int
+    force_max: Number
+    stroke: Number
+    design_mass: Number
+    place: Place
+    """Of its pad in A."""
+    axis: Vector3
+    """Along which it pushes, in A; rounded, as `BoundBody.orientation`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gravity:
+    """The field in which the bodies fall."""
+
+    mu: float
+    least_radius: float
+    """A distance from the centre of the Earth that W's origin surely keeps, m."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoundProblem:
+    """A separation and its box of parameters."""
+
+    duration: float
+    parameters: tuple[BoxParameter, ...]
+    bodies: tuple[BoundBody, ...]
+    """The first one carries the axes of the stack."""
+    pairs: tuple[BoundPair, ...]
+    """The first is that of the separation."""
+    springs: tuple[BoundSpring, ...]
+    attitude: Rotation
+    """Of the stack in W, row by row; rounded, as `BoundBody.orientation`."""
+    rate: Vector3
+    """Of the stack, in its axes."""
+    gravity: Gravity | None
+
+
+def problem_of(separation: Separation, box: ToleranceBox) -> BoundProblem:
+    """Return the problem of a separation and a box of its parameters.
+
+    Raises:
+        NotCovered: something of it is.
+    """
+    _check_separation(separation)
+    still = places_of_parts(separation)
+    moving = [d for d in box.dispersions if d.name not in still]
+    indices = {d.name: i for i, d in enumerate(moving)}
+    read = _read(separation)
+    for name in indices:
+        if name not in read:
+            raise NotCovered(f"{name}: bounds do not cover its tolerance")
+    columns = [box.names.index(name) for name in indices]
+    number = functools.partial(_number, parameters(separation), indices)
+    bodies = separation.bodies
+    names = [body.name for body in bodies]
+    pairs = _pairs(separation)
+    pushing = [(a, s) for a, s in separation.pushing if isinstance(s, Spring)]
+    problem = BoundProblem(
+        duration=separation.duration,
+        parameters=tuple(
+            BoxParameter(
+                name=d.name,
+                nominal=d.nominal,
+                scale=float(box.tolerance[k]),
+                lower=float(box.lower[k]),
+                upper=float(box.upper[k]),
+            )
+            for d, k in zip(moving, columns, strict=True)
+        ),
+        bodies=tuple(_body(body, number) for body in bodies),
+        pairs=tuple(
+            BoundPair(
+                A=names.index(A),
+                B=names.index(B),
+                reference=_reference(separation, A, B),
+            )
+            for A, B in pairs
+        ),
+        springs=tuple(
+            BoundSpring(
+                name=s.name,
+                pair=pairs.index((a.A, a.B)),
+                force_max=number(f"{s.name}.force_max"),
+                stroke=number(f"{s.name}.stroke"),
+                design_mass=number(f"{s.name}.design_mass"),
+                place=_place(number, f"{a.name}.position"),
+                axis=push_axis(s.axis_A, s.tilt_y, s.tilt_z, math),
+            )
+            for a, s in pushing
+        ),
+        attitude=rotation_matrix(quaternion(separation.initial.rpy_WA, math)),
+        rate=separation.initial.w_WA_A,
+        gravity=_gravity(separation.orbit),
+    )
+    _check_forces(problem)
+    return problem
+
+
+def _number(
+    values: Mapping[str, float], indices: Mapping[str, int], name: str
+) -> Number:
+    return Number(values[name], indices.get(name))
+
+
+def _place(number: functools.partial[Number], stem: str) -> Place:
+    return number(f"{stem}_x"), number(f"{stem}_y"), number(f"{stem}_z")
+
+
+def _body(body: Body, number: functools.partial[Number]) -> BoundBody:
+    place = nominal_place(body)
+    entries = ("xx", "yy", "zz", "xy", "xz", "yz")
+    return BoundBody(
+        name=body.name,
+        mass=number(f"{body.name}.mass"),
+        cg=_place(number, f"{body.name}.cg"),
+        inertia=tuple(number(f"{body.name}.inertia_{e}") for e in entries),
+        orientation=rotation_matrix(place.q_SB),
+        place=place.p_SBo,
+    )
+
+
+def _reference(separation: Separation, A: str, B: str) -> Vector3:
+    """Return the middle of the pads on a body, in its axes."""
+    pads = [
+        push_place(separation, a, s).p_BoPad_B
+        for a, s in separation.pushing
+        if (a.A, a.B) == (A, B)
+    ]
+    if not pads:
+        return (0.0, 0.0, 0.0)
+    x, y, z = (sum(float(p[i]) for p in pads) / len(pads) for i in range(3))
+    return x, y, z
+
+
+_BODY = ("mass", "cg_", "inertia_")
+_SPRING = ("force_max", "stroke", "design_mass")
+
+
+def _read(separation: Separation) -> set[str]:
+    """Return the names of the parameters that a problem may vary."""
+    owned = {body.name: _BODY for body in separation.bodies}
+    owned |= {spring.name: _SPRING for spring in separation.springs}
+    owned |= {a.name: ("position_",) for a in separation.attachments}
+    found = set()
+    for name in parameters(separation):
+        owner, _, quantity = name.rpartition(".")
+        if quantity.startswith(owned.get(owner, ())):
+            found.add(name)
+    return found
+
+
+def _pairs(separation: Separation) -> list[tuple[str, str]]:
+    """Return carriers and what leaves them: the separation's pairs, and springs'."""
+    asked = [(pair.A, pair.B) for pair in separation.pairs]
+    pushed = [(a.A, a.B) for a, _ in separation.pushing]
+    pairs = list(dict.fromkeys([*asked, *pushed]))
+    carriers = {A for A, _ in pairs}
+    leaving = [B for _, B in pairs]
+    for body in leaving:
+        if leaving.count(body) > 1 or body in carriers:
+            raise NotCovered(
+                f"{body}: bounds cover bodies that leave one carrier and carry none"
+            )
+    return pairs
+
+
+def _check_separation(separation: Separation) -> None:
+    if separation.recontact is not None:
+        raise NotCovered("recontact: bounds do not cover contact")
+    for load in separation.loads:
+        raise NotCovered(f"{load.name}: bounds do not cover loads")
+    for body in separation.bodies:
+        if body.spin != 0.0 or any((*body.mated_offset, *body.mated_misalignment)):
+            raise NotCovered(
+                f"{body.name}: bounds do not cover bodies that spin, or are displaced, "
+                "in the stack"
+            )
+    for attachment in separation.attachments:
+        _check_attachment(attachment)
+
+
+def _check_attachment(attachment: Attachment) -> None:
+    if attachment.release_time != 0.0:
+        raise NotCovered(
+            f"{attachment.name}: bounds cover attachments that let go at t = 0"
+        )
+    spring = attachment.spring
+    if spring is None:
+        return
+    if not isinstance(spring, Spring):
+        raise NotCovered(f"{spring.name}: bounds cover springs of Eq. 5 alone")
+    if spring.lost_stroke != 0.0:
+        raise NotCovered(f"{spring.name}: bounds do not cover stuck springs")
+
+
+def _check_forces(problem: BoundProblem) -> None:
+    for spring in problem.springs:
+        for number in (spring.force_max, spring.stroke, spring.design_mass):
+            least = number.value
+            if number.parameter is not None:
+                p = problem.parameters[number.parameter]
+                least = p.nominal + p.scale * p.lower
+            if not least > 1e-6 * abs(number.value):
+                raise NotCovered(f"{spring.name}: bounds cover springs that all push")
+
+
+_MARGIN = 1e-6
+"""Of the least distance from the Earth: far more than rounding."""
+
+
+def _gravity(orbit: Orbit | None) -> Gravity | None:
+    if orbit is None:
+        return None
+    perigee = orbit.semi_major_axis * (1.0 - orbit.eccentricity)
+    return Gravity(mu=orbit.mu, least_radius=perigee * (1.0 - _MARGIN))

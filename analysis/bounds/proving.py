@@ -1,0 +1,186 @@
+"""Bounds of a case's requirements and objectives, proven one by one."""
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.bounds.branch_and_bound import (
+    Effort,
+    Progress,
+    Proof,
+    Prover,
+)
+from drakesep.analysis.bounds.certificate import write_certificate
+from drakesep.analysis.bounds.claims import Claim, Side, claim_of, moments
+from drakesep.analysis.bounds.grid import make_grid
+from drakesep.analysis.bounds.motion import Grid
+from drakesep.analysis.bounds.problem import BoundProblem, NotCovered, problem_of
+from drakesep.analysis.metrics.registry import find_metric
+from drakesep.analysis.metrics.requirements import Requirement
+from drakesep.systems.argument_types import typed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bound:
+    """What a metric cannot exceed anywhere in the box of the tolerances."""
+
+    claim: Claim
+    value: float
+    """The bound, in SI: the metric is at most this, or at least, if from below."""
+    found: float
+    """The farthest value that is surely attained in the box, rounded to the near side."""
+    proof: Proof
+
+    @property
+    def gap(self) -> float:
+        """By how much the bound is beyond what is attained, relative to that."""
+        beyond = abs(self.value - self.found)
+        return beyond / abs(self.found) if self.found else math.inf
+
+    def meets(self, requirement: Requirement) -> bool:
+        """Return whether it proves that a requirement is met."""
+        same = requirement.judged_by == self.claim.metric
+        side = "highest" if requirement.from_above else "lowest"
+        return (
+            same
+            and side == self.claim.side
+            and requirement.keeps(requirement.margin(self.value))
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bounds:
+    """What is proven of a case."""
+
+    problem: BoundProblem | None
+    grid: Grid | None
+    proven: Mapping[str, Bound]
+    """By what is asked: ``highest_`` or ``lowest_`` and the metric."""
+    not_covered: Mapping[str, str]
+    """Why there is no bound, by what is asked."""
+
+    def write_certificate(self, path: Path) -> None:
+        """Write the certificate of what is proven.
+
+        Raises:
+            ValueError: nothing is.
+        """
+        if self.problem is None or self.grid is None or not self.proven:
+            raise NotCovered("certificate: nothing is proven")
+        proofs = {name: bound.proof for name, bound in self.proven.items()}
+        write_certificate(path, self.problem, self.grid, proofs)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProofSettings:
+    """How hard to try."""
+
+    gap: float = 0.005
+    """Of a bound beyond what is attained, relative, at which to stop."""
+    seconds: float = 60.0
+    """For each bound; then what is known is its bound."""
+    push: int = 48
+    """Pieces of time while springs push."""
+    coast: int = 12
+    """Pieces of time after that."""
+
+
+def asked_of(case: AnalysisCase) -> list[tuple[str, Side]]:
+    """Return what a case asks for: limits of requirements, and the paper's objectives."""
+    asked: list[tuple[str, Side]] = [
+        (r.judged_by, "highest" if r.from_above else "lowest")
+        for r in case.requirements
+    ]
+    for objective in case.paper_objectives:
+        assert objective.shown_as is not None
+        asked.append((objective.shown_as.name, "highest"))
+    return list(dict.fromkeys(asked))
+
+
+@typed
+def prove_bounds(
+    case: AnalysisCase,
+    asked: Sequence[tuple[str, Side]] | None = None,
+    settings: ProofSettings | None = None,
+    *,
+    starts: Iterable[Mapping[str, float]] = (),
+    on_progress: Callable[[str, Progress], None] = lambda *_: None,
+) -> Bounds:
+    """Prove what metrics cannot exceed, anywhere in the box of the tolerances.
+
+    Inertias that no body can have, and what ellipsoids leave out, are in the box. See
+    docs/proof.md.
+
+    Args:
+        case: with the separation and the tolerances.
+        asked: metrics, and whether the highest or the lowest value is bounded; what the
+            case asks for if None.
+        settings: how hard to try.
+        starts: points of the box by parameter values, in SI, where metrics may be far
+            out, such as worst cases found.
+        on_progress: called with the name of what is being proven, and how far it is;
+            what it raises ends all.
+
+    Returns:
+        Bounds, and why there is none of what is not covered.
+
+    Raises:
+        ValueError: there is no such metric.
+    """
+    settings = settings or ProofSettings()
+    asked = asked_of(case) if asked is None else asked
+    names = [f"{side}_{metric}" for metric, side in asked]
+    try:
+        problem = problem_of(case.separation, case.box)
+    except NotCovered as why:
+        reasons = dict.fromkeys(names, str(why))
+        return Bounds(problem=None, grid=None, proven={}, not_covered=reasons)
+    return _proven(case, problem, asked, settings, starts, on_progress)
+
+
+def _proven(
+    case: AnalysisCase,
+    problem: BoundProblem,
+    asked: Sequence[tuple[str, Side]],
+    settings: ProofSettings,
+    starts: Iterable[Mapping[str, float]],
+    on_progress: Callable[[str, Progress], None],
+) -> Bounds:
+    of_runs = [metric for metric, _ in asked if not _measured_apart(metric)]
+    grid = make_grid(problem, settings.push, settings.coast, moments(of_runs))
+    prover = Prover(problem, grid)
+    box = case.box
+    columns = [box.names.index(p.name) for p in problem.parameters]
+    points = [box.clipped(box.scaled(values))[columns] for values in starts]
+    effort = Effort(gap=settings.gap, seconds=settings.seconds)
+    proven: dict[str, Bound] = {}
+    not_covered: dict[str, str] = {}
+    for metric, side in asked:
+        name = f"{side}_{metric}"
+        try:
+            if _measured_apart(metric):
+                raise NotCovered(f"{metric}: bounds do not cover clearance")
+            claim = claim_of(case.separation, problem, grid, metric, side)
+        except NotCovered as why:
+            not_covered[name] = str(why)
+            continue
+        proof = prover.prove(
+            claim.quantity, effort, points, lambda p, name=name: on_progress(name, p)
+        )
+        if not math.isfinite(proof.bound):
+            not_covered[name] = f"{metric}: no enclosure of the motion was found"
+            continue
+        proven[name] = Bound(
+            claim=claim,
+            value=claim.value(proof.bound),
+            found=claim.value(proof.found),
+            proof=proof,
+        )
+    return Bounds(problem=problem, grid=grid, proven=proven, not_covered=not_covered)
+
+
+def _measured_apart(metric: str) -> bool:
+    found = find_metric(metric)
+    return found is not None and not found[0].of_every_run
