@@ -151,6 +151,7 @@ class Pair:
     leaver: int
     R0: Matrix
     origin: list[Interval]
+    reference: list[float]
 
 
 @dataclass(frozen=True)
@@ -216,10 +217,8 @@ class Problem:
     @cached_property
     def rates(self) -> Matrix:
         """The rate of the mated stack in each body's axes."""
-        first = [[point(x)] for x in self.rate]
-        rate_S = scaled(self.bodies[0].R_S, first)
+        rate_S = [[point(x)] for x in self.rate]
         rates = [scaled(transposed(body.R_S), rate_S) for body in self.bodies]
-        rates[0] = first
         return [[jet[0] for jet in rate] for rate in rates]
 
     @property
@@ -415,7 +414,7 @@ def _bodies(top: dict[str, Any], parameters: list[Parameter]) -> list[Body]:
 
 def _pair(record: object, name: str, bodies: list[Body]) -> Pair:
     """Return a pair as it is mated, from how its bodies stand in the stack."""
-    p = keys(record, name, "A B", "reference")
+    p = keys(record, name, "A B reference")
     a, b = (index(p[key], f"{name}.{key}", len(bodies)) for key in "AB")
     A, B = bodies[a], bodies[b]
     to_A = transposed(A.R_S)
@@ -428,6 +427,7 @@ def _pair(record: object, name: str, bodies: list[Body]) -> Pair:
         b,
         transposed([[jet[0] for jet in column] for column in columns]),
         [jet[0] for jet in scaled(to_A, apart)],
+        [number(x, f"{name}.reference") for x in items(p["reference"], name, 3)],
     )
 
 
@@ -491,20 +491,22 @@ def _term(record: object, name: str, problem: Problem, kind: str) -> Term:
         component = index(t.get("component"), f"{name}.component", 3)
     elif t["law"] == "along":
         values = items(t.get("vector"), f"{name}.vector", 3)
-        vector = [point(number(x, f"{name}.vector")) for x in values]
+        vector = [entry(x, f"{name}.vector") for x in values]
     elif t["law"] == "across_squared":
         vector = unit_vector(t.get("vector"), f"{name}.vector")
-    signs, pieces = [1], range(problem.pieces)
-    if kind == "peak":
-        signs = items(t.get("signs"), f"{name}.signs")
-        if not signs or any(type(s) is not int or s not in (1, -1) for s in signs):
-            raise Unreadable(f"{name}.signs: wanted 1, -1 or both, got {signs!r}")
-        first, end = items(t.get("pieces"), f"{name}.pieces", 2)
-        index(first, f"{name}.pieces", problem.pieces)
-        index(end, f"{name}.pieces", problem.pieces + 1)
-        if not first < end:
-            raise Unreadable(f"{name}.pieces: are none")
-        pieces = range(first, end)
+    signs = items(t.get("signs"), f"{name}.signs") if kind == "peak" else [1]
+    if not signs or any(type(s) is not int or s not in (1, -1, 0) for s in signs):
+        raise Unreadable(f"{name}.signs: wanted some of 1, -1 and 0, got {signs!r}")
+    if len(set(signs)) < len(signs):
+        raise Unreadable(f"{name}.signs: wanted each once, got {signs!r}")
+    first, last = items(t.get("pieces"), f"{name}.pieces", 2)
+    index(first, f"{name}.pieces", problem.pieces)
+    index(last, f"{name}.pieces", problem.pieces)
+    if first > last:
+        raise Unreadable(f"{name}.pieces: are none")
+    pieces = range(first, last + 1)
+    if kind != "peak" and len(pieces) < problem.pieces:
+        raise Unreadable(f"{name}.pieces: an integral is over the whole time")
     return Term(
         t["field"],
         index(t["pair"], f"{name}.pair", len(problem.pairs)),

@@ -76,7 +76,7 @@ def _moved(b: int, problem: Problem, constants: Constants, duration: arb) -> arb
     assert problem.gravity is not None
     body, first = problem.bodies[b], problem.bodies[0]
     place, at_rest = (_place(x, constants) for x in (body, first))
-    rate_S = scaled(first.R_S, [[point(x)] for x in problem.rate])
+    rate_S = [[point(x)] for x in problem.rate]
     velocity = cross(rate_S, vector_minus(place, at_rest))
     impulse = ZERO
     for spring in problem.springs:

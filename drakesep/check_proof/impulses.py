@@ -14,10 +14,12 @@ from .intervals import (
     Jet,
     hull,
     intersection,
+    minus,
     plus,
     point,
     product,
 )
+from .kernels import PositiveKernel
 
 
 HALF_TURN = arb.pi() / 2
@@ -126,12 +128,15 @@ def _by_parameters(
 class SpringImpulse:
     """J of one spring, and how it deviates from the nominal J (Eq. 13), on each piece."""
 
-    def __init__(self, spring: Spring, constants: Constants):
+    def __init__(
+        self, spring: Spring, constants: Constants, nominal: "NominalImpulse"
+    ):
         grid = constants.problem.grid
         self.impulse: list[Jet] = []
         self.deviation: list[Jet] = []
         wide = constants.with_nominal
-        for start, end in zip(grid, grid[1:], strict=False):
+        pieces = zip(grid, grid[1:], nominal.impulse, strict=False)
+        for start, end, nominally in pieces:
             by = _by_parameters(spring, constants, start, end) if constants.live else {}
             value = impulse(law_of(spring, constants), start, end)
             self.impulse.append(constants.jet_of(value, by))
@@ -139,9 +144,8 @@ class SpringImpulse:
             for i, slope in _by_parameters(spring, wide, start, end).items():
                 assert i is not None
                 deviation = plus(deviation, product(slope, constants.box.interval(i)))
+            deviation = intersection(deviation, minus(value, nominally))
             self.deviation.append(constants.jet_of(deviation, by))
-        last = end_of_stroke(law_of(spring, wide))[1]
-        self.ended = sum(1 for t in grid[:-1] if not arb(t) >= last)
         self.varies = any(value.parameter is not None for value in spring.law)
 
 
@@ -152,9 +156,12 @@ def _held(theta: arb) -> arb:
 
 
 class NominalImpulse:
-    """J_g of a group of springs at nominal values, and its kernel (Eq. 14)."""
+    """J_g of a group of springs at nominal values, and its kernel (Eq. 14).
 
-    def __init__(self, problem: Problem, spring: Spring):
+    The last row of the kernel is for all times after the first `push` pieces.
+    """
+
+    def __init__(self, problem: Problem, spring: Spring, push: int):
         law: Law = tuple(point(value.value) for value in spring.law)  # type: ignore
         (force, _), (stroke, _), (mass, _) = law
         omega, most = (force / (mass * stroke)).sqrt(), (force * mass * stroke).sqrt()
@@ -166,10 +173,20 @@ class NominalImpulse:
         for m, length in enumerate(problem.lengths):
             mean = most / (omega * length) * (held[m + 1] - held[m])
             means.append(intersection(point(mean), ends[m]))
-        self.kernel = [
+        rows = [
             [((low - mean[1]).max(ZERO), high - mean[0]) for mean in means[:n]]
             + [(ZERO, high - means[n][0])]
-            for n, (low, high) in enumerate(ends)
+            for n, (low, high) in enumerate(ends[:push])
         ]
+        rows.append([((most - b).max(ZERO), most - a) for a, b in means[:push]])
+        self.kernel = PositiveKernel(rows)
 
 
+def pieces_of_push(problem: Problem) -> int:
+    """Return how many pieces there are until all strokes have ended, on the whole box."""
+    whole = Constants(problem, problem.root, []).with_nominal
+    laws = [law_of(spring, whole) for spring in problem.springs]
+    return sum(
+        any(not end_of_stroke(law)[1] <= arb(start) for law in laws)
+        for start in problem.grid[:-1]
+    )

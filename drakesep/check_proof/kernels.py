@@ -1,167 +1,103 @@
 """Integrals over time, of a product with a kernel too, for many functions at once.
 
-A function is a column of intervals, one on each piece of time.
+A function is a column of intervals, one on each piece of time. A kernel is a lower triangle:
+its row n is for t in piece n, its column m for s in piece m.
 """
 
 from flint import arb, arb_mat
 
-from .intervals import ZERO, Interval, Jet, magnitude
+from .intervals import ZERO, Interval, Jet
 
 
 Column = list[Interval]
-EVEN = arb(2) ** -40  # a kernel this close to symmetric about zero is taken as such
+Ends = tuple[arb_mat, arb_mat]
 
 
 def integrated(x: list[Jet], lengths: list[arb]) -> list[Jet]:
     """Enclose the integral from 0 to any time of each piece."""
     total = [(ZERO, ZERO) for _ in x[0]]
     out = []
-    for jet, h in zip(x, lengths, strict=True):
-        steps = [(low * h, high * h) for low, high in jet]
+    for jet, length in zip(x, lengths, strict=True):
+        steps = [(low * length, high * length) for low, high in jet]
         out.append(
             [
-                (a + (l if l <= ZERO else l.min(ZERO)), b + (h if h >= ZERO else h.max(ZERO)))
-                for (a, b), (l, h) in zip(total, steps, strict=True)
+                (a + low.min(ZERO), b + high.max(ZERO))
+                for (a, b), (low, high) in zip(total, steps, strict=True)
             ]
         )
-        total = [(a + l, b + h) for (a, b), (l, h) in zip(total, steps, strict=True)]
+        total = [
+            (a + low, b + high)
+            for (a, b), (low, high) in zip(total, steps, strict=True)
+        ]
     return out
 
 
 class Columns:
-    """Functions times the lengths of pieces, laid out for products with kernels."""
+    """Functions times the lengths of the first pieces, laid out for kernels."""
 
     def __init__(self, columns: list[Column], lengths: list[arb]):
-        self.rows: list[list[Interval]] = []
-        self.count = len(columns)
-        for m, h in enumerate(lengths):
-            self.rows.append([(c[m][0] * h, c[m][1] * h) for c in columns])
-        low, high = [], []
-        self.mixed: list[list[int]] = []
-        sure_low, sure_high, mags = [], [], []
-        for row in self.rows:
-            mixed = []
-            for j, (l, h) in enumerate(row):
-                if l >= ZERO:
-                    low.append((l, ZERO))
-                    high.append((h, ZERO))
-                    sure_low.append((l, ZERO))
-                    sure_high.append((h, ZERO))
-                    mags.append(h)
-                elif h <= ZERO:
-                    low.append((ZERO, l))
-                    high.append((ZERO, h))
-                    sure_low.append((ZERO, l))
-                    sure_high.append((ZERO, h))
-                    mags.append(-l)
-                else:
-                    mixed.append(j)
-                    low.append((l.max(ZERO), l.min(ZERO)))
-                    high.append((h.max(ZERO), h.min(ZERO)))
-                    sure_low.append((ZERO, ZERO))
-                    sure_high.append((ZERO, ZERO))
-                    mags.append((-l).max(h))
-            self.mixed.append(mixed)
-        self.low_up, self.low_down = self._matrices(low)
-        self.high_up, self.high_down = self._matrices(high)
-        self.sure_low_up, self.sure_low_down = self._matrices(sure_low)
-        self.sure_high_up, self.sure_high_down = self._matrices(sure_high)
-        self.magnitudes = arb_mat(len(lengths), self.count, mags)
-
-    def _matrices(self, parts: list[tuple[arb, arb]]) -> tuple[arb_mat, arb_mat]:
-        shape = len(self.rows), self.count
-        return (
-            arb_mat(*shape, [up for up, _ in parts]),
-            arb_mat(*shape, [down for _, down in parts]),
-        )
+        rows = [
+            [(low * length, high * length) for low, high in row]
+            for row, length in zip(zip(*columns, strict=True), lengths, strict=True)
+        ]
+        low = [a for row in rows for a, _ in row]
+        high = [b for row in rows for _, b in row]
+        shape = len(rows), len(columns)
+        self.low_up = arb_mat(*shape, [a.max(ZERO) for a in low])
+        self.low_down = arb_mat(*shape, [a.min(ZERO) for a in low])
+        self.high_up = arb_mat(*shape, [b.max(ZERO) for b in high])
+        self.high_down = arb_mat(*shape, [b.min(ZERO) for b in high])
+        centre = [(a + b) / 2 for a, b in zip(low, high, strict=True)]
+        radius = [(b - a) / 2 for a, b in zip(low, high, strict=True)]
+        most = [abs(c) + r for c, r in zip(centre, radius, strict=True)]
+        self.centre = arb_mat(*shape, centre)
+        self.radius = arb_mat(*shape, radius)
+        self.most = arb_mat(*shape, most)
 
 
-class Kernel:
-    """A lower triangle of intervals: row n times pieces up to n."""
+class PositiveKernel:
+    """A kernel that is nowhere negative: ends are exact (Eq. 14)."""
 
     def __init__(self, rows: list[list[Interval]]):
-        size = len(rows)
-        entries: dict[str, list[list[arb]]] = {}
-
-        def put(name: str, n: int, m: int, x: arb) -> None:
-            if name not in entries:
-                entries[name] = [[ZERO] * size for _ in rows]
-            entries[name][n][m] = x
-
-        self.size = size
-        self.mixed: list[tuple[int, int, arb, arb]] = []
-        for n, row in enumerate(rows):
-            for m, (low, high) in enumerate(row):
-                if low >= ZERO:
-                    put("up low", n, m, low)
-                    put("up high", n, m, high)
-                elif high <= ZERO:
-                    put("down low", n, m, low)
-                    put("down high", n, m, high)
-                elif abs(low + high) <= EVEN * high:
-                    put("even", n, m, magnitude((low, high)))
-                else:
-                    low, high = low.min(ZERO), high.max(ZERO)
-                    put("mixed low", n, m, low)
-                    put("mixed high", n, m, high)
-                    self.mixed.append((n, m, low, high))
-        self.parts = {name: arb_mat(part) for name, part in entries.items()}
+        self.low = _triangle([[low for low, _ in row] for row in rows])
+        self.high = _triangle([[high for _, high in row] for row in rows])
 
     def __call__(self, x: Columns) -> list[Column]:
-        """Return the sums of products, exact but for rounding: a column for each."""
-        lows, highs = [], []
-        for name, part in self.parts.items():
-            if name == "up low":
-                highs.append(part * x.high_down)
-                lows.append(part * x.low_up)
-            elif name == "up high":
-                highs.append(part * x.high_up)
-                lows.append(part * x.low_down)
-            elif name == "down low":
-                highs.append(part * x.low_down)
-                lows.append(part * x.high_up)
-            elif name == "down high":
-                highs.append(part * x.low_up)
-                lows.append(part * x.high_down)
-            elif name == "even":
-                most = part * x.magnitudes
-                highs.append(most)
-                lows.append(-most)
-            elif name == "mixed low":
-                highs.append(part * x.sure_low_down)
-                lows.append(part * x.sure_high_up)
-            else:
-                highs.append(part * x.sure_high_up)
-                lows.append(part * x.sure_low_down)
-        low, high = lows[0], highs[0]
-        for other in lows[1:]:
-            low = low + other
-        for other in highs[1:]:
-            high = high + other
-        low_rows, high_rows = low.tolist(), high.tolist()
-        for n, m, l, h in self.mixed:
-            low_row, high_row, row = low_rows[n], high_rows[n], x.rows[m]
-            for j in x.mixed[m]:
-                a, b = row[j]
-                low_row[j] += (l * b).min(h * a)
-                high_row[j] += (l * a).max(h * b)
-        return [
-            list(zip(lows, highs, strict=True))
-            for lows, highs in zip(
-                zip(*low_rows, strict=True), zip(*high_rows, strict=True), strict=True
-            )
-        ]
+        """Return the sums of products, a column for each."""
+        low = self.low * x.low_up + self.high * x.low_down
+        high = self.high * x.high_up + self.low * x.high_down
+        return _columns(low, high)
 
 
-def difference_kernel(x: Column, ended: int) -> Kernel:
-    """Return x(t) - x(s) for t on a piece and s on one not after it (Eq. 15).
+class DifferenceKernel:
+    """x(t) - x(s), by products of balls (Eq. 15)."""
 
-    From piece `ended` on x is constant, though not known exactly.
-    """
-    rows = []
-    for n, (low, high) in enumerate(x):
-        row = [(low - x[m][1], high - x[m][0]) for m in range(n + 1)]
-        if n >= ended:
-            row[ended:] = [(ZERO, ZERO)] * (n + 1 - ended)
-        rows.append(row)
-    return Kernel(rows)
+    def __init__(self, x: Column, push: int):
+        centres, radii = [], []
+        for n in range(push + 1):
+            low, high = x[min(n, len(x) - 1)]
+            row = [(low - x[m][1], high - x[m][0]) for m in range(min(n + 1, push))]
+            centres.append([(a + b) / 2 for a, b in row])
+            radii.append([(b - a) / 2 for a, b in row])
+        self.centre = _triangle(centres)
+        self.radius = _triangle(radii)
+        self.size = _triangle([[abs(c) for c in row] for row in centres])
+
+    def __call__(self, x: Columns) -> list[Column]:
+        """Return the sums of products, a column for each."""
+        centre = self.centre * x.centre
+        radius = self.size * x.radius + self.radius * x.most
+        return _columns(centre - radius, centre + radius)
+
+
+def _triangle(rows: list[list[arb]]) -> arb_mat:
+    """Return a kernel whose last row is for all times after the pieces of the others."""
+    count = len(rows) - 1
+    return arb_mat([(row + [ZERO] * count)[:count] for row in rows])
+
+
+def _columns(low: arb_mat, high: arb_mat) -> list[Column]:
+    lows, highs = low.transpose().tolist(), high.transpose().tolist()
+    return [
+        list(zip(a, b, strict=True)) for a, b in zip(lows, highs, strict=True)
+    ]

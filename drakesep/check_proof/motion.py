@@ -8,7 +8,7 @@ from flint import arb
 from .boxes import Constants
 from .certificate import Box, Pair, Problem
 from .gravity import Disturbance
-from .impulses import NominalImpulse, SpringImpulse
+from .impulses import NominalImpulse, SpringImpulse, pieces_of_push
 from .intervals import (
     ONE,
     ZERO,
@@ -39,11 +39,12 @@ from .intervals import (
     vector_minus,
     vector_sum,
 )
-from .kernels import Columns, Kernel, difference_kernel, integrated
+from .kernels import Columns, DifferenceKernel, integrated
 
 
 Rows = list[Vector]  # three rows of a matrix
-WIDER = arb(1) / 10000  # by how much of its width an interval is widened to be entered
+WIDER = arb(1) / 4000  # by how much of its width an interval is widened to be entered
+TINY = arb(10) ** -18
 FIRST, ROUNDS, TRIES = 2, 2, 8
 
 
@@ -53,30 +54,30 @@ class Setting:
     def __init__(self, problem: Problem):
         self.problem = problem
         self.disturbance = Disturbance(problem)
+        self.push = pieces_of_push(problem)
         self.nominal = [
-            NominalImpulse(problem, problem.springs[group[0]])
+            NominalImpulse(problem, problem.springs[group[0]], self.push)
             for group in problem.groups
         ]
-        self.kernels = [Kernel(nominal.kernel) for nominal in self.nominal]
 
 
 @dataclass
 class State:
     """What the theorem encloses, on each piece of time.
 
-    Of each pair a point of the body that leaves, amid its pads, is followed instead of
-    its CG: as seen from the carrier it is at b with the velocity v (see `_velocity`).
+    `U` is what the difference of the CGs' velocities has changed by; `y` the way of a
+    point of the body that leaves, the reference, as seen from the carrier.
     """
 
     S: list[list[Vector]]  # of each body
     Q: list[list[Rows]]  # of each pair
-    v: list[list[Vector]]
-    moved: list[list[Vector]]  # b - b(0)
+    U: list[list[Vector]]
+    y: list[list[Vector]]
 
     @property
     def parts(self) -> "Nested":
         """All intervals, in lists."""
-        return [self.S, self.Q, self.v, self.moved]
+        return [self.S, self.Q, self.U, self.y]
 
     def without_slopes(self, slopes: list[Interval]) -> "State":
         """Return the values, with other derivatives."""
@@ -85,7 +86,7 @@ class State:
             return [[[[jet[0], *slopes] for jet in v] for v in pieces] for pieces in x]
 
         Q = [[[[[j[0], *slopes] for j in v] for v in rows] for rows in p] for p in self.Q]
-        return State(vectors(self.S), Q, vectors(self.v), vectors(self.moved))
+        return State(vectors(self.S), Q, vectors(self.U), vectors(self.y))
 
 
 def integral(x: list[Vector], lengths: list[arb]) -> list[Vector]:
@@ -102,8 +103,20 @@ def widened(x: Nested, wider: arb) -> Nested:
     if isinstance(x, list):
         return [widened(part, wider) for part in x]
     low, high = x
-    more = (high - low) * wider + arb(10) ** -30
+    more = (high - low) * wider + TINY
     return (low - more).lower(), (high + more).upper()
+
+
+def grown(outer: Nested, inner: Nested) -> Nested:
+    """Return the outer intervals, those that do not hold the inner ones grown."""
+    if isinstance(inner, list):
+        return [grown(x, y) for x, y in zip(outer, inner, strict=True)]
+    (low, high), (a, b) = outer, inner
+    more = 5 * WIDER * (high - low) + TINY
+    return (
+        low if low <= a else (a - more).lower(),
+        high if high >= b else (b + more).upper(),
+    )
 
 
 def included(inner: Nested, outer: Nested) -> bool:
@@ -237,13 +250,13 @@ class Pushing:
         ]
         self.springs = [k for _, group in self.groups for k in group]
         places = {k: constants.vector(problem.springs[k].place) for k in self.springs}
-        point_A = constants.constant(_amid(problem, self.springs))
-        self.kappa = vector_minus(
-            scaled(self.R0T, vector_minus(point_A, origin)), cg_B
-        )  # from the CG of B, in B
-        self.at_start = vector_minus(point_A, self.cg_A)  # b(0)
+        reference = constants.constant([point(x) for x in pair.reference])
+        self.epsilon = vector_minus(reference, cg_B)
+        self.r0 = vector_minus(vector_sum(origin, scaled(self.R0, cg_B)), self.cg_A)
+        reference_A = vector_sum(origin, scaled(self.R0, reference))
+        self.b0 = vector_minus(reference_A, self.cg_A)
         self.arms = {
-            k: scaled(self.R0T, vector_minus(place, point_A))
+            k: vector_minus(scaled(self.R0T, vector_minus(place, origin)), reference)
             for k, place in places.items()
         }
         axes = {k: constants.constant(problem.springs[k].axis) for k in self.springs}
@@ -254,7 +267,9 @@ class Pushing:
             for k, place in places.items()
         }
         self.impulses = {
-            k: SpringImpulse(problem.springs[k], constants) for k in self.springs
+            k: SpringImpulse(problem.springs[k], constants, setting.nominal[g])
+            for g, group in self.groups
+            for k in group
         }
         levers_B = {k: cross(self.e[k], axes_B[k]) for k in self.springs}
         levers_A = {
@@ -272,13 +287,14 @@ class Pushing:
                 for k in self.springs
             )
             self.along.append(vector_sum(nothing, *pushes))
+        push = setting.push
         self.kernels = {
-            k: difference_kernel([jet[0] for jet in x.deviation], x.ended)
+            k: DifferenceKernel([jet[0] for jet in x.deviation], push)
             for k, x in self.impulses.items()
             if x.varies
         }
         self.slope_kernels = {
-            (k, i): difference_kernel([jet[i] for jet in x.deviation], x.ended)
+            (k, i): DifferenceKernel([jet[i] for jet in x.deviation], push)
             for k, x in self.impulses.items()
             for i in range(1, 1 + len(constants.live))
             if problem.springs[k].depends_on(constants.live[i - 1])
@@ -306,73 +322,56 @@ class Pushing:
         return [jets_intersected(x, y) for x, y in zip(directly, apart, strict=True)]
 
     def delayed(
-        self, X: list[Rows], v: list[Vector], setting: Setting
+        self, X: list[Rows], Y: list[Vector], setting: Setting
     ) -> tuple[list[Vector], list[Vector]]:
         """Return, of Eq. 6 and 7, the sums with q, by piece: on B, and less on A."""
-        lengths = setting.problem.lengths
-        size = len(v[0][0])
+        push, size = setting.push, len(Y[0][0])
+        lengths = setting.problem.lengths[:push]
         functions = [
             [jet for row in rows for jet in row] + vector
-            for rows, vector in zip(X, v, strict=True)
+            for rows, vector in zip(X[:push], Y[:push], strict=True)
         ]
-        columns = Columns(
-            [
-                [jets[c][i] for jets in functions]
-                for i in range(size)
-                for c in range(12)
-            ],
-            lengths,
-        )
-        values = Columns([[jets[c][0] for jets in functions] for c in range(12)], lengths)
-        on_B: list[list[Vector]] = []
-        on_A: list[list[Vector]] = []
-
-        def act(q: list[list[Interval]], group: list[int]) -> None:
-            k, count = group[0], len(group)
-            e = vector_sum(*(self.e[i] for i in group))
-            arms = vector_sum(*(self.arms[i] for i in group))
-            vectors_B, vectors_A = [], []
-            for n in range(setting.problem.pieces):
-                jets = [
-                    [q[i * 12 + c][n] for i in range(size)] for c in range(12)
-                ]
-                rows = [jets[0:3], jets[3:6], jets[6:9]]
-                pushed = by_vector(transposed(rows), self.axes_B[k])
-                vectors_B.append(cross(e, pushed))
-                moved = scaled(self.R0, by_vector(rows, arms))
-                many = [times(point(count), jet) for jet in jets[9:]]
-                vectors_A.append(cross(vector_sum(many, moved), self.axes[k]))
-            on_B.append(vectors_B)
-            on_A.append(vectors_A)
-
-        for g, group in self.groups:
-            q = setting.kernels[g](columns)
-            act(q, group)
+        by_slope = [
+            [[jets[c][i] for jets in functions] for c in range(12)] for i in range(size)
+        ]
+        columns = Columns([column for part in by_slope for column in part], lengths)
+        values = Columns(by_slope[0], lengths)
+        acting = [
+            self._acting(setting.nominal[g].kernel(columns), group, size)
+            for g, group in self.groups
+        ]
         for k, kernel in self.kernels.items():
             q = kernel(columns)
             for i in range(1, size):
                 if (k, i) in self.slope_kernels:
-                    more = self.slope_kernels[k, i](values)
-                    for c in range(12):
-                        q[i * 12 + c] = [
-                            plus(a, b)
-                            for a, b in zip(q[i * 12 + c], more[c], strict=True)
-                        ]
-            act(q, [k])
-        return (
-            [vector_sum(*vectors) for vectors in zip(*on_B, strict=True)],
-            [vector_sum(*vectors) for vectors in zip(*on_A, strict=True)],
-        )
+                    for c, more in enumerate(self.slope_kernels[k, i](values), 12 * i):
+                        q[c] = [plus(a, b) for a, b in zip(q[c], more, strict=True)]
+            acting.append(self._acting(q, [k], size))
+        both = []
+        for at in zip(*acting, strict=True):
+            on_B, on_A = zip(*at, strict=True)
+            both.append((vector_sum(*on_B), vector_sum(*on_A)))
+        later = setting.problem.pieces - push
+        both = both[:push] + both[push:] * later
+        return [on_B for on_B, _ in both], [on_A for _, on_A in both]
 
-
-def _intersected(x: Vector, y: Vector) -> Vector:
-    return [jets_intersected(a, b) for a, b in zip(x, y, strict=True)]
-
-
-def _amid(problem: Problem, springs: list[int]) -> list[Interval]:
-    """Return the mean of the nominal places of springs."""
-    places = [[value.value for value in problem.springs[k].place] for k in springs]
-    return [point(sum(axis) / max(len(places), 1)) for axis in zip(*places, strict=True)]
+    def _acting(
+        self, q: list[list[Interval]], group: list[int], size: int
+    ) -> list[tuple[Vector, Vector]]:
+        """Return what q of springs that are alike adds to the sums of `delayed`."""
+        k, count = group[0], point(len(group))
+        e = vector_sum(*(self.e[i] for i in group))
+        arms = vector_sum(*(self.arms[i] for i in group))
+        out = []
+        for row in zip(*q, strict=True):
+            jets = [list(row[c::12]) for c in range(12)]
+            X = [jets[0:3], jets[3:6], jets[6:9]]
+            pushed = by_vector(transposed(X), self.axes_B[k])
+            moved = scaled(self.R0, by_vector(X, arms))
+            many = [times(count, jet) for jet in jets[9:]]
+            on_A = cross(vector_sum(many, moved), self.axes[k])
+            out.append((cross(e, pushed), on_A))
+        return out
 
 
 @dataclass
@@ -381,7 +380,8 @@ class Kinematics:
 
     u: list[list[Vector]]
     w: list[list[Vector]]
-    relative: list[list[Vector]]
+    relative: list[list[Vector]]  # Omega
+    Y: list[list[Vector]]
 
 
 class Motion:
@@ -415,11 +415,12 @@ class Motion:
         """Return an enclosure by the theorem; how it is come by is no part of the proof."""
         for _ in range(FIRST):
             state = self._swept(state)
+        outer = self._swept(state, WIDER)
         for _ in range(TRIES):
-            outer = self._swept(state, WIDER)
             state = self._applied(outer)
             if included(state.parts, outer.parts):
                 return state
+            outer = State(*grown(outer.parts, state.parts))
         raise NotVerified("the motion could not be enclosed")
 
     def _start(self, of: "Motion | None") -> State:
@@ -447,16 +448,25 @@ class Motion:
             [vector_sum(body.mated_rate, v) for v in pieces]
             for body, pieces in zip(self.bodies, u, strict=True)
         ]
-        relative = []
+        relative, Y = [], []
         for j, pushing in enumerate(self.pushing):
             a, b = pushing.pair.carrier, pushing.pair.leaver
-            rates = []
+            rates, velocities = [], []
+            mated = self.bodies[a].mated_rate
             for n, Q in enumerate(x.Q[j]):
                 seen = by_vector(transposed(Q), scaled(pushing.R0T, w[a][n]))
                 change = vector_minus(u[b][n], scaled(pushing.R0T, u[a][n]))
                 rates.append(vector_minus(change, seen))  # Eq. 4
+                swing = cross(u[b][n], pushing.epsilon)
+                turning = by_vector(Q, cross(w[b][n], pushing.epsilon))
+                place = vector_sum(pushing.b0, x.y[j][n])
+                carried = vector_sum(cross(u[a][n], place), cross(mated, x.y[j][n]))
+                swing = scaled(pushing.R0, vector_sum(swing, turning))
+                velocity = vector_sum(vector_minus(x.U[j][n], carried), swing)
+                velocities.append(velocity)  # Eq. 4a
             relative.append(rates)
-        return Kinematics(u, w, relative)
+            Y.append(velocities)
+        return Kinematics(u, w, relative, Y)
 
     def _applied(self, x: State) -> State:
         """Return the enclosure of the right sides of Eq. 6 to 9."""
@@ -465,7 +475,7 @@ class Motion:
             self._momenta(x, k, self._pushed(x, k)),
             self._orientations(x, k),
             self._velocities(x, k),
-            self._ways(x),
+            self._ways(k),
         )
 
     def _swept(self, x: State, wider: arb = ZERO) -> State:
@@ -474,15 +484,15 @@ class Motion:
         This is a guess that is good sooner. What is an integral alone is wider than what
         it is an integral of, so that the guess holds.
         """
-        pushed = self._pushed(x, self._kinematics(x))
+        k = self._kinematics(x)
+        pushed = self._pushed(x, k)
         for _ in range(ROUNDS):
-            S = self._momenta(x, self._kinematics(x), pushed)
-            x = replace(x, S=widened(S, wider))
-            Q = self._orientations(x, self._kinematics(x))
-            x = replace(x, Q=widened(Q, wider))
-            v = self._velocities(x, self._kinematics(x))
-            x = replace(x, v=widened(v, wider))
-            x = replace(x, moved=widened(self._ways(x), wider))
+            x = replace(x, S=widened(self._momenta(x, k, pushed), wider))
+            k = self._kinematics(x)
+            Q = widened(self._orientations(x, k), wider)
+            x = replace(x, Q=Q, U=widened(self._velocities(x, k), wider))
+            k = self._kinematics(x)
+            x = replace(x, y=widened(self._ways(k), wider))
         return x
 
     def _momenta(
@@ -504,7 +514,7 @@ class Motion:
         for j, pushing in enumerate(self.pushing):
             a, b = pushing.pair.carrier, pushing.pair.leaver
             X = [turned(Q, w) for Q, w in zip(x.Q[j], k.relative[j], strict=True)]
-            on_B, on_A = pushing.delayed(X, x.v[j], self.setting)
+            on_B, on_A = pushing.delayed(X, k.Y[j], self.setting)
             S[b] = [vector_sum(*v) for v in zip(S[b], pushing.on_B, on_B, strict=True)]
             S[a] = [
                 vector_minus(v, vector_sum(now, later))
@@ -519,9 +529,9 @@ class Motion:
             for Q, relative in zip(x.Q, k.relative, strict=True)
         ]
 
-    def _ways(self, x: State) -> list[list[Vector]]:
-        """Return b - b(0), as r - r(0) in Eq. 8."""
-        return [integral(v, self.lengths) for v in x.v]
+    def _ways(self, k: Kinematics) -> list[list[Vector]]:
+        """Return y of Eq. 8."""
+        return [integral(Y, self.lengths) for Y in k.Y]
 
     def _velocities(self, x: State, k: Kinematics) -> list[list[Vector]]:
         return [self._velocity(j, x, k) for j in range(len(self.pushing))]
@@ -542,89 +552,51 @@ class Motion:
         return integral(torques, self.lengths)
 
     def _velocity(self, j: int, x: State, k: Kinematics) -> list[Vector]:
-        """Return v, in the manner of Eq. 9.
-
-        With y = rho + w x r, the difference of the CGs' velocities in W, v = y - w x b
-        + R (w_B x kappa). Where u of the carrier stands, what cancels has been left out.
-        """
-        pushing = self.pushing[j]
-        a, b = pushing.pair.carrier, pushing.pair.leaver
-        mated = self.bodies[a].mated_rate
-        still = [
-            vector_minus(
-                vector_minus(pushed, cross(k.u[a][n], self._place(j, n, x))),
-                cross(mated, x.moved[j][n]),
-            )
-            for n, pushed in enumerate(self._pushed_apart(j, x, k))
-        ]
-        out = []
-        for n, rest in enumerate(still):
-            swung = cross(k.w[b][n], pushing.kappa)
-            change = vector_sum(
-                cross(k.u[b][n], pushing.kappa), by_vector(x.Q[j][n], swung)
-            )
-            out.append(vector_sum(rest, scaled(pushing.R0, change)))
-        return out
-
-    def _place(self, j: int, n: int, x: State) -> Vector:
-        """Return b."""
-        return vector_sum(self.pushing[j].at_start, x.moved[j][n])
-
-    def _pushed_apart(self, j: int, x: State, k: Kinematics) -> list[Vector]:
-        """Return y - y(0), by Newton's law in the carrier's axes."""
+        """Eq. 9."""
         pushing = self.pushing[j]
         a, b = pushing.pair.carrier, pushing.pair.leaver
         gravity = symmetric(self.setting.disturbance.acceleration)
         of_A = [p for p in self.pushing if p.pair.carrier == a]
+        at_start = cross(self.bodies[a].mated_rate, pushing.r0)
         turning, now = [], []
         for n in range(self.problem.pieces):
-            w = k.w[a][n]
-            swung = cross(k.w[b][n], pushing.kappa)
-            swung = vector_sum(swung, by_vector(x.Q[j][n], swung))
-            y = vector_minus(
-                vector_sum(x.v[j][n], cross(w, self._place(j, n, x))),
-                scaled(pushing.R0, swung),
-            )
+            bent = cross(k.w[a][n], vector_sum(at_start, x.U[j][n]))
             turning.append(
-                [[minus(gravity, jet[0]), *jet_negative(jet[1:])] for jet in cross(w, y)]
+                [[minus(gravity, jet[0]), *jet_negative(jet[1:])] for jet in bent]
             )
             all_of_A = vector_sum(*(p.along[n] for p in of_A))
+            by_B, by_A = self.bodies[b].inverse_mass, self.bodies[a].inverse_mass
             now.append(
                 vector_sum(
-                    [
-                        jet_product(self.bodies[b].inverse_mass, f)
-                        for f in pushing.along[n]
-                    ],
-                    [jet_product(self.bodies[a].inverse_mass, f) for f in all_of_A],
+                    [jet_product(by_B, f) for f in pushing.along[n]],
+                    [jet_product(by_A, f) for f in all_of_A],
                 )
             )
         later = integral(turning, self.lengths)
         return [vector_sum(*v) for v in zip(now, later, strict=True)]
 
-    def of_cg(self, j: int) -> tuple[list[Vector], list[Vector]]:
-        """Enclose rho and r - r(0), each in two ways."""
-        x, k, pushing = self.state, self.kinematics, self.pushing[j]
+    def way_of_cg(self, j: int) -> list[Vector]:
+        """Return r - r(0) on each piece."""
+        pushing = self.pushing[j]
+        turns = (by_vector(Q, pushing.epsilon) for Q in self.state.Q[j])
+        return [
+            vector_minus(y, scaled(pushing.R0, turn))
+            for y, turn in zip(self.state.y[j], turns, strict=True)
+        ]
+
+    def velocity_of_cg(self, j: int) -> list[Vector]:
+        """Return the velocity of B's CG as seen from A on each piece."""
+        pushing = self.pushing[j]
         a = pushing.pair.carrier
         mated = self.bodies[a].mated_rate
-        velocities, ways = [], []
-        start = vector_minus(pushing.at_start, scaled(pushing.R0, pushing.kappa))
-        for n, pushed in enumerate(self._pushed_apart(j, x, k)):
-            turn = scaled(pushing.R0, by_vector(x.Q[j][n], pushing.kappa))
-            way = vector_minus(x.moved[j][n], turn)
-            X = turned(x.Q[j][n], k.relative[j][n])
-            swing = scaled(pushing.R0, by_vector(X, pushing.kappa))
+        out = []
+        for n, way in enumerate(self.way_of_cg(j)):
+            place = vector_sum(pushing.r0, way)
             carried = vector_sum(
-                cross(k.u[a][n], vector_sum(start, way)), cross(mated, way)
+                cross(self.kinematics.u[a][n], place), cross(mated, way)
             )
-            velocities.append(
-                _intersected(
-                    vector_minus(pushed, carried), vector_minus(x.v[j][n], swing)
-                )
-            )
-            ways.append(way)
-        integrals = integral(velocities, self.lengths)
-        both = zip(ways, integrals, strict=True)
-        return velocities, [_intersected(way, other) for way, other in both]
+            out.append(vector_minus(self.state.U[j][n], carried))
+        return out
 
     def orientation(self, b: int) -> list[Rows]:
         """Enclose P of a body by the same theorem (Eq. 10)."""

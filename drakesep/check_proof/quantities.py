@@ -1,6 +1,6 @@
-"""What is claimed of a motion: its signals, and the parts that a bound is made of."""
+"""What is claimed of a motion: its signals, and the options that a quantity is of."""
 
-from dataclasses import dataclass
+import itertools
 
 from flint import arb
 
@@ -31,81 +31,50 @@ from .intervals import (
 from .motion import Motion
 
 
-@dataclass
-class Peak:
-    """The largest of options, each a piece of time with a sign."""
-
-    options: list[Jet]
-
-    @property
-    def upper(self) -> arb:
-        upper = self.options[0][0][1]
-        for jet in self.options[1:]:
-            upper = upper.max(jet[0][1])
-        return upper
-
-    @property
-    def lower(self) -> arb:
-        lower = self.options[0][0][0]
-        for jet in self.options[1:]:
-            lower = lower.max(jet[0][0])
-        return lower
-
-    def slopes(self) -> list[Interval]:
-        """Return the derivatives, over those options that can be the largest."""
-        least = self.lower
-        first, *others = (jet for jet in self.options if not jet[0][1] < least)
-        out = first[1:]
-        for jet in others:
-            out = [hull(a, b) for a, b in zip(out, jet[1:], strict=True)]
-        return out
+def options(claim: Claim, motion: Motion) -> list[Jet]:
+    """Return jets, of the largest of which the quantity is the value (section 7)."""
+    if claim.kind != "peak":
+        return [jet_sum(*(_integral(claim, term, motion) for term in claim.terms))]
+    peaks = [_peaks(term, motion) for term in claim.terms]
+    if len(peaks) == 1:
+        return [jet for of_sign in peaks[0] for jet in of_sign]
+    choices = itertools.product(*([_largest(jets) for jets in peak] for peak in peaks))
+    return [jet_sum(*choice) for choice in choices]
 
 
-@dataclass
-class Integral:
-    """An integral over the whole time, of a magnitude or of a square."""
-
-    jet: Jet
-
-    @property
-    def upper(self) -> arb:
-        return self.jet[0][1]
-
-    @property
-    def lower(self) -> arb:
-        return self.jet[0][0]
-
-    def slopes(self) -> list[Interval]:
-        return self.jet[1:]
+def _peaks(term: Term, motion: Motion) -> list[list[Jet]]:
+    """Return, for each sign, the signal with it on each piece."""
+    vectors = _signal(term, motion)
+    jets = [_of_law(term, vectors[n], motion) for n in term.pieces]
+    with_sign = {
+        1: lambda jet: jet,
+        -1: jet_negative,
+        0: lambda jet: jet_negative(_magnitude(jet)),
+    }
+    return [[with_sign[sign](jet) for jet in jets] for sign in term.signs]
 
 
-Part = Peak | Integral
+def _largest(jets: list[Jet]) -> Jet:
+    """Return the largest, its derivatives those of the jets that can be it (Danskin)."""
+    low, high = jets[0][0]
+    for jet in jets[1:]:
+        low, high = low.max(jet[0][0]), high.max(jet[0][1])
+    first, *others = (jet for jet in jets if not jet[0][1] < low)
+    slopes = first[1:]
+    for jet in others:
+        slopes = [hull(a, b) for a, b in zip(slopes, jet[1:], strict=True)]
+    return [(low, high), *slopes]
 
 
-def parts(claim: Claim, motion: Motion) -> list[Part]:
-    """Return the parts whose sum the quantity is."""
-    out: list[Part] = []
-    for term in claim.terms:
-        vectors = _signal(term, motion)
-        if claim.kind == "peak":
-            jets = {n: _of_law(term, vectors[n], motion) for n in term.pieces}
-            out.append(
-                Peak(
-                    [
-                        jets[n] if sign > 0 else jet_negative(jets[n])
-                        for n in term.pieces
-                        for sign in term.signs
-                    ]
-                )
-            )
-            continue
-        whole = motion.constants.zero
-        of_piece = _magnitude if claim.kind == "integral_of_magnitude" else jet_square
-        for vector, h in zip(vectors, motion.lengths, strict=True):
-            jet = of_piece(_of_law(term, vector, motion))
-            whole = jet_sum(whole, [(low * h, high * h) for low, high in jet])
-        out.append(Integral(whole))
-    return out
+def _integral(claim: Claim, term: Term, motion: Motion) -> Jet:
+    vectors = _signal(term, motion)
+    of_piece = _magnitude if claim.kind == "integral_of_magnitude" else jet_square
+    whole = motion.constants.zero
+    for n in term.pieces:
+        h = motion.lengths[n]
+        jet = of_piece(_of_law(term, vectors[n], motion))
+        whole = jet_sum(whole, [(low * h, high * h) for low, high in jet])
+    return whole
 
 
 def _magnitude(x: Jet) -> Jet:
@@ -124,9 +93,9 @@ def _signal(term: Term, motion: Motion) -> list[Vector]:
     if term.field == "relative_rate":
         return motion.kinematics.relative[term.pair]
     if term.field == "relative_velocity":
-        return motion.of_cg(term.pair)[0]
+        return motion.velocity_of_cg(term.pair)
     if term.field == "relative_position":
-        return motion.of_cg(term.pair)[1]
+        return motion.way_of_cg(term.pair)
     return _angles(motion.problem.pairs[term.pair].leaver, motion)
 
 

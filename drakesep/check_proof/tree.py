@@ -6,9 +6,9 @@ from functools import lru_cache
 from flint import arb
 
 from .certificate import Box, Claim, Problem, Unreadable, index, items, number
-from .intervals import ZERO, Interval, NotVerified, plus
+from .intervals import ZERO, Interval, Jet, NotVerified, hull
 from .motion import Motion, Setting
-from .quantities import Part, Peak, parts
+from .quantities import options
 
 
 @dataclass(frozen=True)
@@ -85,57 +85,47 @@ class Walk:
             ]
         raise Unreadable(f"wanted a leaf, a collapse or a cut, got {node!r:.60}")
 
-    def _parts(self, box: Box, with_slopes: bool) -> list[Part]:
-        return parts(self.claim, self.motions.on(box, with_slopes))
+    def _options(self, box: Box, with_slopes: bool) -> list[Jet]:
+        return options(self.claim, self.motions.on(box, with_slopes))
 
     def _leaf(self, box: Box, point: object) -> None:
-        count = len(self.problem.parameters)
-        star = tuple(
-            number(s, "s*") for s in items(point, "s*", count)
-        ) if point is not None else tuple((a + b) / 2 for a, b in zip(box.lower, box.upper))
-        if any(
-            not low <= s <= high
-            for low, s, high in zip(box.lower, star, box.upper, strict=True)
-        ):
-            raise NotVerified("s* is outside the box")
-        directly = upper_sum(self._parts(box, False))
-        if directly <= self.bound:
+        star = self._star(box, point)
+        reached = largest(self._options(box, False))
+        if reached <= self.bound:
             return
-        least = directly
         if box.live:
-            at_star = self._parts(Box(star, star), False)
-            reached = self._mean_value(box, star, at_star, self._parts(box, True))
+            there = self._options(Box(star, star), False)
+            reached = self._mean_value(box, star, there, self._options(box, True))
             if reached <= self.bound:
                 return
-            least = least.min(reached)
         raise NotVerified(
-            f"its bound is {float(least):.10g}, above what is claimed,"
+            f"its bound is {float(reached):.10g}, above what is claimed,"
             f" {self.claim.bound:.10g}"
         )
 
-    def _mean_value(
-        self, box: Box, star: tuple[float, ...], at_star: list[Part], on: list[Part]
-    ) -> arb:
-        """Eq. 18: of one peak for each option, else for the sum."""
+    def _star(self, box: Box, point: object) -> tuple[float, ...]:
+        """Return s* of a leaf; its centre if none is given."""
+        sides = list(zip(box.lower, box.upper, strict=True))
+        if point is None:
+            return tuple((low + high) / 2 for low, high in sides)
+        star = tuple(number(s, "s*") for s in items(point, "s*", len(sides)))
+        if any(not low <= s <= high for s, (low, high) in zip(star, sides, strict=True)):
+            raise NotVerified("s* is outside the box")
+        return star
 
-        def growth(slopes: list[Interval]) -> arb:
-            total = ZERO
-            for i, (low, high) in zip(box.live, slopes, strict=True):
+    def _mean_value(
+        self, box: Box, star: tuple[float, ...], there: list[Jet], on: list[Jet]
+    ) -> arb:
+        """Return the largest of the options' bounds, each the lesser of two (Eq. 18)."""
+        reached = []
+        for at_star, jet in zip(there, on, strict=True):
+            bound = at_star[0][1]
+            for i, (low, high) in zip(box.live, jet[1:], strict=True):
                 up = high * (arb(box.upper[i]) - arb(star[i]))
                 down = -low * (arb(star[i]) - arb(box.lower[i]))
-                total += up.max(down).max(ZERO)
-            return total
-
-        if len(on) > 1 or not isinstance(on[0], Peak):
-            return upper_sum(at_star) + growth(sum_of_slopes(on))
-        first = at_star[0]
-        assert isinstance(first, Peak)
-        reached = None
-        for there, jet in zip(first.options, on[0].options, strict=True):
-            least = jet[0][1].min(there[0][1] + growth(jet[1:]))
-            reached = least if reached is None else reached.max(least)
-        assert reached is not None
-        return reached
+                bound += up.max(down).max(ZERO)
+            reached.append(bound.min(jet[0][1]))
+        return most(reached)
 
     def _collapsed(self, box: Box, faces: object) -> Box:
         """Look whether the quantity grows to the given faces; return what is left."""
@@ -163,28 +153,25 @@ class Walk:
 
     def _slopes_above_bound(self, box: Box) -> list[Interval] | None:
         """Return the derivatives of max(F, U); None if F is nowhere above U."""
-        on = self._parts(box, True)
-        if len(on) == 1 and isinstance(on[0], Peak):
-            above = [jet for jet in on[0].options if not jet[0][1] <= self.bound]
-            if not above:
-                return None
-            return Peak(above).slopes()
-        return sum_of_slopes(on)
+        alive = [jet for jet in self._options(box, True) if not jet[0][1] <= self.bound]
+        if not alive:
+            return None
+        slopes = alive[0][1:]
+        for jet in alive[1:]:
+            slopes = [hull(a, b) for a, b in zip(slopes, jet[1:], strict=True)]
+        return slopes
 
 
-def upper_sum(of: list[Part]) -> arb:
-    return sum((part.upper for part in of), ZERO)
-
-
-def lower_sum(of: list[Part]) -> arb:
-    return sum((part.lower for part in of), ZERO)
-
-
-def sum_of_slopes(of: list[Part]) -> list[Interval]:
-    first, *others = (part.slopes() for part in of)
-    for other in others:
-        first = [plus(a, b) for a, b in zip(first, other, strict=True)]
+def most(values: list[arb]) -> arb:
+    first = values[0]
+    for value in values[1:]:
+        first = first.max(value)
     return first
+
+
+def largest(of: list[Jet]) -> arb:
+    """Return the upper end of the largest of options."""
+    return most([jet[0][1] for jet in of])
 
 
 def checked(claim: Claim, motions: Motions) -> Outcome:
@@ -193,12 +180,12 @@ def checked(claim: Claim, motions: Motions) -> Outcome:
     failure = None
     least = float("-inf")
     try:
-        there = parts(claim, motions.on(Box(tuple(claim.at), tuple(claim.at)), False))
-        least = float(lower_sum(there).lower())
-        if upper_sum(there) < claim.found:
+        there = options(claim, motions.on(Box(tuple(claim.at), tuple(claim.at)), False))
+        least = float(most([jet[0][0] for jet in there]).lower())
+        if largest(there) < claim.found:
             raise NotVerified(
                 f"what is said to be found, {claim.found:.10g}, is not reached at its"
-                f" point: at most {float(upper_sum(there)):.10g}"
+                f" point: at most {float(largest(there)):.10g}"
             )
         walk.verify()
     except NotVerified as error:

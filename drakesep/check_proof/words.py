@@ -24,6 +24,7 @@ OF_SIGNS = {
     (1,): "the largest value",
     (-1,): "less the smallest value",
     (-1, 1): "the largest magnitude",
+    (0,): "less the smallest magnitude",
 }
 AXES = {"angle": ("roll", "pitch", "yaw")}
 
@@ -61,7 +62,7 @@ def _term(claim: Claim, term: Term, problem: Problem) -> str:
         how = "part along" if term.law == "along" else "square of the part across"
         signal = f"{how} ({vector}) of the {signal}"
     if claim.kind == "peak":
-        return f"{OF_SIGNS[tuple(sorted(term.signs))]} of the {signal} {_when(term, problem)}"
+        return f"{_of_signs(term)} of the {signal} {_when(term, problem)}"
     of = "magnitude" if claim.kind == "integral_of_magnitude" else "square"
     return f"the integral from 0 to {problem.grid[-1]!r} s of the {of} of the {signal}"
 
@@ -90,3 +91,8 @@ def _when(term: Term, problem: Problem) -> str:
     if set(during) <= set(taken):
         return f"when the last stroke ends, {times}"
     return times
+
+
+def _of_signs(term: Term) -> str:
+    signs = tuple(sorted(term.signs))
+    return OF_SIGNS.get(signs, f"the largest, with the signs {signs},")
