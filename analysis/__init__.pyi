@@ -2,6 +2,10 @@ from .analysis_case import AnalysisCase as AnalysisCase
 from .analysis_case import ClearancePairs as ClearancePairs
 from .analysis_case import PrintedResult as PrintedResult
 from .analysis_case import PublishedCase as PublishedCase
+from .bounds.proving import Bound as Bound
+from .bounds.proving import Bounds as Bounds
+from .bounds.proving import ProofSettings as ProofSettings
+from .bounds.proving import prove_bounds as prove_bounds
 from .campaigns.answers import CampaignAnswer as CampaignAnswer
 from .campaigns.answers import LaunchRequirement as LaunchRequirement
 from .campaigns.answers import Tally as Tally

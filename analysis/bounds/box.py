@@ -48,7 +48,7 @@ def is_zero(x: Interval) -> bool:
 
 
 def weighted(weights: Sequence[Interval], terms: Sequence[Affine]) -> Affine:
-    """Return a sum of affine numbers with constant weights; exact zeros are left out."""
+    """Return a sum with constant weights; those that are exactly zero are left out."""
     found = [
         _times(x, w) for w, x in zip(weights, terms, strict=True) if not is_zero(w)
     ]

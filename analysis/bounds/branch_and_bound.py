@@ -42,7 +42,11 @@ class Node:
     cut: tuple[int, float] | None = None
     """The coordinate along which it is cut, and where."""
     centre: Array | None = None
-    """Of a leaf: the point of its mean value."""
+    """Of what is bounded there: the point of its mean value."""
+    choice: int | None = None
+    """The choice of signs that is looked at; all if None."""
+    split: bool = False
+    """Whether choices of signs are looked at one by one from here."""
     children: list["Node"] = field(default_factory=list)
     parent: "Node | None" = field(default=None, repr=False)
 
@@ -54,7 +58,7 @@ class Node:
 
     def close(self) -> None:
         """Be a leaf."""
-        self.children, self.faces, self.cut = [], {}, None
+        self.children, self.faces, self.cut, self.split = [], {}, None, False
 
 
 class Progress(NamedTuple):
@@ -74,7 +78,8 @@ class Effort:
     """How hard to try."""
 
     gap: float = 0.005
-    """Of the bound above the largest value found, relative, at which to stop."""
+    """Of the bound above the largest value found, relative, at which to stop; more
+    where the pieces of time are too long for it."""
     seconds: float = 600.0
     """After which what is left is bounded as it is."""
     boxes: int = 100_000
@@ -98,7 +103,8 @@ class Proof:
     boxes: int
     seconds: float
     finished: bool
-    """Whether the gap is as small as was asked for."""
+    """Whether all boxes were shown; the gap may be larger than was asked for where
+    pieces of time are too long."""
 
 
 class Prover:
@@ -133,10 +139,10 @@ class Prover:
             self._gravity,
             attitudes=quantity.attitudes,
         )
-        value, by = options(enclosure, self.grid, quantity)
+        value, by, choice = options(enclosure, self.grid, quantity)
         every = np.zeros((2, len(slopes), *value.lo.shape))
         every[:, chosen] = by.lo, by.hi
-        return Options(value, Interval(*every)), enclosure.proven
+        return Options(value, Interval(*every), choice), enclosure.proven
 
     def prove(
         self,
@@ -216,17 +222,22 @@ class _Search:
 
     # ------------------------------------------------------------ what is attained
 
-    def _attained(self, points: Array, value: Interval, proven: Array) -> None:
+    def _attained(
+        self, points: Array, value: Interval, proven: NDArray[np.bool_]
+    ) -> None:
         """Take note of values that are attained at points."""
         least = np.where(proven, self._least(points, value), -np.inf)
         best = int(np.argmax(least))
         if least[best] > self._found:
             self._found, self._at = float(least[best]), points[best].copy()
-        wanted = self._found + self._effort.gap * abs(self._found) * (1.0 - SLACK)
-        wanted -= 2.0 * SLACK * abs(wanted)
-        if self._found > -np.inf:
-            # What is shown of a lower aim holds for a higher one.
-            self._aim = max(self._aim, wanted)
+        if self._found == -np.inf:
+            return
+        # Pieces of time are as they are: no box with a point is below what that is.
+        most = np.where(proven, value.hi.max(-1), -np.inf).max()
+        room = self._effort.gap * abs(self._found)
+        wanted = max(self._found + room, float(most) + _LEAST_ROOM * room)
+        # What is shown of a lower aim holds for a higher one.
+        self._aim = max(self._aim, wanted - 2.0 * SLACK * abs(wanted))
 
     def _least(self, points: Array, value: Interval) -> Array:
         """Return what the quantity surely is at points, from its options there."""
@@ -237,8 +248,10 @@ class _Search:
         may, does = _sure(term, boxes, self._prover.grid)
         by_sign = value.lo.reshape(len(points), len(term.signs), -1)
         if term.moment:  # in one of the pieces in which it may be
-            return np.where(may[:, None], by_sign, np.inf).min(-1).max(-1)
-        return np.where(does[:, None], by_sign, -np.inf).max((-2, -1))
+            least = np.where(may[:, None], by_sign, np.inf).min(-1)
+        else:
+            least = np.where(does[:, None], by_sign, -np.inf).max(-1)
+        return np.asarray(least.max(-1))
 
     def _climb(self) -> None:
         """Go from corner to corner to where the quantity is large."""
@@ -286,29 +299,63 @@ class _Search:
         """Bound some boxes, and cut those that are not shown."""
         lower = np.array([node.lower for node in nodes])
         upper = np.array([node.upper for node in nodes])
-        found, proven = self._prover.options(
-            self._quantity, lower, upper, (upper > lower).any(axis=0)
-        )
+        varying = np.asarray((upper > lower).any(axis=0))
+        found, proven = self._prover.options(self._quantity, lower, upper, varying)
         self._boxes += len(nodes)
         known = proven & np.isfinite(found.value.hi).all(-1)
         known &= np.isfinite(found.slopes.hi).all((0, 2))
-        live = found.value.hi > self._aim
+        asked = _asked(nodes, found.choice)
+        live = asked & (found.value.hi > self._aim)
         hull = _hull(found.slopes, live)
         centres = _centres(hull, lower, upper)
         at, sound = self._prover.options(self._quantity, centres, centres, ~self._all)
         self._attained(centres, at.value, sound & known)
         by_mean = up(at.value.hi + _beyond(found.slopes, lower, upper, centres))
-        by_mean = np.where(sound[:, None], by_mean, np.inf)
-        best = np.where(np.isnan(by_mean), np.inf, by_mean)
-        bounds = np.minimum(found.value.hi, best).max(-1)
+        by_mean = np.where(sound[:, None] & np.isfinite(by_mean), by_mean, np.inf)
+        bounds = np.where(asked, np.minimum(found.value.hi, by_mean), -np.inf)
         for b, node in enumerate(nodes):
             if not known[b]:
                 self._cut(node, upper[b] - lower[b])
                 continue
-            node.bound = min(node.bound, float(bounds[b]))
+            node.bound = min(node.bound, float(bounds[b].max()))
             node.centre = centres[b]
             if node.bound > self._aim:
-                self._branch(node, Interval(hull.lo[:, b], hull.hi[:, b]))
+                self._split(node, bounds[b], live[b], found.slopes[:, b], found.choice)
+
+    def _split(
+        self,
+        node: Node,
+        bounds: Array,
+        live: NDArray[np.bool_],
+        slopes: Interval,
+        choice: Array,
+    ) -> None:
+        """Look at choices of signs one by one, and move to faces or cut.
+
+        Args:
+            node: with the box.
+            bounds: (options,) of its options.
+            live: (options,) those whose upper ends are above the aim.
+            slopes: (n, options) their derivatives.
+            choice: (options,) of signs, to which they belong.
+        """
+        branches = [node]
+        if node.choice is None and len(set(choice.tolist())) > 1:
+            node.split = True
+            branches = [
+                Node(
+                    node.lower,
+                    node.upper,
+                    float(bounds[choice == c].max()),
+                    centre=node.centre,
+                    choice=c,
+                )
+                for c in sorted(set(choice[bounds > self._aim].tolist()))
+            ]
+            node.grow(branches)
+        for branch in branches:
+            mine = live if branch is node else live & (choice == branch.choice)
+            self._branch(branch, _hull(slopes, mine))
 
     def _branch(self, node: Node, slopes: Interval) -> None:
         """Move a box to faces, or cut it."""
@@ -321,6 +368,7 @@ class _Search:
                 np.where(grows, node.upper, node.lower),
                 np.where(falls, node.lower, node.upper),
                 node.bound,
+                choice=node.choice,
             )
             node.grow([child])
             self._push(child)
@@ -337,14 +385,16 @@ class _Search:
         node.cut = (i, x)
         node.grow(
             [
-                Node(node.lower, below, node.bound),
-                Node(above, node.upper, node.bound),
+                Node(node.lower, below, node.bound, choice=node.choice),
+                Node(above, node.upper, node.bound, choice=node.choice),
             ]
         )
         for child in node.children:
             self._push(child)
 
 
+_LEAST_ROOM = 0.25
+"""Part of the gap that is left for boxes, above what points have."""
 _CLIMBS = 6
 _CORNERS = 6
 
@@ -352,7 +402,7 @@ _CORNERS = 6
 def _sure(
     term: Term, boxes: Boxes, grid: Grid
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return, for points, which pieces (boxes, pieces) a term may, and surely does, see."""
+    """Return which pieces (boxes, pieces) a term may, and surely does, look at."""
     pieces = np.arange(term.first, term.last + 1)
     starts, ends = grid.times[pieces], grid.times[pieces + 1]
     if term.since == "first":
@@ -364,6 +414,16 @@ def _sure(
         may = (ends >= early) & (starts <= late)
         return may, may
     return ends >= early, starts >= late
+
+
+def _asked(nodes: Sequence[Node], choice: Array) -> NDArray[np.bool_]:
+    """Return which options (nodes, options) nodes look at."""
+    return np.array(
+        [
+            np.full(len(choice), True) if node.choice is None else choice == node.choice
+            for node in nodes
+        ]
+    )
 
 
 def _hull(slopes: Interval, live: NDArray[np.bool_]) -> Interval:

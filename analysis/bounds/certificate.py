@@ -91,13 +91,16 @@ def _preorder(root: Node) -> list[Any]:
     while pending:
         node = pending.pop()
         pending.extend(reversed(node.children))
-        if node.cut is not None:
+        centre = None if node.centre is None else _plain(node.centre.tolist())
+        if node.split:
+            choices = [child.choice for child in node.children]
+            nodes.append(["split", choices, centre])
+        elif node.cut is not None:
             nodes.append(["cut", node.cut[0], node.cut[1].hex()])
         elif node.faces:
             sides = {str(i): "upper" if up else "lower" for i, up in node.faces.items()}
             nodes.append(["collapse", sides])
         else:
-            centre = None if node.centre is None else _plain(node.centre.tolist())
             nodes.append(["leaf", centre])
     return nodes
 

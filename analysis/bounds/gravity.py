@@ -1,4 +1,7 @@
-"""How strong gravity is at most: a disturbance of the motion, whatever the attitude."""
+"""How strong gravity is at most: a disturbance of the motion, whatever the attitude.
+
+Numbers in brackets are those of docs/proof.md.
+"""
 
 from dataclasses import dataclass
 
@@ -41,10 +44,11 @@ def disturbance(problem: BoundProblem) -> Disturbance:
     gradient = _gradient(mu, radius, reach)  # mu / r^3
     torques = []
     for body in problem.bodies:
-        I = [boxes.affine(x).value for x in body.inertia]
-        torques.append(tuple(_torque(I, gradient, axis) for axis in range(3)))
+        inertia = [boxes.affine(x).value for x in body.inertia]
+        x, y, z = (_torque(inertia, gradient, axis) for axis in range(3))
+        torques.append((x, y, z))
     apart = float((gradient * (4.0 * reach)).hi)
-    return Disturbance(tuple(torques), (apart,) * len(problem.pairs))  # type: ignore[arg-type]
+    return Disturbance(tuple(torques), (apart,) * len(problem.pairs))
 
 
 def _gradient(mu: float, radius: float, reach: float) -> Interval:
@@ -54,9 +58,9 @@ def _gradient(mu: float, radius: float, reach: float) -> Interval:
     return Interval(mu) / (near * near * near)
 
 
-def _torque(I: list[Interval], gradient: Interval, axis: int) -> float:
-    """Return the largest torque about an axis, Eq. 12 of docs/proof.md."""
-    xx_yy_zz, (xy, xz, yz) = I[:3], I[3:]
+def _torque(inertia: list[Interval], gradient: Interval, axis: int) -> float:
+    """Return the largest torque about an axis, N m: (12)."""
+    xx_yy_zz, (xy, xz, yz) = inertia[:3], inertia[3:]
     j, k = (axis + 1) % 3, (axis + 2) % 3
     product = {0: yz, 1: xz, 2: xy}
     size = (xx_yy_zz[k] - xx_yy_zz[j]).abs() * 0.5 + product[axis].abs()
@@ -65,7 +69,7 @@ def _torque(I: list[Interval], gradient: Interval, axis: int) -> float:
 
 
 def _reach(boxes: Boxes) -> float:
-    """Return a distance from W's origin that all CGs keep, m: Eq. 11 of docs/proof.md."""
+    """Return within which distance of W's origin all CGs stay, m: (11)."""
     problem = boxes.problem
     assert problem.gravity is not None
     T = Interval(problem.duration)

@@ -7,7 +7,7 @@ here.
 """
 
 from collections.abc import Iterable
-from typing import Any, Self, TypeAlias
+from typing import Any, Self, TypeAlias, TypeVar, cast
 
 import numpy as np
 
@@ -21,6 +21,7 @@ _LIBM = 1e-15
 """Of sines, cosines and arctangents, relative: more than four units in the last place,
 which libraries keep."""
 Number: TypeAlias = float | Array
+Term = TypeVar("Term")
 
 
 def down(x: Array, scale: Array | None = None, units: float = 1.0) -> Array:
@@ -118,11 +119,11 @@ class Interval:
 
     def magnitude(self) -> Array:
         """Return the largest |x|."""
-        return np.maximum(np.abs(self.lo), np.abs(self.hi))
+        return np.asarray(np.maximum(np.abs(self.lo), np.abs(self.hi)))
 
     def least_magnitude(self) -> Array:
         """Return the least |x|."""
-        return np.maximum(np.maximum(self.lo, -self.hi), 0.0)
+        return np.asarray(np.maximum(np.maximum(self.lo, -self.hi), 0.0))
 
     def abs(self) -> "Interval":
         """Return |x|."""
@@ -146,12 +147,13 @@ def _interval(x: "Interval | float | Array") -> Interval:
     return x if isinstance(x, Interval) else Interval(x)
 
 
-def total(terms: Iterable[Any]) -> Any:
+def total(terms: Iterable[Term]) -> Term:
     """Return the sum of one or more."""
     first, *rest = terms
+    result: Any = first
     for term in rest:
-        first = first + term
-    return first
+        result = result + term
+    return cast(Term, result)
 
 
 HALF_PI = Interval(np.pi / 2, np.nextafter(np.pi / 2, 2.0))

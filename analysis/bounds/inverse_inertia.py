@@ -3,6 +3,8 @@
 import itertools
 from collections.abc import Sequence
 
+import numpy as np
+
 from drakesep.analysis.bounds.intervals import Interval
 
 
@@ -13,14 +15,14 @@ def inverse(entries: Sequence[Interval]) -> list[list[Interval]]:
         entries: xx, yy, zz, xy, xz, yz.
     """
     xx, yy, zz, xy, xz, yz = entries
-    I = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    M = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
     G: dict[tuple[int, int], Interval] = {}
     for a in range(3):
         b, c = (x for x in range(3) if x != a)
-        shares = {b: _share(I, a, b, c), c: _share(I, a, c, b)}
-        rest = I[a][b] - I[b][c] * I[a][c] / I[c][c]
-        pivot = I[b][b] - I[b][c].square() / I[c][c]
-        last = I[a][a] - I[a][c].square() / I[c][c] - rest.square() / pivot
+        shares = {b: _share(M, a, b, c), c: _share(M, a, c, b)}
+        rest = M[a][b] - M[b][c] * M[a][c] / M[c][c]
+        pivot = M[b][b] - M[b][c].square() / M[c][c]
+        last = M[a][a] - M[a][c].square() / M[c][c] - rest.square() / pivot
         G[a, a] = _positive(last).inverse()
         for k, share in shares.items():
             found = -(G[a, a] * share)
@@ -31,14 +33,12 @@ def inverse(entries: Sequence[Interval]) -> list[list[Interval]]:
     return [[G[a, b] for b in range(3)] for a in range(3)]
 
 
-def _share(I: list[list[Interval]], a: int, b: int, c: int) -> Interval:
-    over = I[a][b] - I[b][c] * I[a][c] / I[c][c]
-    return over / _positive(I[b][b] - I[b][c].square() / I[c][c])
+def _share(M: list[list[Interval]], a: int, b: int, c: int) -> Interval:
+    over = M[a][b] - M[b][c] * M[a][c] / M[c][c]
+    return over / _positive(M[b][b] - M[b][c].square() / M[c][c])
 
 
 def _positive(x: Interval) -> Interval:
     """Return x, and NaN where it may not be positive."""
-    import numpy as np
-
     good = x.lo > 0.0
     return Interval(np.where(good, x.lo, np.nan), np.where(good, x.hi, np.nan))

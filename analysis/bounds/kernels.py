@@ -19,7 +19,7 @@ class NominalKernel:
     """The kernel of an impulse that depends on no parameter."""
 
     def __init__(self, law: Law, times: Array, push: int):
-        """Take the times (N + 1,) of the grid, of whose pieces so many are the push's."""
+        """Take the times (N + 1,) of a grid, and how many pieces are the push's."""
         t = times[: push + 1]
         at = impulse(law, Interval(t)).value[0]
         self.range = impulse(law, Interval(times[:-1], times[1:])).value

@@ -5,7 +5,7 @@ The equations and the theorem are those of docs/proof.md; numbers in comments ar
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +64,7 @@ class State:
     Q: list[list[list[Jet]]]
     """R = R0 (1 + Q) is the orientation of each pair's B in its A."""
     U: list[list[Jet]]
-    """Change of the velocity of each pair's B from that of A, of CGs in W, in A, m/s."""
+    """Change of the velocity of each pair's B less that of A: of CGs, in A, m/s."""
     y: list[list[Jet]]
     """How far each pair's reference point, fixed in B, has moved in A, m."""
     P: list[list[list[Jet]]]
@@ -159,13 +159,14 @@ class Enclosure:
         self._attitudes = attitudes
         self._mated = [mating(problem, pair) for pair in problem.pairs]
         self._inertia = [[boxes.affine(x) for x in b.inertia] for b in problem.bodies]
-        self._G = [inverse([x.value for x in I]) for I in self._inertia]
+        self._G = [inverse([x.value for x in entries]) for entries in self._inertia]
         rate = [Affine(Interval(x)) for x in problem.rate]
         self.rate0 = [
             turned(transposed(matrix(b.orientation)), rate) for b in problem.bodies
         ]
         self._Iw0 = [
-            _applied(I, w) for I, w in zip(self._inertia, self.rate0, strict=True)
+            _applied(entries, w)
+            for entries, w in zip(self._inertia, self.rate0, strict=True)
         ]
         self._groups = self._make_groups(kernels)
         self._pushed, self._reacted = self._impulsive_torques()
@@ -239,7 +240,7 @@ class Enclosure:
         return [(by[a] * scale[i], i) for a, i in _varied(spring)]
 
     def _deviation(self, spring: BoundSpring, by: Sequence[Interval]) -> Interval:
-        """Return what an impulse differs by from the nominal, by the mean value: (13)."""
+        """Return what an impulse differs by from the nominal: (13)."""
         boxes = self._boxes
         terms = [
             x * Interval(boxes.lower[:, i, None], boxes.upper[:, i, None])
@@ -621,13 +622,16 @@ def _turning(Q: list[list[Jet]], rate: Sequence[Jet]) -> list[list[Jet]]:
     return rows
 
 
-def _weighted(weights: Sequence[Interval], terms: Sequence[Interval]) -> Jet:
+_Terms = TypeVar("_Terms", bound=Interval)
+
+
+def _weighted(weights: Sequence[Interval], terms: Sequence[_Terms]) -> _Terms:
     return total([t * w for w, t in zip(weights, terms, strict=True)])
 
 
-def _applied(I: Sequence[Affine], w: AffineVector) -> AffineVector:
-    """Return I w of an inertia and a constant rate."""
-    xx, yy, zz, xy, xz, yz = I
+def _applied(entries: Sequence[Affine], w: AffineVector) -> AffineVector:
+    """Return I w of an inertia by its entries and a constant rate."""
+    xx, yy, zz, xy, xz, yz = entries
     rate = [x.value for x in w]
     return [
         total([x * y for x, y in zip(row, rate, strict=True)])

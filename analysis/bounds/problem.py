@@ -221,7 +221,7 @@ _SPRING = ("force_max", "stroke", "design_mass")
 
 def _read(separation: Separation) -> set[str]:
     """Return the names of the parameters that a problem may vary."""
-    owned = {body.name: _BODY for body in separation.bodies}
+    owned: dict[str, tuple[str, ...]] = {body.name: _BODY for body in separation.bodies}
     owned |= {spring.name: _SPRING for spring in separation.springs}
     owned |= {a.name: ("position_",) for a in separation.attachments}
     found = set()

@@ -1,5 +1,6 @@
 """Bounds of a case's requirements and objectives, proven one by one."""
 
+import functools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ from drakesep.analysis.bounds.problem import BoundProblem, NotCovered, problem_o
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.argument_types import typed
+from drakesep.systems.checks import check_positive
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,7 +32,7 @@ class Bound:
     value: float
     """The bound, in SI: the metric is at most this, or at least, if from below."""
     found: float
-    """The farthest value that is surely attained in the box, rounded to the near side."""
+    """The farthest value that is known to be attained in the box."""
     proof: Proof
 
     @property
@@ -73,9 +75,15 @@ class Bounds:
         write_certificate(path, self.problem, self.grid, proofs)
 
 
+@typed
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProofSettings:
-    """How hard to try."""
+    """How hard to try.
+
+    Raises:
+        ValueError: a gap or a time is not positive, or there are fewer pieces of time
+            than one.
+    """
 
     gap: float = 0.005
     """Of a bound beyond what is attained, relative, at which to stop."""
@@ -86,9 +94,16 @@ class ProofSettings:
     coast: int = 12
     """Pieces of time after that."""
 
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check_positive("gap", self.gap)
+        check_positive("seconds", self.seconds)
+        check_positive("push", self.push)
+        check_positive("coast", self.coast)
+
 
 def asked_of(case: AnalysisCase) -> list[tuple[str, Side]]:
-    """Return what a case asks for: limits of requirements, and the paper's objectives."""
+    """Return what limits of requirements ask for, and the paper's objectives."""
     asked: list[tuple[str, Side]] = [
         (r.judged_by, "highest" if r.from_above else "lowest")
         for r in case.requirements
@@ -166,9 +181,8 @@ def _proven(
         except NotCovered as why:
             not_covered[name] = str(why)
             continue
-        proof = prover.prove(
-            claim.quantity, effort, points, lambda p, name=name: on_progress(name, p)
-        )
+        told = functools.partial(on_progress, name)
+        proof = prover.prove(claim.quantity, effort, points, told)
         if not math.isfinite(proof.bound):
             not_covered[name] = f"{metric}: no enclosure of the motion was found"
             continue

@@ -80,6 +80,8 @@ class Options(NamedTuple):
     """(boxes, options)."""
     slopes: Interval
     """(parameters, boxes, options)."""
+    choice: Array
+    """(options,) to which choice of signs each belongs, from 0."""
 
 
 def options(enclosure: Enclosure, grid: Grid, quantity: Quantity) -> Options:
@@ -190,9 +192,11 @@ def _jet(value: Interval, slopes: Interval) -> Jet:
 
 def _beside(parts: Sequence[Options]) -> Options:
     """Return options that there are together."""
+    counts = [part.value.lo.shape[-1] for part in parts]
     return Options(
         Interval(*(_side_by_side([part.value for part in parts]))),
         Interval(*(_side_by_side([part.slopes for part in parts]))),
+        np.repeat(np.arange(len(parts)), counts),
     )
 
 
@@ -203,10 +207,15 @@ def _side_by_side(parts: Sequence[Interval]) -> tuple[Array, Array]:
 
 def _with_sign(x: Jet, sign: int) -> Options:
     if sign == 1:
-        return Options(x.value, x.slopes)
+        return _options(x.value, x.slopes)
     if sign == -1:
-        return Options(-x.value, -x.slopes)
-    return Options(-x.value.abs(), -(x.slopes * _sign(x.value)))
+        return _options(-x.value, -x.slopes)
+    return _options(-x.value.abs(), -(x.slopes * _sign(x.value)))
+
+
+def _options(value: Interval, slopes: Interval) -> Options:
+    """Return options of one choice of signs."""
+    return Options(value, slopes, np.zeros(value.lo.shape[-1], dtype=int))
 
 
 def _sign(x: Interval) -> Interval:
@@ -215,10 +224,10 @@ def _sign(x: Interval) -> Interval:
 
 def _largest(peak: Options) -> Options:
     """Return the largest option, whichever that may be, as one."""
-    value, slopes = peak
+    value, slopes, _ = peak
     least = value.lo.max(-1, keepdims=True)
     active = value.hi >= least
-    return Options(
+    return _options(
         Interval(least, value.hi.max(-1, keepdims=True)),
         Interval(
             np.where(active, slopes.lo, np.inf).min(-1, keepdims=True),
@@ -228,7 +237,7 @@ def _largest(peak: Options) -> Options:
 
 
 def _summed(parts: Sequence[Options]) -> Options:
-    return Options(
+    return _options(
         total([part.value for part in parts]), total([part.slopes for part in parts])
     )
 
@@ -239,7 +248,7 @@ def _integral(x: Jet, grid: Grid, kind: Kind) -> Options:
         value, slopes = x.value.square(), x.slopes * x.value * 2.0
     else:
         value, slopes = x.value.abs(), x.slopes * _sign(x.value)
-    return Options(_over_time(value, grid), _over_time(slopes, grid))
+    return _options(_over_time(value, grid), _over_time(slopes, grid))
 
 
 def _over_time(x: Interval, grid: Grid) -> Interval:

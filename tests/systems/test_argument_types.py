@@ -25,6 +25,7 @@ from drakesep.systems.simulation.simulation import Simulation
 PACKAGES = ("drakesep", "drakesep.systems", "drakesep.analysis")
 RESULTS = {
     *("Ascent", "BatchEvaluator", "BatchResult", "Campaign", "CampaignProgress"),
+    *("Bound", "Bounds"),
     *("Clearance", "Clearances", "Comparison", "Contact", "RareEvents"),
     *("Sensitivity", "Summary", "Tally"),
     *("ContactForces", "Evaluator", "Evidence", "Finding", "Growth", "Iteration"),
