@@ -24,25 +24,31 @@ class Constants:
         return arb(p.nominal) + arb(p.scale) * low, arb(p.nominal) + arb(p.scale) * high
 
     def interval(self, value: Value) -> Interval:
+        """Enclose a value."""
         if value.parameter is None:
             return NONE if value.value == 0 else point(value.value)
         return self.parameter(value.parameter)
 
     def jet(self, value: Value) -> Jet:
+        """Enclose a value and its derivatives."""
         return self.jet_of(self.interval(value), {value.parameter: self.scale(value)})
 
     def jet_of(self, value: Interval, slopes: dict[int | None, Interval]) -> Jet:
+        """Return a jet of a value and of slopes by parameter."""
         return [value, *(slopes.get(i, NONE) for i in self.live)]
 
     def scale(self, value: Value) -> Interval:
+        """Return the derivative of a value by the s of its parameter."""
         if value.parameter is None:
             return NONE
         return point(self.problem.parameters[value.parameter].scale)
 
     def vector(self, values: list[Value]) -> Vector:
+        """Enclose values and their derivatives."""
         return [self.jet(value) for value in values]
 
     def constant(self, values: list[Interval]) -> Vector:
+        """Return a vector that no parameter varies."""
         return [self.jet_of(value, {}) for value in values]
 
     @cached_property

@@ -44,6 +44,7 @@ def number(text: object, name: str) -> float:
 
 
 def positive(text: object, name: str) -> float:
+    """Return a number, which must be above zero."""
     value = number(text, name)
     if value <= 0:
         raise Unreadable(f"{name}: wanted more than 0, got {value!r}")
@@ -62,6 +63,7 @@ def keys(record: object, name: str, wanted: str, optional: str = "") -> dict[str
 
 
 def items(values: object, name: str, count: int | None = None) -> list[Any]:
+    """Return a list, of so many items if a count is given."""
     if not isinstance(values, list) or count not in (None, len(values)):
         wanted = "a list" if count is None else f"a list of {count}"
         raise Unreadable(f"{name}: wanted {wanted}, got {values!r:.60}")
@@ -69,12 +71,14 @@ def items(values: object, name: str, count: int | None = None) -> list[Any]:
 
 
 def index(value: object, name: str, count: int) -> int:
+    """Return a whole number from 0 on, below a count."""
     if type(value) is not int or not 0 <= value < count:
         raise Unreadable(f"{name}: wanted a whole number below {count}, got {value!r}")
     return value
 
 
 def text(value: object, name: str) -> str:
+    """Return a text."""
     if not isinstance(value, str):
         raise Unreadable(f"{name}: wanted a text, got {value!r:.60}")
     return value
@@ -88,6 +92,7 @@ def entry(value: object, name: str) -> Interval:
 
 
 def unit_vector(values: object, name: str) -> list[Interval]:
+    """Return three entries, which may be a unit vector."""
     vector = [entry(x, name) for x in items(values, name, 3)]
     length = sum((square(x)[0] for x in vector), ZERO).union(
         sum((square(x)[1] for x in vector), ZERO)
@@ -168,6 +173,7 @@ class Spring:
 
     @property
     def law(self) -> tuple[Value, Value, Value]:
+        """Force, stroke and mass."""
         return self.force, self.stroke, self.mass
 
     def depends_on(self, i: int) -> bool:
@@ -198,10 +204,12 @@ class Problem:
 
     @property
     def pieces(self) -> int:
+        """How many pieces of time there are."""
         return len(self.grid) - 1
 
     @cached_property
     def lengths(self) -> list[arb]:
+        """The lengths of the pieces, s."""
         return [arb(b) - arb(a) for a, b in zip(self.grid, self.grid[1:], strict=False)]
 
     @cached_property
@@ -223,6 +231,7 @@ class Problem:
 
     @property
     def root(self) -> "Box":
+        """The whole box."""
         return Box(
             tuple(p.lower for p in self.parameters),
             tuple(p.upper for p in self.parameters),
@@ -242,12 +251,14 @@ class Box:
         return [i for i, s in enumerate(self.lower) if s < self.upper[i]]
 
     def replaced(self, i: int, lower: float, upper: float) -> "Box":
+        """Return the box with other ends of one coordinate."""
         return Box(
             (*self.lower[:i], lower, *self.lower[i + 1 :]),
             (*self.upper[:i], upper, *self.upper[i + 1 :]),
         )
 
     def interval(self, i: int) -> Interval:
+        """Return a side of the box."""
         return arb(self.lower[i]), arb(self.upper[i])
 
 
@@ -352,7 +363,10 @@ def _problem(record: object, grid: list[float]) -> Problem:
 
 def _parameter(record: object, name: str) -> Parameter:
     p = keys(record, name, "name nominal scale lower upper")
-    lower, upper = number(p["lower"], f"{name}.lower"), number(p["upper"], f"{name}.upper")
+    lower, upper = (
+        number(p["lower"], f"{name}.lower"),
+        number(p["upper"], f"{name}.upper"),
+    )
     if not -1 <= lower < upper <= 1:
         raise Unreadable(
             f"{name}: wanted -1 <= lower < upper <= 1, got {lower!r} and {upper!r}"
@@ -377,7 +391,9 @@ def _value(
     if "parameter" in v:
         i = index(v["parameter"], f"{name}.parameter", len(parameters))
         if parameters[i].nominal != value:
-            raise Unreadable(f"{name}: its value is not the nominal one of its parameter")
+            raise Unreadable(
+                f"{name}: its value is not the nominal one of its parameter"
+            )
         least = value - parameters[i].scale * (1 + 1e-9)
     if above_zero and not least > 0:
         raise Unreadable(f"{name}: wanted more than 0 over the box, got {least!r}")
@@ -431,7 +447,9 @@ def _pair(record: object, name: str, bodies: list[Body]) -> Pair:
     )
 
 
-def _spring(record: object, name: str, parameters: list[Parameter], pairs: int) -> Spring:
+def _spring(
+    record: object, name: str, parameters: list[Parameter], pairs: int
+) -> Spring:
     s = keys(record, name, "name pair force_max stroke design_mass place axis")
     force, stroke, mass = (
         _value(s[key], f"{name}.{key}", parameters, above_zero=True)
@@ -453,14 +471,18 @@ def _check_pairs(problem: Problem) -> None:
     leavers = [pair.leaver for pair in problem.pairs]
     carriers = {pair.carrier for pair in problem.pairs}
     if not problem.pairs or len(set(leavers)) < len(leavers) or carriers & set(leavers):
-        raise Unreadable("problem.pairs: each body may leave one carrier, that leaves none")
+        raise Unreadable(
+            "problem.pairs: each body may leave one carrier, that leaves none"
+        )
 
 
 def _claim(record: object, name: str, problem: Problem) -> Claim:
     c = keys(record, name, "name quantity bound found at tree")
     q = keys(c["quantity"], f"{name}.quantity", "kind terms")
     if q["kind"] not in KINDS:
-        raise Unreadable(f"{name}.quantity.kind: wanted one of {KINDS}, got {q['kind']!r}")
+        raise Unreadable(
+            f"{name}.quantity.kind: wanted one of {KINDS}, got {q['kind']!r}"
+        )
     terms = [
         _term(term, f"{name}.quantity.terms[{a}]", problem, q["kind"])
         for a, term in enumerate(items(q["terms"], f"{name}.quantity.terms"))
@@ -470,7 +492,9 @@ def _claim(record: object, name: str, problem: Problem) -> Claim:
     bound = number(c["bound"], f"{name}.bound")
     found = number(c["found"], f"{name}.found")
     if found > bound:
-        raise Unreadable(f"{name}: what was found, {found!r}, is above its bound, {bound!r}")
+        raise Unreadable(
+            f"{name}: what was found, {found!r}, is above its bound, {bound!r}"
+        )
     count = len(problem.parameters)
     at = [number(s, f"{name}.at") for s in items(c["at"], f"{name}.at", count)]
     for i, (s, p) in enumerate(zip(at, problem.parameters, strict=True)):

@@ -41,7 +41,9 @@ def _torque(body: Body, constants: Constants, gradient: arb) -> list[arb]:
     xx, yy, zz, xy, xz, yz = (constants.interval(value) for value in body.inertia)
     half = arb(1) / 2
 
-    def bound(b: Interval, c: Interval, bc: Interval, ab: Interval, ac: Interval) -> arb:
+    def bound(
+        b: Interval, c: Interval, bc: Interval, ab: Interval, ac: Interval
+    ) -> arb:
         difference = (c[0] - b[1], c[1] - b[0])
         near = half * (magnitude(difference) + magnitude(ab) + magnitude(ac))
         return 3 * gradient * (near + magnitude(bc))
@@ -57,7 +59,9 @@ def _reach(problem: Problem, constants: Constants) -> arb:
     """Return a distance from W's origin that no CG reaches (Eq. 11), m."""
     assert problem.gravity is not None
     duration = arb(problem.grid[-1])
-    moved = [_moved(b, problem, constants, duration) for b in range(len(problem.bodies))]
+    moved = [
+        _moved(b, problem, constants, duration) for b in range(len(problem.bodies))
+    ]
     reach = ZERO
     for _ in range(20):
         least = arb(problem.gravity.least_radius) - reach

@@ -3,7 +3,6 @@
 With sigma(theta) = sin(min(theta, pi/2)), an impulse is J = A sigma(omega t).
 """
 
-
 from flint import arb
 
 from .boxes import Constants
@@ -27,6 +26,7 @@ Law = tuple[Interval, Interval, Interval]
 
 
 def sigma(theta: arb) -> arb:
+    """Return sin(min(theta, pi/2))."""
     return theta.min(HALF_TURN).sin()
 
 
@@ -98,6 +98,7 @@ def slopes(law: Law, start: float, end: float) -> Law:
 
 
 def end_of_stroke(law: Law) -> Interval:
+    """Enclose pi / (2 omega)."""
     force, stroke, mass = law
     quarter = HALF_TURN
     return (
@@ -107,6 +108,7 @@ def end_of_stroke(law: Law) -> Interval:
 
 
 def law_of(spring: Spring, constants: Constants) -> Law:
+    """Enclose force, stroke and mass of a spring."""
     force, stroke, mass = (constants.interval(value) for value in spring.law)
     return force, stroke, mass
 
@@ -128,9 +130,7 @@ def _by_parameters(
 class SpringImpulse:
     """J of one spring, and how it deviates from the nominal J (Eq. 13), on each piece."""
 
-    def __init__(
-        self, spring: Spring, constants: Constants, nominal: "NominalImpulse"
-    ):
+    def __init__(self, spring: Spring, constants: Constants, nominal: "NominalImpulse"):
         grid = constants.problem.grid
         self.impulse: list[Jet] = []
         self.deviation: list[Jet] = []

@@ -30,21 +30,25 @@ class NotVerified(Exception):
 
 
 def point(x: float | arb) -> Interval:
+    """Return an interval of one number."""
     ball = arb(x)
     return ball, ball
 
 
 def plus(a: Interval, b: Interval) -> Interval:
+    """Return a + b."""
     if a is NONE:
         return b
     return a if b is NONE else (a[0] + b[0], a[1] + b[1])
 
 
 def negative(a: Interval) -> Interval:
+    """Return -a."""
     return a if a is NONE else (-a[1], -a[0])
 
 
 def minus(a: Interval, b: Interval) -> Interval:
+    """Return a - b."""
     if b is NONE:
         return a
     return (-b[1], -b[0]) if a is NONE else (a[0] - b[1], a[1] - b[0])
@@ -96,10 +100,12 @@ def times(a: Interval, row: Sequence[Interval]) -> list[Interval]:
 
 
 def product(a: Interval, b: Interval) -> Interval:
+    """Return a b."""
     return times(a, (b,))[0]
 
 
 def square(a: Interval) -> Interval:
+    """Return the squares."""
     low, high = a
     if low >= ZERO:
         return low * low, high * high
@@ -109,28 +115,34 @@ def square(a: Interval) -> Interval:
 
 
 def inverse(a: Interval) -> Interval:
+    """Return 1 / a; raise NotVerified where a may be zero."""
     if not (a[0] > ZERO or a[1] < ZERO):
         raise NotVerified("a divisor may be zero")
     return 1 / a[1], 1 / a[0]
 
 
 def intersection(a: Interval, b: Interval) -> Interval:
+    """Return what is in both."""
     return a[0].max(b[0]), a[1].min(b[1])
 
 
 def hull(a: Interval, b: Interval) -> Interval:
+    """Return the least interval that holds both."""
     return a[0].min(b[0]), a[1].max(b[1])
 
 
 def symmetric(bound: arb) -> Interval:
+    """Return the interval from less a bound to it."""
     return -bound, bound
 
 
 def magnitude(a: Interval) -> arb:
+    """Return the largest magnitude."""
     return (-a[0]).max(a[1])
 
 
 def jet_sum(*jets: Jet) -> Jet:
+    """Return the sum of jets."""
     first, *others = jets
     for other in others:
         first = [plus(a, b) for a, b in zip(first, other, strict=True)]
@@ -138,14 +150,17 @@ def jet_sum(*jets: Jet) -> Jet:
 
 
 def jet_minus(x: Jet, y: Jet) -> Jet:
+    """Return x - y."""
     return [minus(a, b) for a, b in zip(x, y, strict=True)]
 
 
 def jet_negative(x: Jet) -> Jet:
+    """Return -x."""
     return [negative(a) for a in x]
 
 
 def jet_product(x: Jet, y: Jet) -> Jet:
+    """Return x y, by the rule of products."""
     by_x = times(x[0], y)
     if len(x) == 1:
         return by_x
@@ -154,27 +169,33 @@ def jet_product(x: Jet, y: Jet) -> Jet:
 
 
 def jet_square(x: Jet) -> Jet:
+    """Return the square of a jet."""
     twice = (2 * x[0][0], 2 * x[0][1])
     return [square(x[0]), *times(twice, x[1:])]
 
 
 def jets_intersected(x: Jet, y: Jet) -> Jet:
+    """Return the intersections of two jets' intervals."""
     return [intersection(a, b) for a, b in zip(x, y, strict=True)]
 
 
 def vector_sum(*vectors: Vector) -> Vector:
+    """Return the sum of vectors."""
     return [jet_sum(*jets) for jets in zip(*vectors, strict=True)]
 
 
 def vector_minus(x: Vector, y: Vector) -> Vector:
+    """Return x - y."""
     return [jet_minus(a, b) for a, b in zip(x, y, strict=True)]
 
 
 def dot(x: Vector, y: Vector) -> Jet:
+    """Return the scalar product."""
     return jet_sum(*(jet_product(a, b) for a, b in zip(x, y, strict=True)))
 
 
 def cross(x: Vector, y: Vector) -> Vector:
+    """Return x times y, the vector product."""
     return [
         jet_minus(jet_product(x[b], y[c]), jet_product(x[c], y[b]))
         for b, c in ((1, 2), (2, 0), (0, 1))
@@ -190,4 +211,5 @@ def scaled(matrix: Sequence[Sequence[Interval]], x: Vector) -> Vector:
 
 
 def transposed(matrix: Sequence[Sequence[Any]]) -> list[list[Any]]:
+    """Return the rows' columns as rows."""
     return [list(row) for row in zip(*matrix, strict=True)]

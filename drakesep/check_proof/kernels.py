@@ -98,6 +98,4 @@ def _triangle(rows: list[list[arb]]) -> arb_mat:
 
 def _columns(low: arb_mat, high: arb_mat) -> list[Column]:
     lows, highs = low.transpose().tolist(), high.transpose().tolist()
-    return [
-        list(zip(a, b, strict=True)) for a, b in zip(lows, highs, strict=True)
-    ]
+    return [list(zip(a, b, strict=True)) for a, b in zip(lows, highs, strict=True)]

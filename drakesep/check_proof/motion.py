@@ -20,11 +20,11 @@ from .intervals import (
     cross,
     intersection,
     inverse,
+    jet_minus,
     jet_negative,
     jet_product,
     jet_square,
     jet_sum,
-    jet_minus,
     jets_intersected,
     minus,
     negative,
@@ -85,7 +85,9 @@ class State:
         def vectors(x: list[list[Vector]]) -> list[list[Vector]]:
             return [[[[jet[0], *slopes] for jet in v] for v in pieces] for pieces in x]
 
-        Q = [[[[[j[0], *slopes] for j in v] for v in rows] for rows in p] for p in self.Q]
+        Q = [
+            [[[[j[0], *slopes] for j in v] for v in rows] for rows in p] for p in self.Q
+        ]
         return State(vectors(self.S), Q, vectors(self.U), vectors(self.y))
 
 
@@ -502,7 +504,9 @@ class Motion:
         return [
             [
                 vector_sum(*v)
-                for v in zip(self._less_gyroscopic(b, x.S[b], k.w[b]), push, strict=True)
+                for v in zip(
+                    self._less_gyroscopic(b, x.S[b], k.w[b]), push, strict=True
+                )
             ]
             for b, push in enumerate(pushed)
         ]
@@ -536,7 +540,9 @@ class Motion:
     def _velocities(self, x: State, k: Kinematics) -> list[list[Vector]]:
         return [self._velocity(j, x, k) for j in range(len(self.pushing))]
 
-    def _less_gyroscopic(self, b: int, S: list[Vector], w: list[Vector]) -> list[Vector]:
+    def _less_gyroscopic(
+        self, b: int, S: list[Vector], w: list[Vector]
+    ) -> list[Vector]:
         """Return the integral of the torques but for those of springs."""
         body = self.bodies[b]
         torque = [symmetric(x) for x in self.setting.disturbance.torque[b]]

@@ -8,7 +8,6 @@ from .certificate import Claim, Term
 from .intervals import (
     ONE,
     ZERO,
-    Interval,
     Jet,
     NotVerified,
     Vector,
@@ -110,7 +109,9 @@ def _of_law(term: Term, x: Vector, motion: Motion) -> Jet:
     along = dot(vector, x)
     if term.law == "along":
         return along
-    across = [jet_minus(a, jet_product(along, v)) for a, v in zip(x, vector, strict=True)]
+    across = [
+        jet_minus(a, jet_product(along, v)) for a, v in zip(x, vector, strict=True)
+    ]
     return jet_sum(*(jet_square(jet) for jet in across))
 
 

@@ -1,6 +1,6 @@
 """The tree of a claim, walked: that it covers the box, and that each node holds."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from flint import arb
@@ -33,6 +33,19 @@ class Motions:
         return Motion(self.setting, box, box.live, start=self.on(box, False))
 
 
+@dataclass(frozen=True)
+class Place:
+    """Where a walk is: a box, and which options of the quantity are looked at there."""
+
+    box: Box
+    path: str
+    chosen: tuple[int, ...] | None = None  # all
+
+    def below(self, step: str, box: Box) -> "Place":
+        """Return the place after a step of the walk."""
+        return replace(self, box=box, path=f"{self.path} > {step}")
+
+
 class Walk:
     """A walk through the tree of one claim."""
 
@@ -46,56 +59,62 @@ class Walk:
 
     def verify(self) -> None:
         """Raise NotVerified at the first node that does not hold."""
-        waiting: list[tuple[Box, str]] = [(self.problem.root, "root")]
+        waiting = [Place(self.problem.root, "root")]
         while waiting:
-            box, path = waiting.pop()
+            place = waiting.pop()
             try:
                 node = next(self.nodes)
             except StopIteration:
-                raise NotVerified(f"{path}: a node is missing") from None
+                raise NotVerified(f"{place.path}: a node is missing") from None
             self.count += 1
             try:
-                waiting += self._visited(node, box, path)
+                waiting += self._visited(node, place)
             except (NotVerified, Unreadable) as failure:
                 name = node[0] if isinstance(node, list) and node else node
                 raise NotVerified(
-                    f"node {self.count} ({path} > {name}): {failure}"
+                    f"node {self.count} ({place.path} > {name}): {failure}"
                 ) from None
         if next(self.nodes, None) is not None:
             raise NotVerified(f"after node {self.count}: nodes that belong to no box")
 
-    def _visited(self, node: object, box: Box, path: str) -> list[tuple[Box, str]]:
-        """Look whether a node holds; return the boxes below it, the last one first."""
+    def _visited(self, node: object, place: Place) -> list[Place]:
+        """Look whether a node holds; return the places below it, the last one first."""
         kind, *rest = items(node, "node") or [None]
+        box = place.box
         if kind == "leaf" and len(rest) == 1:
-            self._leaf(box, rest[0])
+            self._holds(place, self._star(box, rest[0]))
             return []
         if kind == "collapse" and len(rest) == 1:
-            child = self._collapsed(box, rest[0])
-            return [(child, path + " > collapse")]
+            return [place.below("collapse", self._collapsed(place, rest[0]))]
+        if kind == "split" and len(rest) == 2:
+            return self._split(place, rest[0], self._star(box, rest[1]))
         if kind == "cut" and len(rest) == 2:
             i = index(rest[0], "coordinate", len(self.problem.parameters))
             x = number(rest[1], "place of the cut")
             if not box.lower[i] < x < box.upper[i]:
                 raise NotVerified("the cut is not inside the box")
-            where = f"{self.problem.parameters[i].name} {{}} {x:g}"
+            name = self.problem.parameters[i].name
             return [
-                (box.replaced(i, x, box.upper[i]), f"{path} > {where.format('above')}"),
-                (box.replaced(i, box.lower[i], x), f"{path} > {where.format('below')}"),
+                place.below(f"{name} above {x:g}", box.replaced(i, x, box.upper[i])),
+                place.below(f"{name} below {x:g}", box.replaced(i, box.lower[i], x)),
             ]
-        raise Unreadable(f"wanted a leaf, a collapse or a cut, got {node!r:.60}")
+        raise Unreadable(f"wanted leaf, collapse, split or cut, got {node!r:.60}")
 
-    def _options(self, box: Box, with_slopes: bool) -> list[Jet]:
-        return options(self.claim, self.motions.on(box, with_slopes))
+    def _options(self, place: Place, with_slopes: bool) -> list[Jet]:
+        all_options = options(self.claim, self.motions.on(place.box, with_slopes))
+        if place.chosen is None:
+            return all_options
+        return [all_options[o] for o in place.chosen]
 
-    def _leaf(self, box: Box, point: object) -> None:
-        star = self._star(box, point)
-        reached = largest(self._options(box, False))
+    def _holds(self, place: Place, star: tuple[float, ...]) -> None:
+        """Raise NotVerified unless all options looked at are at most the bound."""
+        reached = largest(self._options(place, False))
         if reached <= self.bound:
             return
-        if box.live:
-            there = self._options(Box(star, star), False)
-            reached = self._mean_value(box, star, there, self._options(box, True))
+        if place.box.live:
+            there = self._options(replace(place, box=Box(star, star)), False)
+            on = self._options(place, True)
+            reached = self._mean_value(place.box, star, there, on)
             if reached <= self.bound:
                 return
         raise NotVerified(
@@ -103,13 +122,31 @@ class Walk:
             f" {self.claim.bound:.10g}"
         )
 
+    def _split(
+        self, place: Place, listed: object, star: tuple[float, ...]
+    ) -> list[Place]:
+        """Return places for each listed option alone; the others must hold."""
+        count = len(options(self.claim, self.motions.on(place.box, False)))
+        chosen = place.chosen or tuple(range(count))
+        apart = [index(o, "option", count) for o in items(listed, "options")]
+        rest = tuple(o for o in chosen if o not in apart)
+        if rest:
+            self._holds(replace(place, chosen=rest), star)
+        out = []
+        for o in reversed(apart):
+            below = place.below(f"option {o}", place.box)
+            out.append(replace(below, chosen=(o,)))
+        return out
+
     def _star(self, box: Box, point: object) -> tuple[float, ...]:
         """Return s* of a leaf; its centre if none is given."""
         sides = list(zip(box.lower, box.upper, strict=True))
         if point is None:
             return tuple((low + high) / 2 for low, high in sides)
         star = tuple(number(s, "s*") for s in items(point, "s*", len(sides)))
-        if any(not low <= s <= high for s, (low, high) in zip(star, sides, strict=True)):
+        if any(
+            not low <= s <= high for s, (low, high) in zip(star, sides, strict=True)
+        ):
             raise NotVerified("s* is outside the box")
         return star
 
@@ -127,12 +164,12 @@ class Walk:
             reached.append(bound.min(jet[0][1]))
         return most(reached)
 
-    def _collapsed(self, box: Box, faces: object) -> Box:
+    def _collapsed(self, place: Place, faces: object) -> Box:
         """Look whether the quantity grows to the given faces; return what is left."""
         if not isinstance(faces, dict) or not faces:
             raise Unreadable(f"wanted faces by coordinate, got {faces!r:.60}")
-        slopes = self._slopes_above_bound(box)
-        child = box
+        slopes = self._slopes_above_bound(place)
+        child = box = place.box
         for key, face in faces.items():
             i = int(key) if isinstance(key, str) and key.isdecimal() else -1
             if i not in box.live:
@@ -151,9 +188,11 @@ class Walk:
             child = child.replaced(i, s, s)
         return child
 
-    def _slopes_above_bound(self, box: Box) -> list[Interval] | None:
+    def _slopes_above_bound(self, place: Place) -> list[Interval] | None:
         """Return the derivatives of max(F, U); None if F is nowhere above U."""
-        alive = [jet for jet in self._options(box, True) if not jet[0][1] <= self.bound]
+        alive = [
+            jet for jet in self._options(place, True) if not jet[0][1] <= self.bound
+        ]
         if not alive:
             return None
         slopes = alive[0][1:]
@@ -163,6 +202,7 @@ class Walk:
 
 
 def most(values: list[arb]) -> arb:
+    """Return the largest."""
     first = values[0]
     for value in values[1:]:
         first = first.max(value)
