@@ -78,6 +78,7 @@ def _quantity(quantity: Quantity) -> dict[str, Any]:
                 "vector": _plain(term.signal.vector),
                 "signs": list(term.signs),
                 "pieces": [term.first, term.last],
+                "blocks": list(term.blocks),
             }
             for term in quantity.terms
         ],

@@ -160,6 +160,7 @@ def claim_of(
                     signs=signs,
                     first=window[0],
                     last=window[1],
+                    blocks=_blocks(window, grid) if len(signals) > 1 else (),
                     since="separation" if _since_separation(metric) else "first",
                     moment=not isinstance(metric.when, Window),
                 )
@@ -217,6 +218,20 @@ def _how(
             raise NotCovered(f"{name}: bounds cover integrals from above")
         return _INTEGRALS[functional], (1,), False
     return "peak", _SIGNS[functional, side], (functional, side) in _AT_ONCE
+
+
+_SHARES = (0.33, 0.6, 0.8, 1.0)
+"""Of the pieces of the push, at which blocks begin: in each, rates grow little."""
+
+
+def _blocks(window: tuple[int, int], grid: Grid) -> tuple[int, ...]:
+    """Return where blocks of time begin within a window, and the end of the last."""
+    first, last = window
+    pieces = len(grid.times) - 1
+    begins = [round(share * grid.push) for share in _SHARES]
+    begins += [grid.push + (pieces - grid.push) // 2]
+    inner = {b for b in begins if first < b <= last}
+    return tuple(b - first for b in sorted({first, *inner, last + 1}))
 
 
 def _since_separation(metric: Metric) -> bool:

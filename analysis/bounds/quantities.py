@@ -56,6 +56,9 @@ class Term:
     """Last one."""
     since: Literal["first", "separation"] = "first"
     """What it begins with: its first piece, or separation, somewhere in its pieces."""
+    blocks: tuple[int, ...] = ()
+    """Of a sum of peaks: pieces, counted from the first, at which blocks of time begin,
+    and the end of the last block."""
     moment: bool = False
     """Whether it looks at one moment alone, that with which it begins."""
 
@@ -88,7 +91,8 @@ def options(enclosure: Enclosure, grid: Grid, quantity: Quantity) -> Options:
     """Return the options of a quantity.
 
     Of one peak each piece of time with each sign; of a sum of peaks each choice of
-    signs, with the largest over time; of integrals the quantity itself.
+    signs and blocks of time, with the largest in these; of integrals the quantity
+    itself.
     """
     signals = [_signal(enclosure, term) for term in quantity.terms]
     if quantity.kind != "peak":
@@ -98,10 +102,14 @@ def options(enclosure: Enclosure, grid: Grid, quantity: Quantity) -> Options:
             [_with_sign(signals[0], sign) for sign in quantity.terms[0].signs]
         )
     each = [
-        [_largest(_with_sign(x, sign)) for sign in term.signs]
+        [
+            _largest(_with_sign(x[..., start:stop], sign))
+            for sign in term.signs
+            for start, stop in itertools.pairwise(term.blocks)
+        ]
         for x, term in zip(signals, quantity.terms, strict=True)
     ]
-    return _beside([_summed(signed) for signed in itertools.product(*each)])
+    return _beside([_summed(chosen) for chosen in itertools.product(*each)])
 
 
 def _signal(enclosure: Enclosure, term: Term) -> Jet:
