@@ -1,7 +1,7 @@
 """The command: a line for each claim, verified or not.
 
-Exit status: 0 if all claims are verified, 1 if one is not, 2 if the certificate cannot be
-read.
+Exit status: 0 if all claims are verified, 1 if one is not, 2 if the certificate cannot
+be read.
 """
 
 import argparse
@@ -9,8 +9,8 @@ import json
 import math
 import os
 import sys
+from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
-from functools import lru_cache
 from pathlib import Path
 
 from .certificate import Certificate, Claim, Unreadable, certificate
@@ -56,8 +56,8 @@ def _once(pairs: list[tuple[str, object]]) -> dict[str, object]:
 def _about(read: Certificate) -> str:
     problem = read.problem
     lines = [
-        f"{len(read.claims)} claims, for all values of {len(problem.parameters)} parameters"
-        " at once, inertias that no body can have among them:"
+        f"{len(read.claims)} claims, for all values of {len(problem.parameters)}"
+        " parameters at once, inertias that no body can have among them:"
     ]
     for p in problem.parameters:
         low, high = (p.nominal + p.scale * s for s in (p.lower, p.upper))
@@ -78,24 +78,22 @@ def _line(claim: Claim, outcome: Outcome, read: Certificate) -> str:
 def _all_checked(read: Certificate, path: Path, processes: int) -> list[Outcome]:
     count = len(read.claims)
     if min(processes, count) <= 1:
-        return [_outcome(str(path), c) for c in range(count)]
+        return _checked(read, range(count))
     with ProcessPoolExecutor(min(processes, count)) as pool:
         return list(pool.map(_outcome, [str(path)] * count, range(count)))
 
 
-@lru_cache(maxsize=1)
-def _prepared(path: str) -> tuple[Certificate, Motions]:
-    """Each process reads the certificate itself, and keeps the motions that it finds."""
-    read = read_certificate(Path(path))
-    return read, Motions(read.problem)
+def _checked(read: Certificate, claims: Iterable[int]) -> list[Outcome]:
+    try:
+        motions = Motions(read.problem)
+    except NotVerified as error:
+        return [Outcome(str(error), 0, -math.inf) for _ in claims]
+    return [checked(read.claims[c], motions) for c in claims]
 
 
 def _outcome(path: str, c: int) -> Outcome:
-    try:
-        read, motions = _prepared(path)
-    except NotVerified as error:
-        return Outcome(str(error), 0, -math.inf)
-    return checked(read.claims[c], motions)
+    """Check one claim in a process of its own, which reads the file itself."""
+    return _checked(read_certificate(Path(path)), [c])[0]
 
 
 if __name__ == "__main__":

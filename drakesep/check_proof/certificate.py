@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 from flint import arb
@@ -52,7 +53,7 @@ def positive(text: object, name: str) -> float:
 
 
 def keys(record: object, name: str, wanted: str, optional: str = "") -> dict[str, Any]:
-    """Return a record that has the wanted keys and, besides these, only optional ones."""
+    """Return a record with the wanted keys and, besides these, only optional ones."""
     if not isinstance(record, dict):
         raise Unreadable(f"{name}: wanted a record, got {type(record).__name__}")
     if missing := set(wanted.split()) - set(record):
@@ -273,6 +274,7 @@ class Term:
     vector: list[Interval] | None
     signs: list[int]
     pieces: range
+    blocks: list[range]  # of pieces, from the first of the window on
 
 
 @dataclass(frozen=True)
@@ -330,7 +332,7 @@ def _problem(record: object, grid: list[float]) -> Problem:
     duration = positive(top["duration"], "problem.duration")
     if len(grid) < 2 or grid[0] != 0 or grid[-1] != duration:
         raise Unreadable(f"grid: wanted times from 0 to the duration, {duration!r} s")
-    if any(b <= a for a, b in zip(grid, grid[1:], strict=False)):
+    if any(b <= a for a, b in pairwise(grid)):
         raise Unreadable("grid: its times must grow")
     parameters = [
         _parameter(p, f"problem.parameters[{i}]")
@@ -506,7 +508,7 @@ def _claim(record: object, name: str, problem: Problem) -> Claim:
 
 
 def _term(record: object, name: str, problem: Problem, kind: str) -> Term:
-    t = keys(record, name, "field pair law", "vector component signs pieces")
+    t = keys(record, name, "field pair law", "vector component signs pieces blocks")
     for key, allowed in (("field", FIELDS), ("law", LAWS)):
         if t[key] not in allowed:
             raise Unreadable(f"{name}.{key}: wanted one of {allowed}, got {t[key]!r}")
@@ -539,4 +541,16 @@ def _term(record: object, name: str, problem: Problem, kind: str) -> Term:
         vector,
         signs,
         pieces,
+        _blocks(t.get("blocks"), f"{name}.blocks", len(pieces)),
     )
+
+
+def _blocks(bounds: object, name: str, count: int) -> list[range]:
+    """Return stretches of pieces that make a window together; one, if none are told."""
+    ends = [0, count] if bounds is None else items(bounds, name)
+    for end in ends:
+        index(end, name, count + 1)
+    rising = all(a < b for a, b in pairwise(ends))
+    if len(ends) < 2 or ends[0] != 0 or ends[-1] != count or not rising:
+        raise Unreadable(f"{name}: wanted to rise from 0 to {count}, got {ends!r}")
+    return [range(a, b) for a, b in pairwise(ends)]

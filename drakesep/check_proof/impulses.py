@@ -3,6 +3,8 @@
 With sigma(theta) = sin(min(theta, pi/2)), an impulse is J = A sigma(omega t).
 """
 
+from itertools import pairwise
+
 from flint import arb
 
 from .boxes import Constants
@@ -128,7 +130,7 @@ def _by_parameters(
 
 
 class SpringImpulse:
-    """J of one spring, and how it deviates from the nominal J (Eq. 13), on each piece."""
+    """J of one spring on each piece, and how it deviates from nominal (Eq. 13)."""
 
     def __init__(self, spring: Spring, constants: Constants, nominal: "NominalImpulse"):
         grid = constants.problem.grid
@@ -166,7 +168,7 @@ class NominalImpulse:
         (force, _), (stroke, _), (mass, _) = law
         omega, most = (force / (mass * stroke)).sqrt(), (force * mass * stroke).sqrt()
         at = [most * sigma(omega * arb(t)) for t in problem.grid]
-        ends = list(zip(at, at[1:], strict=False))
+        ends = list(pairwise(at))
         self.impulse: list[Interval] = ends
         held = [_held(omega * arb(t)) for t in problem.grid]
         means = []
@@ -183,7 +185,7 @@ class NominalImpulse:
 
 
 def pieces_of_push(problem: Problem) -> int:
-    """Return how many pieces there are until all strokes have ended, on the whole box."""
+    """Return how many pieces there are until all strokes end, on the whole box."""
     whole = Constants(problem, problem.root, []).with_nominal
     laws = [law_of(spring, whole) for spring in problem.springs]
     return sum(

@@ -1,9 +1,9 @@
 """Intervals with Arb balls for ends, jets of them, and vectors of jets.
 
-An interval is a pair of Arb balls, its ends. The ends are those of interval arithmetic in
-real numbers, and each ball encloses the rounding of its end: nothing is rounded outward by
-hand. A jet is a list of intervals: a value, then its derivatives by those parameters that
-vary in a box.
+An interval is a pair of Arb balls, its ends. The ends are those of interval arithmetic
+in real numbers, and each ball encloses the rounding of its end: nothing is rounded
+outward by hand. A jet is a list of intervals: a value, then its derivatives by those
+parameters that vary in a box.
 """
 
 from collections.abc import Sequence
@@ -57,8 +57,8 @@ def minus(a: Interval, b: Interval) -> Interval:
 def times(a: Interval, row: Sequence[Interval]) -> list[Interval]:
     """Return the products of an interval with each of a row.
 
-    Where a sign is not certain because a ball about zero holds it, the product chosen is
-    one of those whose ball holds zero too, beyond which the exact one is not.
+    Where a sign is not certain because a ball about zero holds it, the product chosen
+    is one whose ball holds zero too, beyond which the exact one is not.
     """
     low, high = a
     out = []
@@ -71,31 +71,31 @@ def times(a: Interval, row: Sequence[Interval]) -> list[Interval]:
             if b is NONE:
                 out.append(NONE)
             else:
-                l, h = b
+                p, q = b
                 out.append(
-                    ((low if l >= ZERO else high) * l, (high if h >= ZERO else low) * h)
+                    ((low if p >= ZERO else high) * p, (high if q >= ZERO else low) * q)
                 )
     elif high <= ZERO:
         for b in row:
             if b is NONE:
                 out.append(NONE)
             else:
-                l, h = b
+                p, q = b
                 out.append(
-                    ((low if h >= ZERO else high) * h, (high if l >= ZERO else low) * l)
+                    ((low if q >= ZERO else high) * q, (high if p >= ZERO else low) * p)
                 )
     else:
         for b in row:
             if b is NONE:
                 out.append(NONE)
                 continue
-            l, h = b
-            if l >= ZERO:
-                out.append((low * h, high * h))
-            elif h <= ZERO:
-                out.append((high * l, low * l))
+            p, q = b
+            if p >= ZERO:
+                out.append((low * q, high * q))
+            elif q <= ZERO:
+                out.append((high * p, low * p))
             else:
-                out.append(((low * h).min(high * l), (low * l).max(high * h)))
+                out.append(((low * q).min(high * p), (low * p).max(high * q)))
     return out
 
 

@@ -1,7 +1,7 @@
 """Integrals over time, of a product with a kernel too, for many functions at once.
 
-A function is a column of intervals, one on each piece of time. A kernel is a lower triangle:
-its row n is for t in piece n, its column m for s in piece m.
+A function is a column of intervals, one on each piece of time. A kernel is a lower
+triangle: its row n is for t in piece n, its column m for s in piece m.
 """
 
 from flint import arb, arb_mat
@@ -91,7 +91,7 @@ class DifferenceKernel:
 
 
 def _triangle(rows: list[list[arb]]) -> arb_mat:
-    """Return a kernel whose last row is for all times after the pieces of the others."""
+    """Return a kernel; its last row is for all times after those of the others."""
     count = len(rows) - 1
     return arb_mat([(row + [ZERO] * count)[:count] for row in rows])
 

@@ -204,15 +204,19 @@ class MovingBody:
         return [jets_intersected(x, y) for x, y in zip(first, second, strict=True)]
 
 
-def _inverse(I: Matrix) -> Matrix:
+def _inverse(inertia: Matrix) -> Matrix:
     """Enclose the inverses of symmetric matrices (Eq. 16)."""
     G: list[list[Interval]] = [[(ZERO, ZERO)] * 3 for _ in range(3)]
     forms: dict[tuple[int, int], list[Interval]] = {}
     for a, b, c in ((0, 1, 2), (0, 2, 1), (1, 2, 0), (1, 0, 2), (2, 0, 1), (2, 1, 0)):
-        by_c = _positive_inverse(I[c][c])
-        pivot = _positive_inverse(minus(I[b][b], product(square(I[b][c]), by_c)))
-        rest = minus(I[a][b], product(product(I[b][c], I[a][c]), by_c))
-        diagonal = minus(I[a][a], product(square(I[a][c]), by_c))
+        by_c = _positive_inverse(inertia[c][c])
+        pivot = _positive_inverse(
+            minus(inertia[b][b], product(square(inertia[b][c]), by_c))
+        )
+        rest = minus(
+            inertia[a][b], product(product(inertia[b][c], inertia[a][c]), by_c)
+        )
+        diagonal = minus(inertia[a][a], product(square(inertia[a][c]), by_c))
         diagonal = minus(diagonal, product(square(rest), pivot))
         forms.setdefault((a, a), []).append(_positive_inverse(diagonal))
         eta = product(rest, pivot)
@@ -414,7 +418,7 @@ class Motion:
         self.kinematics = self._kinematics(self.state)
 
     def _enclosed(self, state: State) -> State:
-        """Return an enclosure by the theorem; how it is come by is no part of the proof."""
+        """Return an enclosure by the theorem; how it is found proves nothing."""
         for _ in range(FIRST):
             state = self._swept(state)
         outer = self._swept(state, WIDER)
@@ -483,8 +487,7 @@ class Motion:
     def _swept(self, x: State, wider: arb = ZERO) -> State:
         """Return the same in turn, each from what came before, and each widened.
 
-        This is a guess that is good sooner. What is an integral alone is wider than what
-        it is an integral of, so that the guess holds.
+        This is a guess, and good sooner.
         """
         k = self._kinematics(x)
         pushed = self._pushed(x, k)

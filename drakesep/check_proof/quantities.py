@@ -1,6 +1,8 @@
 """What is claimed of a motion: its signals, and the options that a quantity is of."""
 
 import itertools
+import math
+from collections.abc import Sequence
 
 from flint import arb
 
@@ -30,15 +32,33 @@ from .intervals import (
 from .motion import Motion
 
 
-def options(claim: Claim, motion: Motion) -> list[Jet]:
-    """Return jets, of the largest of which the quantity is the value (section 7)."""
+def choices(claim: Claim) -> int:
+    """Return how many choices of options there are (section 7)."""
+    if claim.kind != "peak":
+        return 1
+    if len(claim.terms) == 1:
+        return len(claim.terms[0].signs)
+    return math.prod(len(t.signs) * len(t.blocks) for t in claim.terms)
+
+
+def options(claim: Claim, motion: Motion, chosen: Sequence[int]) -> list[Jet]:
+    """Return the options of some choices: the quantity is the largest of all."""
     if claim.kind != "peak":
         return [jet_sum(*(_integral(claim, term, motion) for term in claim.terms))]
     peaks = [_peaks(term, motion) for term in claim.terms]
     if len(peaks) == 1:
-        return [jet for of_sign in peaks[0] for jet in of_sign]
-    choices = itertools.product(*([_largest(jets) for jets in peak] for peak in peaks))
-    return [jet_sum(*choice) for choice in choices]
+        return [jet for c in chosen for jet in peaks[0][c]]
+    of_terms = [
+        [_largest(jets[b.start : b.stop]) for jets in peak for b in term.blocks]
+        for term, peak in zip(claim.terms, peaks, strict=True)
+    ]
+    every = itertools.product(*(range(len(of_term)) for of_term in of_terms))
+    wanted = set(chosen)
+    return [
+        jet_sum(*(of_term[i] for of_term, i in zip(of_terms, choice, strict=True)))
+        for c, choice in enumerate(every)
+        if c in wanted
+    ]
 
 
 def _peaks(term: Term, motion: Motion) -> list[list[Jet]]:
@@ -54,7 +74,7 @@ def _peaks(term: Term, motion: Motion) -> list[list[Jet]]:
 
 
 def _largest(jets: list[Jet]) -> Jet:
-    """Return the largest, its derivatives those of the jets that can be it (Danskin)."""
+    """Return the largest; its derivatives are of those that can be it (Danskin)."""
     low, high = jets[0][0]
     for jet in jets[1:]:
         low, high = low.max(jet[0][0]), high.max(jet[0][1])

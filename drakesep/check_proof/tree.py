@@ -8,7 +8,7 @@ from flint import arb
 from .certificate import Box, Claim, Problem, Unreadable, index, items, number
 from .intervals import ZERO, Interval, Jet, NotVerified, hull
 from .motion import Motion, Setting
-from .quantities import options
+from .quantities import choices, options
 
 
 @dataclass(frozen=True)
@@ -25,21 +25,27 @@ class Motions:
 
     def __init__(self, problem: Problem):
         self.setting = Setting(problem)
-        self.on = lru_cache(maxsize=8)(self._on)
+        self._values = lru_cache(maxsize=200)(self._with_values)
+        self._slopes = lru_cache(maxsize=6)(self._with_slopes)
 
-    def _on(self, box: Box, with_slopes: bool) -> Motion:
-        if not with_slopes:
-            return Motion(self.setting, box, [])
+    def on(self, box: Box, with_slopes: bool) -> Motion:
+        """Return the motion on a box, with its derivatives or without."""
+        return self._slopes(box) if with_slopes else self._values(box)
+
+    def _with_values(self, box: Box) -> Motion:
+        return Motion(self.setting, box, [])
+
+    def _with_slopes(self, box: Box) -> Motion:
         return Motion(self.setting, box, box.live, start=self.on(box, False))
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where a walk is: a box, and which options of the quantity are looked at there."""
+    """Where a walk is: a box, and which choices of options are looked at there."""
 
     box: Box
     path: str
-    chosen: tuple[int, ...] | None = None  # all
+    chosen: tuple[int, ...]
 
     def below(self, step: str, box: Box) -> "Place":
         """Return the place after a step of the walk."""
@@ -59,7 +65,8 @@ class Walk:
 
     def verify(self) -> None:
         """Raise NotVerified at the first node that does not hold."""
-        waiting = [Place(self.problem.root, "root")]
+        everything = tuple(range(choices(self.claim)))
+        waiting = [Place(self.problem.root, "root", everything)]
         while waiting:
             place = waiting.pop()
             try:
@@ -101,10 +108,8 @@ class Walk:
         raise Unreadable(f"wanted leaf, collapse, split or cut, got {node!r:.60}")
 
     def _options(self, place: Place, with_slopes: bool) -> list[Jet]:
-        all_options = options(self.claim, self.motions.on(place.box, with_slopes))
-        if place.chosen is None:
-            return all_options
-        return [all_options[o] for o in place.chosen]
+        motion = self.motions.on(place.box, with_slopes)
+        return options(self.claim, motion, place.chosen)
 
     def _holds(self, place: Place, star: tuple[float, ...]) -> None:
         """Raise NotVerified unless all options looked at are at most the bound."""
@@ -125,17 +130,16 @@ class Walk:
     def _split(
         self, place: Place, listed: object, star: tuple[float, ...]
     ) -> list[Place]:
-        """Return places for each listed option alone; the others must hold."""
-        count = len(options(self.claim, self.motions.on(place.box, False)))
-        chosen = place.chosen or tuple(range(count))
-        apart = [index(o, "option", count) for o in items(listed, "options")]
-        rest = tuple(o for o in chosen if o not in apart)
+        """Return places for each listed choice alone; the others must hold."""
+        count = choices(self.claim)
+        apart = [index(c, "choice", count) for c in items(listed, "choices")]
+        rest = tuple(c for c in place.chosen if c not in set(apart))
         if rest:
             self._holds(replace(place, chosen=rest), star)
         out = []
-        for o in reversed(apart):
-            below = place.below(f"option {o}", place.box)
-            out.append(replace(below, chosen=(o,)))
+        for c in reversed(apart):
+            below = place.below(f"choice {c}", place.box)
+            out.append(replace(below, chosen=(c,)))
         return out
 
     def _star(self, box: Box, point: object) -> tuple[float, ...]:
@@ -153,7 +157,7 @@ class Walk:
     def _mean_value(
         self, box: Box, star: tuple[float, ...], there: list[Jet], on: list[Jet]
     ) -> arb:
-        """Return the largest of the options' bounds, each the lesser of two (Eq. 18)."""
+        """Return the largest of options' bounds, each the lesser of two (Eq. 18)."""
         reached = []
         for at_star, jet in zip(there, on, strict=True):
             bound = at_star[0][1]
@@ -220,7 +224,8 @@ def checked(claim: Claim, motions: Motions) -> Outcome:
     failure = None
     least = float("-inf")
     try:
-        there = options(claim, motions.on(Box(tuple(claim.at), tuple(claim.at)), False))
+        at = Box(tuple(claim.at), tuple(claim.at))
+        there = options(claim, motions.on(at, False), range(choices(claim)))
         least = float(most([jet[0][0] for jet in there]).lower())
         if largest(there) < claim.found:
             raise NotVerified(
