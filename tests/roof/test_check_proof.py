@@ -1,0 +1,328 @@
+"""The checker of proofs: closed forms are verified, faulty certificates are not."""
+
+import copy
+import json
+import math
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import drakesep.check_proof
+from drakesep.check_proof.__main__ import main
+
+
+MASS_A, MASS_B = 700.0, 1900.0
+FORCE, STROKE, DESIGN_MASS = 1500.0, 0.12, 500.0
+FORCE_SPAN, MASS_SPAN = 15.0, 20.0
+END_OF_STROKE = math.pi / 2 * math.sqrt(DESIGN_MASS * STROKE / FORCE)
+
+
+def speed(force: float, mass_B: float) -> float:
+    """Return the relative speed that one spring through both CGs leaves (Eq. 5)."""
+    return math.sqrt(force * DESIGN_MASS * STROKE) * (1 / MASS_A + 1 / mass_B)
+
+
+def hexadecimal(x: float) -> str:
+    return float(x).hex()
+
+
+def value(x: float, parameter: int | None = None) -> dict[str, Any]:
+    return {"value": hexadecimal(x)} | (
+        {} if parameter is None else {"parameter": parameter}
+    )
+
+
+def parameter(name: str, nominal: float, scale: float) -> dict[str, Any]:
+    return {
+        "name": name,
+        "nominal": hexadecimal(nominal),
+        "scale": hexadecimal(scale),
+        "lower": hexadecimal(-1),
+        "upper": hexadecimal(1),
+    }
+
+
+def body(name: str, mass: dict[str, Any], inertia: tuple[float, ...]) -> dict[str, Any]:
+    return {
+        "name": name,
+        "mass": mass,
+        "cg": [value(0)] * 3,
+        "inertia": [value(x) for x in inertia],
+        "orientation": [hexadecimal(x) for x in (1, 0, 0, 0, 1, 0, 0, 0, 1)],
+        "place": [hexadecimal(0)] * 3,
+    }
+
+
+def push(bound: float) -> dict[str, Any]:
+    """Return a certificate: a spring pushes two bodies through their CGs."""
+    times = [END_OF_STROKE * i / 4 for i in range(4)] + [1.01 * END_OF_STROKE, 1.0]
+    best, middle = [hexadecimal(1), hexadecimal(-1)], [hexadecimal(0)] * 2
+    return {
+        "format": "drakesep proof 1",
+        "made_by": {},
+        "problem": {
+            "duration": hexadecimal(1),
+            "parameters": [
+                parameter("spring.force_max", FORCE, FORCE_SPAN),
+                parameter("B.mass", MASS_B, MASS_SPAN),
+            ],
+            "bodies": [
+                body("A", value(MASS_A), (300, 350, 360, 0, 0, 0)),
+                body("B", value(MASS_B, 1), (700, 3100, 3200, 0, 0, 0)),
+            ],
+            "pairs": [{"A": 0, "B": 1, "reference": [hexadecimal(0)] * 3}],
+            "springs": [
+                {
+                    "name": "spring",
+                    "pair": 0,
+                    "force_max": value(FORCE, 0),
+                    "stroke": value(STROKE),
+                    "design_mass": value(DESIGN_MASS),
+                    "place": [value(0)] * 3,
+                    "axis": [hexadecimal(x) for x in (1, 0, 0)],
+                }
+            ],
+            "attitude": [hexadecimal(x) for x in (1, 0, 0, 0, 1, 0, 0, 0, 1)],
+            "rate": [hexadecimal(0)] * 3,
+            "gravity": None,
+        },
+        "grid": {"times": [hexadecimal(t) for t in times], "push": 4},
+        "method": {},
+        "claims": [
+            {
+                "name": "speed",
+                "quantity": {
+                    "kind": "peak",
+                    "terms": [
+                        {
+                            "field": "relative_velocity",
+                            "pair": 0,
+                            "law": "component",
+                            "component": 0,
+                            "signs": [1],
+                            "pieces": [3, 4],
+                        }
+                    ],
+                },
+                "bound": hexadecimal(bound),
+                "found": hexadecimal(0.999 * bound),
+                "at": best,
+                "tree": [
+                    ["cut", 0, hexadecimal(0)],
+                    ["leaf", middle],
+                    ["collapse", {"0": "upper"}],
+                    ["cut", 1, hexadecimal(0)],
+                    ["collapse", {"1": "lower"}],
+                    ["leaf", best],
+                    ["leaf", [hexadecimal(1), hexadecimal(0)]],
+                ],
+            }
+        ],
+    }
+
+
+LARGEST = speed(FORCE + FORCE_SPAN, MASS_B - MASS_SPAN)
+TIGHT = LARGEST * (1 + 1e-9)  # after the push the enclosure of a point is round-off
+
+
+def outcome(
+    record: dict[str, Any], folder: Path, capsys: pytest.CaptureFixture[str]
+) -> tuple[int, str]:
+    path = folder / "proof.json"
+    path.write_text(json.dumps(record))
+    status = main([str(path)])
+    return status, capsys.readouterr().out
+
+
+def test_a_spring_through_both_cgs_is_verified_to_round_off(tmp_path, capsys):
+    status, said = outcome(push(TIGHT), tmp_path, capsys)
+    assert status == 0, said
+    assert "verified  speed: the largest value of the x of the velocity" in said
+    assert 'of "B"' in said and "after the last stroke ends" in said and "m/s" in said
+
+
+def test_nothing_below_the_supremum_is_verified(tmp_path, capsys):
+    record = push(LARGEST * (1 - 1e-9))
+    status, said = outcome(record, tmp_path, capsys)
+    assert status == 1 and "its bound is" in said and "claimed" in said
+
+
+def test_a_free_top_keeps_its_rate(tmp_path, capsys):
+    """Torque-free about an axis of symmetry: w_x stays what it is, exactly."""
+    record = push(TIGHT)
+    record["problem"]["rate"] = [hexadecimal(x) for x in (0.02, 0.01, 0.0)]
+    record["problem"]["bodies"][1] = body(
+        "B", value(MASS_B, 1), (700, 3100, 3100, 0, 0, 0)
+    )
+    claim = record["claims"][0]
+    [term] = claim["quantity"]["terms"]
+    term |= {"field": "rate", "pieces": [0, 4]}
+    claim |= {"bound": hexadecimal(0.02 * (1 + 1e-12)), "found": hexadecimal(0.02)}
+    claim["tree"] = [["leaf", [hexadecimal(0)] * 2]]
+    status, said = outcome(record, tmp_path, capsys)
+    assert status == 0, said
+    claim |= {"bound": hexadecimal(0.0199), "found": hexadecimal(0.0198)}
+    assert outcome(record, tmp_path, capsys)[0] == 1
+
+
+Record = dict[str, Any]
+
+
+def _claim(record: Record) -> Record:
+    return record["claims"][0]
+
+
+def _term(record: Record) -> Record:
+    return _claim(record)["quantity"]["terms"][0]
+
+
+def _problem(record: Record) -> Record:
+    return record["problem"]
+
+
+def _wrong_face(record: Record) -> None:
+    """Beside a bound that is not met: where all is below it, faces do not matter."""
+    _claim(record)["bound"] = hexadecimal(0.99999 * LARGEST)
+    _claim(record)["tree"][2] = ["collapse", {"0": "lower"}]
+
+
+def _no_sign(record: Record) -> None:
+    """The largest y speed is zero for all parameters: it grows to no face."""
+    _term(record)["component"] = 1
+    _claim(record)["found"] = hexadecimal(-1.0)
+    _claim(record)["bound"] = hexadecimal(-0.5)
+    _claim(record)["tree"] = [["collapse", {"0": "upper"}], ["leaf", None]]
+
+
+FAULTS: dict[str, tuple[Callable[[Record], Any], int, str]] = {
+    "bound narrowed by half a per cent": (
+        lambda r: _claim(r).update(
+            bound=hexadecimal(0.995 * LARGEST), found=hexadecimal(0.99 * LARGEST)
+        ),
+        1,
+        "above what is claimed",
+    ),
+    "box lost": (lambda r: _claim(r)["tree"].pop(), 1, "a node is missing"),
+    "box too many": (
+        lambda r: _claim(r)["tree"].append(["leaf", None]),
+        1,
+        "belong to no box",
+    ),
+    "cut outside the box": (
+        lambda r: _claim(r)["tree"].__setitem__(0, ["cut", 0, hexadecimal(1)]),
+        1,
+        "not inside the box",
+    ),
+    "axis left out": (
+        lambda r: _problem(r)["parameters"][0].update(scale=hexadecimal(0)),
+        2,
+        "parameters[0].scale: wanted more than 0",
+    ),
+    "axis of no width": (
+        lambda r: _problem(r)["parameters"][0].update(lower=hexadecimal(1)),
+        2,
+        "lower < upper",
+    ),
+    "collapse to the wrong face": (_wrong_face, 1, "may not grow to the lower face"),
+    "sign taken for constant": (_no_sign, 1, "may not grow to the upper face"),
+    "collapse of what is collapsed": (
+        lambda r: _claim(r)["tree"].__setitem__(4, ["collapse", {"0": "upper"}]),
+        1,
+        "does not vary",
+    ),
+    "s* outside its box": (
+        lambda r: _claim(r)["tree"].__setitem__(1, ["leaf", [hexadecimal(1)] * 2]),
+        1,
+        "s* is outside the box",
+    ),
+    "NaN": (lambda r: _claim(r).update(bound="nan"), 2, "wanted a finite number"),
+    "infinity": (lambda r: _claim(r).update(bound="inf"), 2, "wanted a finite number"),
+    "decimal number": (lambda r: _claim(r).update(bound=1.0), 2, "hexadecimal float"),
+    "rotation altered": (
+        lambda r: _problem(r)["attitude"].__setitem__(1, hexadecimal(1e-6)),
+        2,
+        "attitude",
+    ),
+    "axis of a spring altered": (
+        lambda r: _problem(r)["springs"][0]["axis"].__setitem__(1, hexadecimal(1e-3)),
+        2,
+        "axis: its length is not 1",
+    ),
+    "shorter duration": (
+        lambda r: _problem(r).update(duration=hexadecimal(0.5)),
+        2,
+        "grid: wanted times from 0 to the duration",
+    ),
+    "grid that does not start at 0": (
+        lambda r: r["grid"]["times"].pop(0),
+        2,
+        "grid: wanted times from 0",
+    ),
+    "grid that goes back": (
+        lambda r: r["grid"]["times"].__setitem__(1, hexadecimal(0)),
+        2,
+        "must grow",
+    ),
+    "blocks that leave pieces out": (
+        lambda r: _term(r).update(blocks=[0, 1]),
+        2,
+        "blocks: wanted to rise from 0 to 2",
+    ),
+    "key that is not known": (
+        lambda r: _problem(r).update(thrust=hexadecimal(1)),
+        2,
+        "not known are thrust",
+    ),
+    "found where it is not": (
+        lambda r: _claim(r).update(at=[hexadecimal(-1), hexadecimal(1)]),
+        1,
+        "is not reached at its point",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_is_refused_with_its_reason(fault, tmp_path, capsys):
+    alter, wanted, reason = FAULTS[fault]
+    record = copy.deepcopy(push(TIGHT))
+    alter(record)
+    status, said = outcome(record, tmp_path, capsys)
+    assert (status, reason in said) == (wanted, True), said
+
+
+def test_a_window_that_lacks_pieces_is_not_called_after_the_push(tmp_path, capsys):
+    record = push(TIGHT)
+    record["grid"]["times"].insert(5, hexadecimal(0.9))
+    status, said = outcome(record, tmp_path, capsys)
+    assert status == 0 and "after the last stroke ends" not in said, said
+
+
+def test_a_key_that_stands_twice_is_refused(tmp_path, capsys):
+    path = tmp_path / "proof.json"
+    path.write_text('{"format": "drakesep proof 1", "format": "drakesep proof 1"}')
+    assert main([str(path)]) == 2
+    assert "stands twice" in capsys.readouterr().out
+
+
+def test_it_stands_alone(tmp_path):
+    """Copied elsewhere, it runs with the standard library and python-flint only."""
+    folder = Path(drakesep.check_proof.__file__).parent
+    (tmp_path / "check_proof").mkdir()
+    for path in folder.glob("*.py"):
+        (tmp_path / "check_proof" / path.name).write_text(path.read_text())
+    (tmp_path / "proof.json").write_text(json.dumps(push(TIGHT)))
+    code = (
+        "import sys\nfrom check_proof.__main__ import main\n"
+        "status = main(['proof.json'])\n"
+        "roots = {name.partition('.')[0] for name in sys.modules}\n"
+        "alien = roots - set(sys.stdlib_module_names) - {'check_proof', 'flint'}\n"
+        "print(status, sorted(alien & {'numpy', 'jax', 'drakesep', 'pydrake'}))"
+    )
+    ran = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert ran.stdout.splitlines()[-1] == "0 []", ran.stdout + ran.stderr
