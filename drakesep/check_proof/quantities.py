@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from flint import arb
 
@@ -65,7 +65,7 @@ def _peaks(term: Term, motion: Motion) -> list[list[Jet]]:
     """Return, for each sign, the signal with it on each piece."""
     vectors = _signal(term, motion)
     jets = [_of_law(term, vectors[n], motion) for n in term.pieces]
-    with_sign = {
+    with_sign: dict[int, Callable[[Jet], Jet]] = {
         1: lambda jet: jet,
         -1: jet_negative,
         0: lambda jet: jet_negative(_magnitude(jet)),
@@ -139,8 +139,8 @@ def _angles(b: int, motion: Motion) -> list[Vector]:
     """Return roll, pitch and yaw on each piece."""
     body = motion.problem.bodies[b]
     in_W = [scaled(motion.problem.R_W, [[x] for x in c]) for c in transposed(body.R_S)]
-    fixed = [scaled(transposed(body.R_S), column) for column in in_W]
-    fixed = transposed([[jet[0] for jet in column] for column in fixed])
+    in_S = [scaled(transposed(body.R_S), column) for column in in_W]
+    fixed = transposed([[jet[0] for jet in column] for column in in_S])
     out = []
     for P in motion.orientation(b):
         columns = []

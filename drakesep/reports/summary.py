@@ -1,8 +1,8 @@
 """What a reader asks first: is it met, what is the worst, who says so."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from drakesep.analysis.failure_cases import DESIGN
 from drakesep.analysis.metrics.metric import Kind
@@ -172,8 +172,10 @@ def _margin_share(entry: Entry) -> float:
 def _share(limit: Cell, nominal: Cell, worst: Cell, margin: float) -> float:
     """Return a margin as a share of its limit, as tables of failure cases have it."""
     told = {"limit": limit, "nominal": nominal, "worst": worst}
-    sizes = {name: cell.value if cell else 0.0 for name, cell in told.items()}
-    return margin_share({**sizes, "margin": margin})
+    row: dict[Hashable, Any] = {
+        name: cell.value if cell else 0.0 for name, cell in told.items()
+    }
+    return margin_share(row | {"margin": margin})
 
 
 def _worst_of(rows: Sequence[Row]) -> Row | None:
