@@ -462,14 +462,14 @@ class Motion:
             for n, Q in enumerate(x.Q[j]):
                 seen = by_vector(transposed(Q), scaled(pushing.R0T, w[a][n]))
                 change = vector_minus(u[b][n], scaled(pushing.R0T, u[a][n]))
-                rates.append(vector_minus(change, seen))  # Eq. 4
+                rates.append(vector_minus(change, seen))  # (4)
                 swing = cross(u[b][n], pushing.epsilon)
                 turning = by_vector(Q, cross(w[b][n], pushing.epsilon))
                 place = vector_sum(pushing.b0, x.y[j][n])
                 carried = vector_sum(cross(u[a][n], place), cross(mated, x.y[j][n]))
                 swing = scaled(pushing.R0, vector_sum(swing, turning))
                 velocity = vector_sum(vector_minus(x.U[j][n], carried), swing)
-                velocities.append(velocity)  # Eq. 4a
+                velocities.append(velocity)  # (4a)
             relative.append(rates)
             Y.append(velocities)
         return Kinematics(u, w, relative, Y)

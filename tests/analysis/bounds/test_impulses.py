@@ -2,13 +2,20 @@
 
 import flint
 import numpy as np
+import pytest
 from flint import arb
 
 from drakesep.analysis.bounds.impulses import Law, impulse, summed_impulse
 from drakesep.analysis.bounds.intervals import Interval
 
 
-flint.ctx.prec = 300
+@pytest.fixture(autouse=True)
+def precise():
+    """Arb's precision is the process's: whoever uses it says it."""
+    with flint.ctx.workprec(300):
+        yield
+
+
 RNG = np.random.default_rng(2)
 F, L, M = 1485.0, 0.121, 133.6
 

@@ -10,7 +10,13 @@ from drakesep.analysis.bounds.intervals import Interval, down, up
 from drakesep.analysis.bounds.jets import Jet, integrals
 
 
-flint.ctx.prec = 1000
+@pytest.fixture(autouse=True)
+def precise():
+    """Arb's precision is the process's: whoever uses it says it."""
+    with flint.ctx.workprec(1000):
+        yield
+
+
 RNG = np.random.default_rng(1)
 SIZES = np.concatenate([[0.0], 10.0 ** RNG.uniform(-140, 140, 60)])
 NUMBERS = np.concatenate([SIZES, -SIZES, RNG.uniform(-2.0, 2.0, 80)])
