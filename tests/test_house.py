@@ -52,7 +52,7 @@ def modules() -> dict[str, Path]:
 MODULES = modules()
 
 STANDS_ALONE = ("drakesep.check_proof",)
-"""What may be copied elsewhere by itself: it imports its own rooms by relative names."""
+"""What may be copied elsewhere by itself: imports within it are relative."""
 
 
 def imports_of(module: str, path: Path) -> Iterator[Import]:
@@ -68,7 +68,7 @@ def imports_of(module: str, path: Path) -> Iterator[Import]:
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            if within(module, STANDS_ALONE):
+            if module.startswith(STANDS_ALONE):
                 continue
             assert node.level == 0, f"{module}: imports must be absolute"
             for alias in node.names:
@@ -222,7 +222,7 @@ def test_packages_are_listed():
 def test_what_stands_alone_knows_nothing_of_the_house():
     """Its own rooms, the standard library and python-flint: no code of the prover's."""
     for module, path in MODULES.items():
-        if not within(module, STANDS_ALONE):
+        if not module.startswith(STANDS_ALONE):
             continue
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             names = []
