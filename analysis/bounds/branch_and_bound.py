@@ -194,9 +194,8 @@ class _Search:
             self._report()
         left = [node.bound for _, _, node in self._queue]
         aim = max([self._aim, *left])
-        for _, _, node in self._queue:  # what is known of them is of their parents
-            if node.parent is not None:
-                node.parent.close()
+        for _, _, node in self._queue:
+            _close_above(node)
         return Proof(
             quantity=self._quantity,
             bound=aim + SLACK * abs(aim),
@@ -303,7 +302,7 @@ class _Search:
         found, proven = self._prover.options(self._quantity, lower, upper, varying)
         self._boxes += len(nodes)
         known = proven & np.isfinite(found.value.hi).all(-1)
-        known &= np.isfinite(found.slopes.hi).all((0, 2))
+        known &= np.isfinite(found.slopes.hi - found.slopes.lo).all((0, 2))
         asked = _asked(nodes, found.choice)
         live = asked & (found.value.hi > self._aim)
         hull = _hull(found.slopes, live)
@@ -393,7 +392,20 @@ class _Search:
             self._push(child)
 
 
-_LEAST_ROOM = 0.25
+def _close_above(node: Node) -> None:
+    """Make a leaf of the box in which one lies that was not looked at.
+
+    What is known of the one is what is known of the other; of a box whose motion was
+    not enclosed, nothing is.
+    """
+    above = node.parent
+    while above is not None and above.centre is None:
+        above = above.parent
+    if above is not None:
+        above.close()
+
+
+_LEAST_ROOM = 0.1
 """Part of the gap that is left for boxes, above what points have."""
 _CLIMBS = 6
 _CORNERS = 6

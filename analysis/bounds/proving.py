@@ -89,7 +89,7 @@ class ProofSettings:
     """Of a bound beyond what is attained, relative, at which to stop."""
     seconds: float = 60.0
     """For each bound; then what is known is its bound."""
-    push: int = 48
+    push: int = 56
     """Pieces of time while springs push."""
     coast: int = 12
     """Pieces of time after that."""

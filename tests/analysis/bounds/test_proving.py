@@ -10,10 +10,16 @@ import numpy as np
 import oracle
 import pytest
 from separations import by_displacement, generic_pair, staged_pair
+from six_springs import six_springs_case
 
 import drakesep
 from drakesep.analysis import AnalysisCase, Requirement
+from drakesep.analysis.bounds.branch_and_bound import Effort, Prover
+from drakesep.analysis.bounds.claims import claim_of
+from drakesep.analysis.bounds.grid import make_grid
+from drakesep.analysis.bounds.problem import problem_of
 from drakesep.analysis.bounds.proving import ProofSettings, prove_bounds
+from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.separation import InitialMotion
 
@@ -225,7 +231,7 @@ def test_vegas_requirements_are_proven_to_half_a_per_cent():
         (r.judged_by, "highest" if r.from_above else "lowest")
         for r in case.requirements
     ]
-    bounds = prove_bounds(case, asked)
+    bounds = prove_bounds(case, asked, ProofSettings(seconds=600.0))
     worst = {  # docs/worst_cases.md
         "highest_rate_after_separation_x": math.radians(0.692),
         "highest_rate_after_separation_y": math.radians(0.460),
@@ -244,3 +250,45 @@ def test_vegas_requirements_are_proven_to_half_a_per_cent():
         side = "highest" if requirement.from_above else "lowest"
         name = f"{side}_{requirement.judged_by}"
         assert name in bounds.not_covered or bounds.proven[name].meets(requirement)
+
+
+@pytest.mark.slow
+def test_another_vehicle_is_proven():
+    """Six springs, products of inertia, tolerances 1.5 times as large as VEGA's."""
+    case = six_springs_case()
+    bounds = prove_bounds(
+        case, settings=ProofSettings(gap=0.01, seconds=600.0, push=36, coast=20)
+    )
+    assert not bounds.not_covered
+    assert all(bounds.proven[name].gap < 0.03 for name in bounds.proven)
+    points = case.tolerance_set.draw(20, np.random.default_rng(4))
+    times = np.linspace(0.0, 3.0, 61)
+    for point in points:
+        run = oracle.fly(with_values(case.separation, case.box.values(point)), times)
+        after = np.abs(run.rate[times > 0.2]).max(axis=0)  # all strokes have ended
+        for axis, value in zip("xyz", after, strict=True):
+            bound = bounds.proven[f"highest_rate_after_separation_{axis}"]
+            assert value < bound.value
+
+
+def leaves(node):
+    if not node.children:
+        yield node
+    for child in node.children:
+        yield from leaves(child)
+
+
+def test_a_proof_that_is_cut_short_is_a_bound_of_what_it_knows():
+    pair = generic_pair()
+    tolerances = {f"upper.cg_{axis}": 0.03 for axis in "yz"}
+    tolerances |= {f"upper.inertia_{entry}": 60.0 for entry in ("xy", "xz", "yy")}
+    problem = problem_of(pair, ToleranceBox.around(pair, tolerances))
+    grid = make_grid(problem, 8, 4)
+    claim = claim_of(pair, problem, grid, "G_L1", "highest")
+    effort = Effort(gap=1e-6, boxes=30, batch=4)
+    proof = Prover(problem, grid).prove(claim.quantity, effort)
+    assert not proof.finished
+    assert proof.found < proof.bound < 10.0 * proof.found
+    for leaf in leaves(proof.tree):  # each was looked at, and is below the bound
+        assert leaf.centre is not None
+        assert leaf.bound <= proof.bound
