@@ -65,12 +65,14 @@ def _peaks(term: Term, motion: Motion) -> list[list[Jet]]:
     """Return, for each sign, the signal with it on each piece."""
     vectors = _signal(term, motion)
     jets = [_of_law(term, vectors[n], motion) for n in term.pieces]
-    with_sign = {
-        1: lambda jet: jet,
-        -1: jet_negative,
-        0: lambda jet: jet_negative(_magnitude(jet)),
-    }
-    return [[with_sign[sign](jet) for jet in jets] for sign in term.signs]
+    return [[_with_sign(sign, jet) for jet in jets] for sign in term.signs]
+
+
+def _with_sign(sign: int, jet: Jet) -> Jet:
+    """Return a jet, less it, or for the sign 0 less its magnitude."""
+    if sign == 0:
+        return jet_negative(_magnitude(jet))
+    return jet if sign > 0 else jet_negative(jet)
 
 
 def _largest(jets: list[Jet]) -> Jet:
@@ -139,8 +141,8 @@ def _angles(b: int, motion: Motion) -> list[Vector]:
     """Return roll, pitch and yaw on each piece."""
     body = motion.problem.bodies[b]
     in_W = [scaled(motion.problem.R_W, [[x] for x in c]) for c in transposed(body.R_S)]
-    fixed = [scaled(transposed(body.R_S), column) for column in in_W]
-    fixed = transposed([[jet[0] for jet in column] for column in fixed])
+    in_S = [scaled(transposed(body.R_S), column) for column in in_W]
+    fixed = transposed([[jet[0] for jet in column] for column in in_S])
     out = []
     for P in motion.orientation(b):
         columns = []
