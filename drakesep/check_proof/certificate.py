@@ -547,7 +547,7 @@ def _term(record: object, name: str, problem: Problem, kind: str) -> Term:
 
 def _blocks(bounds: object, name: str, count: int) -> list[range]:
     """Return stretches of pieces that make a window together; one, if none are told."""
-    ends = [0, count] if bounds is None else items(bounds, name)
+    ends = items(bounds or [], name) or [0, count]
     for end in ends:
         index(end, name, count + 1)
     rising = all(a < b for a, b in pairwise(ends))
