@@ -171,9 +171,8 @@ def _margin_share(entry: Entry) -> float:
 
 def _share(limit: Cell, nominal: Cell, worst: Cell, margin: float) -> float:
     """Return a margin as a share of its limit, as tables of failure cases have it."""
-    told = {"limit": limit, "nominal": nominal, "worst": worst}
-    sizes = {name: cell.value if cell else 0.0 for name, cell in told.items()}
-    return margin_share({**sizes, "margin": margin})
+    told = {"limit": limit, "nominal": nominal, "worst": worst, "margin": Cell(margin)}
+    return margin_share({name: x.value if x else 0.0 for name, x in told.items()})
 
 
 def _worst_of(rows: Sequence[Row]) -> Row | None:

@@ -82,14 +82,14 @@ def test_limits_above_columns_have_their_sense(sense, sign):
 
 
 @pytest.mark.parametrize(
-    ("share", "verdict", "is_judged"),
+    ("share", "bound", "verdict", "is_judged"),
     [
-        ("", "not looked at", False),  # every run must: draws say nothing good
-        ("", "not met", True),
-        (0.99, "not looked at", True),
+        ("", 0.4, "not looked at", False),  # every run must: draws say nothing good
+        ("", "", "not looked at", True),  # no draw tells anything
+        ("", 0.4, "not met", True),
+        (0.99, 0.4, "not looked at", True),
     ],
 )
-def test_draws_have_a_verdict_where_they_can_give_one(share, verdict, is_judged):
-    assert (
-        _is_judged(rows({"share": share, "verdict": verdict}), "verdict") is is_judged
-    )
+def test_draws_have_a_verdict_where_they_can_give_one(share, bound, verdict, is_judged):
+    [one] = rows({"share": share, "bound": bound, "verdict": verdict})
+    assert _is_judged([one], "verdict") is is_judged
