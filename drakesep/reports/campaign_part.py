@@ -156,7 +156,11 @@ def _judged(rows: Sequence[Row], columns: Columns, verdict: str) -> Table:
 
 
 def _is_judged(rows: Sequence[Row], verdict: str) -> bool:
-    return any(row["share"] or row.get(verdict) != NOT_LOOKED_AT for row in rows)
+    """Return whether a verdict says something; a bound that is missing does, too."""
+    return any(
+        row["share"] or not row["bound"] or row.get(verdict) != NOT_LOOKED_AT
+        for row in rows
+    )
 
 
 def _largest(rows: Sequence[Row]) -> list[Row]:

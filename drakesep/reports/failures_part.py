@@ -26,8 +26,8 @@ _OUTCOMES: Columns = {
     CASE: "failure case",
     "changed": "what has failed",
     "verdict": "verdict",
-    "not_met": "requirements not met",
-    "beyond": "worst values beyond",
+    "not_met": "limits not met",
+    "beyond": "worst beyond",
     "nearest_requirement nearest_axis nearest_pair": "nearest requirement",
     "nearest_limit": "its limit",
     "nearest_worst": "worst",
@@ -88,8 +88,8 @@ def _by_requirement(rows: Sequence[Row]) -> list[Table]:
 def _heading(column: dict[str, Row]) -> Heading:
     row = next(iter(column.values()))
     whose = [row[n] for n in ("requirement", "axis", "pair") if row[n]]
-    cells = [*whose, row["sense"], row["limit"], row["unit"]]
-    return Heading("", is_number=True, cells=cells)
+    cells = [*whose, row["sense"], row["limit"]]
+    return Heading("", str(row.get("unit", "")), is_number=True, cells=cells)
 
 
 def _worst(row: Row | None) -> Cell:

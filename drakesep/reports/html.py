@@ -167,5 +167,6 @@ def _template(name: str) -> str:
 
 
 def _broken(text: str) -> Markup:
-    """Return words that a line may break after their underscores and dots."""
-    return Markup(re.sub(r"(?<=[a-z0-9])([_.])(?=\w)", r"\1<wbr>", str(escape(text))))
+    """Return words that a line may break after underscores and dots, not in numbers."""
+    places = r"(?<=[a-z0-9])(_|\.(?!\d))(?=\w)"
+    return Markup(re.sub(places, r"\1<wbr>", str(escape(text))))

@@ -6,6 +6,7 @@ from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.reports.campaign_part import _is_judged
 from drakesep.reports.cells import Row
 from drakesep.reports.failures_part import _by_requirement
+from drakesep.reports.html import _broken
 from drakesep.reports.summary import _failure_findings, _touching, _worst_of
 
 
@@ -77,19 +78,26 @@ def test_limits_above_columns_have_their_sense(sense, sign):
     [table] = _by_requirement(
         rows({"failure_case": "design", "sense": sense, "worst": 0.5})
     )
-    words = [cell.text for cell in table.headings[1].cells]
-    assert words == ["final rate", "x", sign, "1", "deg/s"]
+    heading = table.headings[1]
+    words = [cell.text for cell in heading.cells]
+    assert [*words, heading.unit] == ["final rate", "x", sign, "1", "deg/s"]
 
 
 @pytest.mark.parametrize(
-    ("share", "verdict", "is_judged"),
+    ("share", "bound", "verdict", "is_judged"),
     [
-        ("", "not looked at", False),  # every run must: draws say nothing good
-        ("", "not met", True),
-        (0.99, "not looked at", True),
+        ("", 0.4, "not looked at", False),  # every run must: draws say nothing good
+        ("", "", "not looked at", True),  # no draw tells anything
+        ("", 0.4, "not met", True),
+        (0.99, 0.4, "not looked at", True),
     ],
 )
-def test_draws_have_a_verdict_where_they_can_give_one(share, verdict, is_judged):
-    assert (
-        _is_judged(rows({"share": share, "verdict": verdict}), "verdict") is is_judged
+def test_draws_have_a_verdict_where_they_can_give_one(share, bound, verdict, is_judged):
+    [one] = rows({"share": share, "bound": bound, "verdict": verdict})
+    assert _is_judged([one], "verdict") is is_judged
+
+
+def test_lines_break_within_names_and_never_within_numbers():
+    assert _broken("spring_1.lost_stroke 0.5") == (
+        "spring_<wbr>1.<wbr>lost_<wbr>stroke 0.5"
     )
