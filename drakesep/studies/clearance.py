@@ -20,6 +20,7 @@ from drakesep.results.catalogue import CLEARANCE
 from drakesep.results.folder import Output, ResultsFolder, begun
 from drakesep.results.recorded_runs import save_runs
 from drakesep.studies.remarks import Remark, remarks, save_remarks
+from drakesep.studies.saved import SavedStudy
 from drakesep.systems.argument_types import typed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
@@ -36,7 +37,7 @@ from drakesep.units import unit_of, with_unit
 
 
 @dataclass(frozen=True, kw_only=True)
-class Clearances:
+class Clearances(SavedStudy):
     """How near the parts of a case come in one run."""
 
     asked: Asked = field(repr=False)
@@ -160,18 +161,8 @@ class Clearances:
         """Whether nothing touches."""
         return all(one.contact is None for one in self.found)
 
-    def save(self, directory: str | Path) -> None:
-        """Write tables, plots and `study.json` into a folder.
-
-        Raises:
-            ValueError: it cannot be written, another study is writing it, or it holds
-                the results of another kind of study.
-        """
-        with ResultsFolder(directory, self.asked.study) as folder:
-            folder.begin(self.asked)
-            self._write(folder)
-
-    def _write(self, results: ResultsFolder) -> None:
+    def write(self, results: ResultsFolder) -> None:
+        """Write it into the folder of its study, which ends."""
         # Half a second to import, where it is drawn.
         from drakesep.plots.clearance_plots import save_clearance
         from drakesep.plots.swept_volume import save_swept
@@ -250,7 +241,7 @@ def clearance(
         )
         if folder is not None:
             tell("measuring at the sample times of the run, and drawing")
-            study._write(folder)
+            study.write(folder)
     return study
 
 

@@ -1,8 +1,7 @@
 """Studies that come to one table, of which Drake confirms a sample."""
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import ClassVar
 
 import pandas as pd
@@ -10,11 +9,12 @@ import pandas as pd
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.results.asked import Asked
 from drakesep.results.folder import ResultsFolder
+from drakesep.studies.saved import SavedStudy
 from drakesep.tables.columns import write_csv
 
 
 @dataclass(frozen=True, kw_only=True)
-class OneTable(ABC):
+class OneTable(SavedStudy):
     """What such a study has found."""
 
     asked: Asked = field(repr=False)
@@ -39,17 +39,6 @@ class OneTable(ABC):
     def completed(self) -> bool:
         """Whether Drake confirms a sample of what the batch engine says."""
         return not self.failure
-
-    def save(self, directory: str | Path) -> None:
-        """Write the table and `study.json` into a folder.
-
-        Raises:
-            ValueError: it cannot be written, another study is writing it, or it holds
-                the results of another kind of study.
-        """
-        with ResultsFolder(directory, self.asked.study) as folder:
-            folder.begin(self.asked)
-            self.write(folder)
 
     def write(self, results: ResultsFolder) -> None:
         """Write it into the folder of its study, which ends."""

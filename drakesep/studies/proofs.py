@@ -21,6 +21,7 @@ from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.plots.pictures import OfProofs
 from drakesep.results.asked import Asked
 from drakesep.results.folder import ResultsFolder
+from drakesep.studies.saved import SavedStudy
 from drakesep.tables.columns import write_csv
 from drakesep.tables.proofs_table import proofs_table
 
@@ -29,7 +30,7 @@ CERTIFICATE = "proof.json"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Proofs:
+class Proofs(SavedStudy):
     """Bounds that nothing within the tolerances exceeds, and why others are missing."""
 
     asked: Asked = field(repr=False)
@@ -100,17 +101,6 @@ class Proofs:
         write_csv(self.table, folder / "proofs.csv")
         if self.bounds.proven:
             self.bounds.write_certificate(folder / CERTIFICATE)
-
-    def save(self, directory: str | Path) -> None:
-        """Write table, certificate, picture and `study.json` into a folder.
-
-        Raises:
-            ValueError: it cannot be written, another study is writing it, or it holds
-                the results of another kind of study.
-        """
-        with ResultsFolder(directory, self.asked.study) as folder:
-            folder.begin(self.asked)
-            self.write(folder)
 
     def write(self, results: ResultsFolder) -> None:
         """Write it into the folder of its study, which ends."""

@@ -16,6 +16,7 @@ from drakesep.results.catalogue import SIMULATE
 from drakesep.results.folder import Output, ResultsFolder, begun
 from drakesep.results.recorded_runs import save_runs
 from drakesep.studies.remarks import Remark, remarks, save_remarks
+from drakesep.studies.saved import SavedStudy
 from drakesep.systems.argument_types import typed
 from drakesep.systems.model.parameters import with_values
 from drakesep.systems.model.run import Run
@@ -29,7 +30,7 @@ from drakesep.tables.run_tables import motion_table, runs_table
 
 
 @dataclass(frozen=True, kw_only=True)
-class Simulated:
+class Simulated(SavedStudy):
     """One run of a case."""
 
     asked: Asked = field(repr=False)
@@ -92,18 +93,8 @@ class Simulated:
         """Whether the run did not fail."""
         return not self.labelled.outcome.failed
 
-    def save(self, directory: str | Path) -> None:
-        """Write tables, plots and `study.json` into a folder.
-
-        Raises:
-            ValueError: it cannot be written, another study is writing it, or it holds
-                the results of another kind of study.
-        """
-        with ResultsFolder(directory, self.asked.study) as folder:
-            folder.begin(self.asked)
-            self._write(folder)
-
-    def _write(self, results: ResultsFolder) -> None:
+    def write(self, results: ResultsFolder) -> None:
+        """Write it into the folder of its study, which ends."""
         folder = results.path
         write_csv(self.summary, folder / "summary.csv")
         save_remarks(self.remarks, folder)
@@ -160,5 +151,5 @@ def simulate(
         labelled = measured(role, run, case, clearances)
         result = Simulated(asked=asked.over(), labelled=labelled, values=values)
         if folder is not None:
-            result._write(folder)
+            result.write(folder)
     return result

@@ -21,6 +21,7 @@ from drakesep.results.asked import Asked
 from drakesep.results.catalogue import SWEEP
 from drakesep.results.folder import Output, ResultsFolder, begun
 from drakesep.studies.remarks import Remark, remarks, save_remarks
+from drakesep.studies.saved import SavedStudy
 from drakesep.studies.variant_engines import (
     Flown,
     InDrake,
@@ -71,7 +72,7 @@ class SweepProgress:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sweep:
+class Sweep(SavedStudy):
     """Variants of a case, over all combinations of some values."""
 
     asked: Asked = field(repr=False)
@@ -117,18 +118,8 @@ class Sweep:
         """Numbers of the variants that failed."""
         return [n for n, one in enumerate(self.variants, 1) if one.outcome.failed]
 
-    def save(self, directory: str | Path) -> None:
-        """Write table, plot and `study.json` into a folder.
-
-        Raises:
-            ValueError: it cannot be written, another study is writing it, or it holds
-                the results of another kind of study.
-        """
-        with ResultsFolder(directory, SWEEP) as folder:
-            folder.begin(self.asked)
-            self._write(folder)
-
-    def _write(self, results: ResultsFolder) -> None:
+    def write(self, results: ResultsFolder) -> None:
+        """Write it into the folder of its study, which ends."""
         self._write_table(results)
         if len(self.values) == 1 and self.case.requirements:
             # Half a second to import, where something is drawn.
@@ -195,7 +186,7 @@ def sweep(
             raise
         study = replace(study, asked=asked.over())
         if folder is not None:
-            study._write(folder)
+            study.write(folder)
     return study
 
 

@@ -19,6 +19,7 @@ from drakesep.results.asked import Asked
 from drakesep.results.folder import ResultsFolder
 from drakesep.results.recorded_runs import save_runs
 from drakesep.studies.remarks import Remark, remarks, save_remarks
+from drakesep.studies.saved import SavedStudy
 from drakesep.studies.worst_case.effort import StudyEffort
 from drakesep.systems.arrays import Array
 from drakesep.tables.columns import write_csv
@@ -39,7 +40,7 @@ from drakesep.tables.table_4 import table_4
 
 
 @dataclass(frozen=True, kw_only=True)
-class WorstCases:
+class WorstCases(SavedStudy):
     """The nominal run, the published worst cases, and the worst found."""
 
     asked: Asked = field(repr=False)
@@ -211,21 +212,14 @@ class WorstCases:
         if any(map(_of_paper, self.runs)):
             write_csv(self.comparison, folder / "comparison.csv")
 
-    def save(self, directory: str | Path) -> None:
-        """Write tables, plots and `study.json` into a folder.
-
-        Raises:
-            ValueError: it cannot be written, another study is writing it, or it holds
-                the results of another kind of study.
-        """
-        with ResultsFolder(directory, self.asked.study) as results:
-            results.begin(self.asked)
-            folder = results.path
-            self.write_tables(results)
-            save_runs(self.runs, self.case.separation, folder)
-            results.keep([one.label for one in self.runs])
-            self.draw(folder)
-            results.end(failed=self.failure, verdict=self.verdict)
+    def write(self, results: ResultsFolder) -> None:
+        """Write it into the folder of its study, which ends."""
+        folder = results.path
+        self.write_tables(results)
+        save_runs(self.runs, self.case.separation, folder)
+        results.keep([one.label for one in self.runs])
+        self.draw(folder)
+        results.end(failed=self.failure, verdict=self.verdict)
 
     def draw(self, folder: Path) -> None:
         """Draw what shows it into a folder."""
