@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -33,6 +33,38 @@ _LETTERS, _OF_TITLE, _OF_TEXT, _OF_LEGEND = 13, 11, 8, 10
 legend, points."""
 Entry: TypeAlias = tuple[str, Sequence[Line2D]]
 """Of a legend: a label, and lines that stand beside each other."""
+
+
+def draw_legend(
+    figure: Figure,
+    labels: Sequence[str],
+    lines: Sequence[Sequence[Line2D]],
+    *,
+    loc: Literal["lower center", "outside lower center"],
+    size: float,
+    columns: int,
+) -> None:
+    """Draw the legend of a figure, an entry's lines beside each other.
+
+    Args:
+        figure: that has the lines.
+        labels: of the entries.
+        lines: of each entry.
+        loc: where it stands, as matplotlib has it.
+        size: of its letters, points.
+        columns: into how many it is set.
+    """
+    handles: list[Any] = [tuple(several) for several in lines]
+    figure.legend(
+        handles,
+        labels,
+        handler_map={tuple: HandlerTuple(ndivide=None)},
+        handlelength=2.5,
+        loc=loc,
+        fontsize=size,
+        ncols=columns,
+        frameon=False,
+    )
 
 
 class Layout:
@@ -76,16 +108,14 @@ class Layout:
         self.figure.suptitle(
             title, y=1.0 - 0.5 * _TOP / self._height, fontsize=_LETTERS
         )
-        handles: list[Any] = [tuple(lines) for _, lines in legend]
-        self.figure.legend(
-            handles,
+        lines_of = [entry_lines for _, entry_lines in legend]
+        draw_legend(
+            self.figure,
             labels,
-            handler_map={tuple: HandlerTuple(ndivide=None)},
-            handlelength=2.5,
+            lines_of,
             loc="lower center",
-            fontsize=_OF_LEGEND,
-            ncols=columns,
-            frameon=False,
+            size=_OF_LEGEND,
+            columns=columns,
         )
 
     def panels(self, k: int, title: str, unit: str) -> tuple[Axes, Axes]:

@@ -4,11 +4,10 @@ Rates and angles, after the paper's Fig. 7, and the relative velocity of its Fig
 """
 
 import math
-from typing import Any
 
 from matplotlib.figure import Figure
-from matplotlib.legend_handler import HandlerTuple
 
+from drakesep.plots.layout import draw_legend
 from drakesep.plots.limits import limit_words
 from drakesep.plots.motion_curves import (
     END,
@@ -75,16 +74,13 @@ def overview_figure(shown: ShownRuns, pair: Pair, width: float) -> Figure:
             grid.flat[k].set_xlabel("time (s)", fontsize=_LETTERS)
     for axes in grid.flat[len(panels) :]:
         axes.set_visible(False)
-    handles: list[Any] = [tuple(several) for several in lines]
-    figure.legend(
-        handles,
+    draw_legend(
+        figure,
         labels,
-        handler_map={tuple: HandlerTuple(ndivide=None)},
-        handlelength=2.5,
+        lines,
         loc="outside lower center",
-        fontsize=_LETTERS,
-        ncols=columns,
-        frameon=False,
+        size=_LETTERS,
+        columns=columns,
     )
     return figure
 
