@@ -5,6 +5,7 @@ from typing import Any
 
 from nicegui import ui
 
+from drakesep.page import elements
 from drakesep.page.found import show_found
 from drakesep.page.study import State, Study
 from drakesep.page.study_bar import StudyBar
@@ -40,9 +41,9 @@ class CampaignView:
                 self._form()
                 StudyBar(workspace, "Campaign", self._begin, self._show)
             with ui.element("div").classes("study-main"):
-                self._nothing = ui.label(
+                self._nothing = elements.placeholder(
                     "Choose how many draws and start: histograms fill as draws come."
-                ).classes("page-placeholder")
+                )
                 self._count = ui.label().classes("study-where")
                 self._shares = ui.echart({}).classes("study-chart")
                 self._shares.props('role="img" aria-label="Share that is shown"')

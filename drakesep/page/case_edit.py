@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
 from drakesep.case_file.others import MomentName, limitable
-from drakesep.page.yaml_edit import Path, YamlText, in_one_line, typed_in
+from drakesep.page.yaml_edit import Path, YamlText, in_one_line, typed_in, value_at
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.parameters import parameters
 from drakesep.units import split_unit, unit_of, with_unit
@@ -175,13 +175,7 @@ class _Maker:
         yield self._settings()
 
     def _at(self, path: Path) -> Any:
-        value: Any = self._data
-        for key in path:
-            try:
-                value = value[key]
-            except (KeyError, IndexError, TypeError):
-                return None
-        return value
+        return value_at(self._data, path)
 
     def _named(self, section: str) -> list[Path]:
         return [(section, key) for key in _keys(self._data.get(section))]

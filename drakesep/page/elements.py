@@ -55,6 +55,6 @@ def title(workspace: Workspace) -> None:
     follow(workspace.changes, show)
 
 
-def placeholder(text: str) -> None:
+def placeholder(text: str) -> ui.label:
     """Say what a tab would show, where it has nothing to show."""
-    ui.label(text).classes("page-placeholder")
+    return ui.label(text).classes("page-placeholder")

@@ -48,9 +48,9 @@ class SearchView:
                 StudyBar(workspace, "Search", self._begin, self._show)
                 self._finish_buttons()
             with ui.element("div").classes("study-main"):
-                self._nothing = ui.label(
+                self._nothing = elements.placeholder(
                     "Choose objectives and start: every iterate is shown as it comes."
-                ).classes("page-placeholder")
+                )
                 self._seen = ui.element("div").classes("study-seen")
                 with self._seen:
                     self._looks()

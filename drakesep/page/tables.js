@@ -98,8 +98,5 @@ export default {
           for (const c of r.cells)
             if (c.path && this.key(c.path) === field.dataset.cell) return c.text;
     },
-    reveal(table) {
-      document.getElementById("table-" + table)?.scrollIntoView({ behavior: "smooth" });
-    },
   },
 };

@@ -59,10 +59,6 @@ class Tables(Element, component="tables.js"):  # type: ignore[call-arg]
         self._props["tables"] = [_with_widths(table) for table in tables]
         self.update()
 
-    def reveal(self, table: str) -> None:
-        """Scroll to a table."""
-        self.run_method("reveal", table)
-
 
 def _with_widths(table: Table) -> dict[str, Any]:
     told = asdict(table)

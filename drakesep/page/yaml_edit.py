@@ -26,6 +26,21 @@ _INDENT = 2
 """Of a mapping within another, where there is none to follow."""
 
 
+def value_at(data: Any, path: Path) -> Any:
+    """Return a value of nested mappings and lists; None if there is none.
+
+    Args:
+        data: the outermost.
+        path: keys and numbers that lead to it.
+    """
+    for key in path:
+        try:
+            data = data[key]
+        except (KeyError, IndexError, TypeError):
+            return None
+    return data
+
+
 class YamlText:
     """A YAML text, and where in it values stand."""
 
@@ -53,7 +68,7 @@ class YamlText:
         node = self._node(path)
         if isinstance(node, ScalarNode):
             return str(node.value)
-        value = self._value(path)  # of a mapping, it may be merged from another
+        value = value_at(self.data, path)  # of a mapping, it may be merged from another
         return "" if value is None else in_one_line(value)
 
     def with_value(self, path: Path, value: str) -> str:
@@ -87,16 +102,6 @@ class YamlText:
             # The first key after the dash of a list's entry.
             return self._cut(begin, entries[i + 1][1])
         return self._cut(start, self._end_of_line(_end(value)))
-
-    def _value(self, path: Path) -> Any:
-        """Return a value of the data; None if there is none."""
-        value = self.data
-        for key in path:
-            try:
-                value = value[key]
-            except (KeyError, IndexError, TypeError):
-                return None
-        return value
 
     # Where things stand.
 
@@ -135,7 +140,7 @@ class YamlText:
         parent = self._node(known)
         if isinstance(parent, ScalarNode) or (parent is None and known):
             raise InputError("stands in the way: change the YAML")
-        if len(missing) > 1 and self._value((*known, missing[0])) is not None:
+        if len(missing) > 1 and value_at(self.data, (*known, missing[0])) is not None:
             raise InputError("is merged from elsewhere (<<): change the YAML")
         entries = [] if parent is None else _entries(parent)
         if parent is not None and (_is_in_line(parent) or not entries):
