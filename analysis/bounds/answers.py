@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.bounds.branch_and_bound import Progress
-from drakesep.analysis.bounds.claims import Side
+from drakesep.analysis.bounds.claims import Side, claim_name, side_of
 from drakesep.analysis.bounds.problem import NotCovered, problem_of
 from drakesep.analysis.bounds.proving import (
     Bound,
@@ -45,7 +45,7 @@ class Question(NamedTuple):
     @property
     def claim(self) -> str:
         """The name of the claim that answers it."""
-        return f"{self.side}_{self.metric}"
+        return claim_name(self.metric, self.side)
 
 
 class Found(NamedTuple):
@@ -183,19 +183,20 @@ def _why_not_covered(case: AnalysisCase) -> str:
 
 
 def _of_requirement(requirement: Requirement, refused: str) -> Question:
-    side: Side = "highest" if requirement.from_above else "lowest"
     if find_metric(requirement.metric) is None:
         refused = refused or f"{requirement.metric}: bounds do not cover functions"
     elif requirement.measured_apart:
         refused = refused or f"{requirement.metric}: bounds do not cover clearance"
-    return Question(requirement.judged_by, side, requirement, refused=refused)
+    return Question(
+        requirement.judged_by, side_of(requirement), requirement, refused=refused
+    )
 
 
 def _of_objective(objective: Objective, refused: str) -> Question:
     told = objective.shown_as
     if told is not None:
         side: Side = "highest" if told.sign > 0.0 else "lowest"
-        if objective.name in (*OBJECTIVES, f"{side}_{told.name}"):
+        if objective.name in (*OBJECTIVES, claim_name(told.name, side)):
             return Question(told.name, side, objective=objective.name, refused=refused)
     refused = f"{objective.name}: bounds cover metrics over their own windows alone"
     return Question(

@@ -32,6 +32,7 @@ from drakesep.analysis.metrics.metric import (
     Window,
 )
 from drakesep.analysis.metrics.of_run import metric_named
+from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.systems.checks import Vector3
 from drakesep.systems.equations import pair_signals as laws
 from drakesep.systems.equations.pair_signals import PairFacts
@@ -39,6 +40,16 @@ from drakesep.systems.model.separation import Separation
 
 
 Side: TypeAlias = Literal["highest", "lowest"]
+
+
+def side_of(requirement: Requirement) -> Side:
+    """Return to which side a requirement limits its metric."""
+    return "highest" if requirement.from_above else "lowest"
+
+
+def claim_name(metric: str, side: Side) -> str:
+    """Return the name of a claim: as of the objective that leads there."""
+    return f"{side}_{metric}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,7 +68,7 @@ class Claim:
     @property
     def name(self) -> str:
         """As of the objective that leads there."""
-        return f"{self.side}_{self.metric}"
+        return claim_name(self.metric, self.side)
 
     def value(self, bound: float) -> float:
         """Return the metric at a bound of the quantity, rounded outward.

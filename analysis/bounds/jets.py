@@ -5,7 +5,7 @@ boxes, then pieces of time. What depends on few parameters, and not on time, is 
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Self, TypeAlias
+from typing import Self
 
 import numpy as np
 
@@ -166,10 +166,6 @@ def _wide(low: Array, high: Array, b: Jet) -> tuple[Array, Array]:
     if low.shape != shape:
         return np.broadcast_to(low, shape).copy(), np.broadcast_to(high, shape).copy()
     return low, high
-
-
-JetVector: TypeAlias = Sequence[Jet]
-"""Three components."""
 
 
 def cross(a: Sequence[Jet], b: Sequence[Jet | Affine]) -> list[Jet]:

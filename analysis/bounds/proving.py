@@ -14,7 +14,14 @@ from drakesep.analysis.bounds.branch_and_bound import (
     Prover,
 )
 from drakesep.analysis.bounds.certificate import write_certificate
-from drakesep.analysis.bounds.claims import Claim, Side, claim_of, moments
+from drakesep.analysis.bounds.claims import (
+    Claim,
+    Side,
+    claim_name,
+    claim_of,
+    moments,
+    side_of,
+)
 from drakesep.analysis.bounds.grid import make_grid
 from drakesep.analysis.bounds.motion import Grid
 from drakesep.analysis.bounds.problem import BoundProblem, NotCovered, problem_of
@@ -43,11 +50,9 @@ class Bound:
 
     def meets(self, requirement: Requirement) -> bool:
         """Return whether it proves that a requirement is met."""
-        same = requirement.judged_by == self.claim.metric
-        side = "highest" if requirement.from_above else "lowest"
         return (
-            same
-            and side == self.claim.side
+            requirement.judged_by == self.claim.metric
+            and side_of(requirement) == self.claim.side
             and requirement.keeps(requirement.margin(self.value))
         )
 
@@ -105,8 +110,7 @@ class ProofSettings:
 def asked_of(case: AnalysisCase) -> list[tuple[str, Side]]:
     """Return what limits of requirements ask for, and the paper's objectives."""
     asked: list[tuple[str, Side]] = [
-        (r.judged_by, "highest" if r.from_above else "lowest")
-        for r in case.requirements
+        (r.judged_by, side_of(r)) for r in case.requirements
     ]
     for objective in case.paper_objectives:
         assert objective.shown_as is not None
@@ -146,7 +150,7 @@ def prove_bounds(
     """
     settings = settings or ProofSettings()
     asked = asked_of(case) if asked is None else asked
-    names = [f"{side}_{metric}" for metric, side in asked]
+    names = [claim_name(metric, side) for metric, side in asked]
     try:
         problem = problem_of(case.separation, case.box)
     except NotCovered as why:
@@ -173,7 +177,7 @@ def _proven(
     proven: dict[str, Bound] = {}
     not_covered: dict[str, str] = {}
     for metric, side in asked:
-        name = f"{side}_{metric}"
+        name = claim_name(metric, side)
         try:
             if _measured_apart(metric):
                 raise NotCovered(f"{metric}: bounds do not cover clearance")
