@@ -173,6 +173,10 @@ class Browser:
         return [e["params"] for e in self.events if e.get("method") in told]
 
 
+_ITS_PIPES = 'exec "$@" 3<&0 4>&1 </dev/null >/dev/null'
+"""It speaks through 3 and 4. Python does not set them: JAX warns of forks."""
+
+
 @contextlib.contextmanager
 def browser() -> Iterator[Browser]:
     """Start one; a machine without any skips the test."""
@@ -180,24 +184,17 @@ def browser() -> Iterator[Browser]:
         pytest.skip("no chromium")
     to_it, ours = os.pipe()
     mine, from_it = os.pipe()
-
-    def as_3_and_4() -> None:
-        # Both are moved away first: either may be 3 or 4 itself.
-        reads, writes = os.dup(to_it), os.dup(from_it)
-        os.dup2(os.dup(reads), 3)
-        os.dup2(os.dup(writes), 4)
-
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as home:
         process = subprocess.Popen(
             [
+                *("/bin/sh", "-c", _ITS_PIPES, "sh"),
                 *(CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu"),
                 *("--remote-debugging-pipe", f"--user-data-dir={home}"),
                 *("--no-first-run", "--disable-background-networking"),
             ],
-            stdout=subprocess.DEVNULL,
+            stdin=to_it,
+            stdout=from_it,
             stderr=subprocess.DEVNULL,
-            preexec_fn=as_3_and_4,
-            close_fds=False,
         )
         os.close(to_it)
         os.close(from_it)

@@ -60,12 +60,16 @@ def nothing_waits_for_clocks_or_disks() -> Iterator[None]:
 
 
 @pytest.fixture(autouse=True)
-def figures_stay_blank(monkeypatch: pytest.MonkeyPatch) -> None:
+def figures_stay_blank(
+    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Figures are made and saved, but not drawn: half of the time of many a study.
 
-    Files whose tests look at pictures have a fixture of the same name instead.
+    Slow tests draw them; files whose tests look at pictures have a fixture of the same
+    name instead.
     """
-    monkeypatch.setattr(Figure, "draw", lambda figure, renderer: None)
+    if request.node.get_closest_marker("slow") is None:
+        monkeypatch.setattr(Figure, "draw", lambda figure, renderer: None)
 
 
 @pytest.fixture(scope="session")

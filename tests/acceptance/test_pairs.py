@@ -44,7 +44,8 @@ def test_which_is_named_first_does_not_matter(first, second):
     flown = Simulation(alone, integration).run()
     expected = metrics_of_run(flown, limits)
     assert len(told) == 2 * len(METRICS)
-    names = [f"{second.B}.{find_metric(n)[0].names[0]}" for n in METRICS]
+    first_of = dict.fromkeys(find_metric(n)[0].names[0] for n in METRICS)
+    names = [f"{second.B}.{name}" for name in first_of]
     batch = Batch(
         together, ["upper.mass"], deviation_limits={second.B: limits}, metrics=names
     )
