@@ -35,7 +35,8 @@ _MIDDLE = """(e) => {
   const r = e.getBoundingClientRect();
   const [x, y] = [r.x + r.width / 2, r.y + r.height / 2];
   const top = document.elementFromPoint(x, y);
-  return r.width && top && (e.contains(top) || top.contains(e)) ? [x, y] : null;
+  const bare = top && (e.contains(top) || top.contains(e));
+  return r.width && bare && !e.closest(":disabled") ? [x, y] : null;
 }"""
 _SEEN = f"""[...document.querySelectorAll(%s)].map({_MIDDLE}).find(p => p)"""
 _SAYING = f"""[...document.querySelector(%s).querySelectorAll("*")].reverse()
@@ -99,7 +100,7 @@ class Browser:
         """Click in the middle of an element, as a mouse does.
 
         Args:
-            selector: CSS; the first that can be seen, and lies beneath nothing.
+            selector: CSS; the first that can be used, and lies beneath nothing.
             times: 2: double.
         """
         x, y = self.wait(_SEEN % json.dumps(selector))

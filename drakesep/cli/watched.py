@@ -14,7 +14,8 @@ of JSON on standard input ask of it:
 Each line on standard output is an event as JSON, whose ``event`` says of what: `ready`
 and `warm` (with the ``error`` of a case that cannot be studied), `progress`, `iterate`
 (a row of `iterates.csv`), `draws` (what a campaign's draws show so far), and at last
-`ended`, with the ``exit_code`` and the ``summary`` that `--json` prints.
+`ended`, with the ``exit_code`` and the ``summary`` that `--json` prints. A command that
+was stopped has not ended: the process exits with 130, and that says it.
 """
 
 import contextlib
@@ -103,6 +104,8 @@ def _run(arguments: list[str], events: "_Events") -> int:
             command_line()
         except SystemExit as end:
             code = end.code if isinstance(end.code, int) else 1
+    if code == signals.INTERRUPTED:
+        return code
     try:
         summary = json.loads(said.getvalue())
     except ValueError:  # of a command that has no summary

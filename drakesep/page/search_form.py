@@ -36,7 +36,7 @@ class SearchForm:
             self._objectives = ui.select(
                 {}, label="objectives", multiple=True, with_input=True
             ).props("outlined dense use-chips")
-            self._objectives.on_value_change(self._warm_soon)
+            self._objectives.on_value_change(self.warm_soon)
             self._metric()
             self._failures = ui.switch("Failure cases, too").props("dense")
             self._searches = ui.select(
@@ -147,7 +147,7 @@ class SearchForm:
         self._searches.set_value([] if verifies else ["sqp", "multistart"])
         label = "objectives beside these" if verifies else "objectives"
         self._objectives.props(f'label="{label}"')
-        self._warm_soon()
+        self.warm_soon()
 
     def _case_changed(self) -> None:
         workspace = self._workspace
@@ -175,9 +175,10 @@ class SearchForm:
 
     def _kind_changed_at_first(self) -> None:
         self._failures.set_visibility(self.kind == "verify")
-        self._warm_soon()
+        self.warm_soon()
 
-    def _warm_soon(self) -> None:
+    def warm_soon(self) -> None:
+        """Get a process ready for what is chosen, once that stays as it is."""
         self._pause.deactivate()
         self._pause.activate()
 

@@ -114,6 +114,8 @@ class SearchView:
             self._exported.set_text("")
         if study.iterates:
             self._show_iterates(study)
+        if not study.is_running:
+            self._form.warm_soon()  # for the next one, or for going on
         if study.state is State.ENDED and study is not self._ended:
             self._ended = study
             ui.timer(0.0, lambda: self._show_found(study), once=True)

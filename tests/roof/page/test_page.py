@@ -86,7 +86,7 @@ def cell(*path):
 
 
 def text_of(selector):
-    return f"document.querySelector({selector!r})?.innerText ?? ''"
+    return f"(document.querySelector({selector!r})?.innerText ?? '')"
 
 
 @pytest.fixture(scope="module")

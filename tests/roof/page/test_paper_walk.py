@@ -125,7 +125,7 @@ def test_a_search_is_stopped_killed_and_goes_on(tmp_path, see):
         see(page, "stopped")
         page.click_text("Go on", SEARCH)
         page.wait(f"!{says('Stopped')}", 5.0)
-        page.wait("document.querySelector('.study-words').textContent.includes('sqp')")
+        page.wait(f"/sqp|multistart/.test({VISIBLE}?.textContent)")
         os.kill(searching(server.process.pid), signal.SIGKILL)
         page.wait(says("SIGKILL"), 5.0)
         see(page, "killed")

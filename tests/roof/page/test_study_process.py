@@ -5,11 +5,13 @@ import signal
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import pandas as pd
 import pytest
 from small_case import small_case, write_case
 
+from drakesep.cli import watched
 from drakesep.page.study_process import StudyProcess
 
 
@@ -138,3 +140,16 @@ def test_what_is_wrong_is_told(study, tmp_path):
     [ended] = process.wait_for(*ENDS, timeout=60.0)
     assert ended["exit_code"] == 2
     assert "none.yaml" in ended["summary"]["error"]
+
+
+def test_a_command_that_says_it_was_stopped_has_not_ended(monkeypatch):
+    """It was asked to stop as it could leave in order: no other word than the exit."""
+
+    def interrupted():
+        raise SystemExit(130)
+
+    monkeypatch.setattr("drakesep.cli.app.main", interrupted)
+    told = []
+    events = SimpleNamespace(tell=lambda event, **_: told.append(event))
+    assert watched._run(["metrics"], events) == 130
+    assert not told
