@@ -1,7 +1,7 @@
 """How what is required is distributed over the draws of a campaign."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,8 @@ from drakesep.units import unit_of
 _ACROSS = 3
 _CELL = 4.6
 """Width of a panel, in."""
+ROW = 3.8
+"""Height of a panel, in."""
 _RING: dict[str, Any] = {"marker": "o", "fillstyle": "none", "markersize": 9}
 
 
@@ -47,19 +49,16 @@ def campaign_figure(
         most_across: panels beside each other, at most.
         cell: width of a panel, in.
     """
-    panels: dict[tuple[str, str, bool], list[Curve]] = {}
-    for one in curves:
-        required = one.requirement
-        key = required.pair, required.quantity[0], required.from_above
-        panels.setdefault(key, []).append(one)
+    panels = panels_of_curves(curves)
     across = min(len(panels), most_across)
     down = math.ceil(len(panels) / across)
-    figure = Figure(figsize=(cell * across, 3.8 * down + 0.6), layout="constrained")
+    figure = Figure(figsize=(cell * across, ROW * down + 0.6), layout="constrained")
     grid = figure.subplots(down, across, squeeze=False)
-    for axes, (key, mine) in zip(grid.flat, panels.items(), strict=False):
-        pair, quantity, _ = key
+    for axes, mine in zip(grid.flat, panels, strict=False):
+        required = mine[0].requirement
         _draw(axes, mine, runs)
-        title = f"{quantity}{f', {pair}' if pair else ''}".replace("_", " ")
+        whose = f", {required.pair}" if required.pair else ""
+        title = f"{required.quantity[0]}{whose}".replace("_", " ")
         axes.set_title(wrapped(title, cell - 1.0, 9), fontsize=9)
     for axes in grid.flat[len(panels) :]:
         axes.set_visible(False)
@@ -73,6 +72,16 @@ def campaign_figure(
         title += ", cross: worst case found, and how much worse than the bound"
     figure.suptitle(wrapped(title, cell * across - 0.2, 11), fontsize=11)
     return figure
+
+
+def panels_of_curves(curves: Iterable[Curve]) -> list[list[Curve]]:
+    """Return the curves of each panel: of one quantity, side of its limit and pair."""
+    panels: dict[tuple[str, str, bool], list[Curve]] = {}
+    for one in curves:
+        required = one.requirement
+        key = required.pair, required.quantity[0], required.from_above
+        panels.setdefault(key, []).append(one)
+    return [*panels.values()]
 
 
 def _draw(axes: Axes, curves: Sequence[Curve], runs: int) -> None:

@@ -14,13 +14,13 @@ from drakesep.plots.limits import LIMIT, SIGNS
 from drakesep.plots.style import wrapped
 
 
-_ROW = 2.0
+ROW = 2.0
 """Height of a panel, in."""
 _LINE: dict[str, Any] = {"color": "#0072B2", "lw": 1.4, "marker": "o", "ms": 3}
 _INTERVAL: dict[str, Any] = {"color": "#56B4E9", "alpha": 0.35, "lw": 0}
 _AWAY = 2.0
 """A limit that is further from the values than so many of their spans is only told."""
-_OF = ["requirement", "axis", "pair", "sense", "limit"]
+OF = ["requirement", "axis", "pair", "sense", "limit"]
 
 
 def convergence_figure(table: pd.DataFrame, *, across: int, cell: float) -> Figure:
@@ -31,10 +31,10 @@ def convergence_figure(table: pd.DataFrame, *, across: int, cell: float) -> Figu
         across: panels beside each other.
         cell: width of a panel, in.
     """
-    panels = [*table.groupby(_OF, sort=False, dropna=False)]
+    panels = [*table.groupby(OF, sort=False, dropna=False)]
     across = min(across, len(panels))
     down = math.ceil(len(panels) / across)
-    figure = Figure(figsize=(cell * across, _ROW * down + 0.3), layout="constrained")
+    figure = Figure(figsize=(cell * across, ROW * down + 0.3), layout="constrained")
     grid = figure.subplots(down, across, squeeze=False)
     for axes, (_, rows) in zip(grid.flat, panels, strict=False):
         _draw(axes, rows, cell)
@@ -72,6 +72,7 @@ def _draw(axes: Axes, rows: pd.DataFrame, cell: float) -> None:
     axes.fill_between(draws, ends[:, 0], ends[:, 1], **_INTERVAL)
     axes.plot(draws, told[:, 0], **_LINE)
     axes.set_xscale("log")
+    axes.ticklabel_format(axis="y", useOffset=False)
     room = 0.08 * (high - low or span)
     axes.set_ylim(low - room, high + room)
     whose = f", {first['pair']}" if first["pair"] else ""

@@ -17,7 +17,7 @@ from drakesep.units import unit_of
 
 _ACROSS, _CELL = 4, 3.9
 """Panels beside each other, and the width of each, in."""
-_HEIGHT = 0.82
+HEIGHT = 0.82
 """Of a panel, as a part of its width."""
 _AWAY = 2.0
 """A limit that is further from the points than so many of their spans is told by an
@@ -48,7 +48,7 @@ def scatter_figure(
     across = min(len(panels), most_across)
     down = math.ceil(len(panels) / across)
     figure = Figure(
-        figsize=(cell * across, 0.82 * cell * down + 0.6), layout="constrained"
+        figsize=(cell * across, HEIGHT * cell * down + 0.6), layout="constrained"
     )
     grid = figure.subplots(down, across, squeeze=False)
     for axes, (one, against) in zip(grid.flat, panels, strict=False):
@@ -88,6 +88,7 @@ def _draw(axes: Axes, one: Scatter, against: Against, cell: float) -> None:
     axes.set_xlabel(wrapped(words, cell - 0.9, 8), fontsize=8)
     axes.set_ylabel(unit.symbol, fontsize=8)
     axes.tick_params(labelsize=7)
+    axes.ticklabel_format(useOffset=False)
     axes.grid(alpha=0.3)
 
 

@@ -4,7 +4,7 @@ import base64
 import io
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import pandas as pd
 
@@ -16,9 +16,14 @@ from drakesep.tables.roles import Changed, Nominal
 if TYPE_CHECKING:  # half a second to import, where something is drawn
     from matplotlib.figure import Figure
 
+T = TypeVar("T")
 ACROSS, CELL = 2, 3.5
 """Panels beside each other, and the width of each, in: so that letters are legible on
 paper."""
+HEIGHT = 9.3
+"""That a picture may have on paper, in."""
+_TITLE = 0.6
+"""Of that for titles, in."""
 _PANELS = 6
 """Of tornados in a picture: more take more than a page."""
 
@@ -44,6 +49,21 @@ def picture_of(figure: "Figure", alternative: str, caption: str) -> Picture:
         figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": None})
     text = base64.b64encode(drawn.getvalue()).decode("ascii")
     return Picture(f"data:image/svg+xml;base64,{text}", alternative, caption)
+
+
+def panels_in_height(row: float) -> int:
+    """Return how many panels a picture of a page has.
+
+    Args:
+        row: height of a row of them, in.
+    """
+    return ACROSS * int((HEIGHT - _TITLE) / row)
+
+
+def parts(whole: Sequence[T], most: int) -> Iterator[Sequence[T]]:
+    """Yield what one picture after another shows of a whole."""
+    for k in range(0, len(whole), most):
+        yield whole[k : k + most]
 
 
 def table_of_study(study: Study, file: str, *words: str) -> pd.DataFrame:
@@ -113,7 +133,7 @@ def failure_pictures(study: Study) -> Iterator[Picture]:
     from drakesep.plots.failure_cases import failure_figure, panels_within
 
     table = table_of_study(study, "failure_requirements.csv", "axis", "pair", "id")
-    for some in panels_within(table, _HEIGHT, across=ACROSS):
+    for some in panels_within(table, HEIGHT, across=ACROSS):
         yield picture_of(
             failure_figure(some, most_across=ACROSS, cell=CELL),
             "A panel for each requirement, with a row for the design and each failure "
@@ -122,18 +142,13 @@ def failure_pictures(study: Study) -> Iterator[Picture]:
         )
 
 
-_HEIGHT = 9.0
-"""That a picture may have on paper, in."""
-
-
 def tornado_pictures(study: Study, objectives: Sequence[str]) -> Iterator[Picture]:
     """Yield what each tolerance does to some objectives, a page at a time."""
     from drakesep.plots.tornado import tornado_figure
 
     table = table_of_study(study, "sensitivities.csv", "at_worst")
     there = [name for name in objectives if (table["objective"] == name).any()]
-    for k in range(0, len(there), _PANELS):
-        mine = there[k : k + _PANELS]
+    for mine in parts(there, _PANELS):
         some = table[table["objective"].isin(mine)]
         yield picture_of(
             tornado_figure(some, most_across=ACROSS, cell=CELL),
