@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 from docstrings import field_docs
 
-from drakesep.results.catalogue import FILES, FileKind
+from drakesep.results.catalogue.file_kind import FileKind
+from drakesep.results.catalogue.files import FILES
 from drakesep.results.study_record import StudyRecord
 
 

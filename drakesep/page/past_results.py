@@ -36,7 +36,7 @@ def past_results(root: Path) -> list[Past]:
     Args:
         root: folder of all results.
     """
-    from drakesep.results.catalogue import STUDY
+    from drakesep.results.catalogue.names import STUDY
 
     files = [
         file

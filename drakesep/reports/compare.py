@@ -22,7 +22,7 @@ from drakesep.reports.differences import (
     keyed,
 )
 from drakesep.results.case_json import to_json
-from drakesep.results.catalogue import FileKind
+from drakesep.results.catalogue.file_kind import FileKind
 from drakesep.results.listing import names_of
 from drakesep.results.reading import Results, read_results
 from drakesep.results.recorded_case import as_recorded

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from drakesep.results.catalogue import EFFORT, LABELS
+from drakesep.results.catalogue.files import EFFORT, LABELS
 
 
 PRESENT, ABSENT = "present", "absent"

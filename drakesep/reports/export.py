@@ -10,7 +10,7 @@ from drakesep.reports.frames import InertialFrame
 from drakesep.reports.handed_run import HandedRun
 from drakesep.reports.handover_provenance import save_provenance
 from drakesep.reports.handover_tables import handover_table, statistics_table
-from drakesep.results.catalogue import CAMPAIGN
+from drakesep.results.catalogue.names import CAMPAIGN
 from drakesep.results.folder import writable_folder
 from drakesep.results.reading import Results, read_results
 from drakesep.systems.argument_types import typed

@@ -9,7 +9,7 @@ from drakesep.reports.cells import EMPTY, Cell, Heading, Table, input_cell
 from drakesep.reports.origins import CaseText, Origin
 from drakesep.reports.pictures import Picture, stack_picture
 from drakesep.reports.studies import Study
-from drakesep.results.catalogue import STUDY
+from drakesep.results.catalogue.names import STUDY
 from drakesep.systems.equations.springs import law_name
 from drakesep.systems.model.loads import Load
 from drakesep.systems.model.orbit import Orbit

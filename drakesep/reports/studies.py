@@ -9,7 +9,7 @@ from typing import Any
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.reports.cells import EMPTY, Cell, Row, input_cell
-from drakesep.results.catalogue import CASE, STUDY
+from drakesep.results.catalogue.names import CASE, STUDY
 from drakesep.results.provenance import DIRTY
 from drakesep.results.reading import Results, read_results
 from drakesep.results.recorded_case import recorded_text

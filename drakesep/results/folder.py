@@ -13,7 +13,7 @@ from typing import Any, Self, TypeAlias, TypeVar
 
 from drakesep.files import PREFIX, path_of
 from drakesep.results.asked import Asked
-from drakesep.results.catalogue import CASE, GEOMETRY, RUNS, STUDY
+from drakesep.results.catalogue.names import CASE, GEOMETRY, RUNS, STUDY
 from drakesep.results.listing import files_in, names_of
 from drakesep.results.parts import has_parts, keep_part, kept_part, remove_parts
 from drakesep.results.recorded_case import read_case, recorded_text, staged_case

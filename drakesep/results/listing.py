@@ -10,7 +10,9 @@ from typing import NamedTuple
 
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.search.registry import SEARCHES
-from drakesep.results.catalogue import FILES, GEOMETRY, Column, FileKind
+from drakesep.results.catalogue.file_kind import Column, FileKind
+from drakesep.results.catalogue.files import FILES
+from drakesep.results.catalogue.names import GEOMETRY
 from drakesep.systems.model.parameters import ParameterName
 from drakesep.systems.model.separation import STACK, InitialMotion
 from drakesep.units import records, split_unit, with_unit

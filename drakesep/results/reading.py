@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from drakesep.analysis.analysis_case import AnalysisCase
-from drakesep.results.catalogue import STUDY
+from drakesep.results.catalogue.names import STUDY
 from drakesep.results.recorded_case import read_case
 from drakesep.results.recorded_runs import read_role, read_run
 from drakesep.results.study_record import StudyRecord

@@ -9,7 +9,7 @@ from pathlib import Path
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.files import written
 from drakesep.results.case_json import NO_RECORD, from_json, to_json
-from drakesep.results.catalogue import CASE, GEOMETRY
+from drakesep.results.catalogue.names import CASE, GEOMETRY
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.parts import Mesh, Part
 

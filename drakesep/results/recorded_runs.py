@@ -20,7 +20,7 @@ import pandas as pd
 
 from drakesep.files import write_text
 from drakesep.results.case_json import NO_RECORD, from_json, to_json
-from drakesep.results.catalogue import RUNS, TABLE
+from drakesep.results.catalogue.names import RUNS, TABLE
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.equations.forces_of_run import spring_forces

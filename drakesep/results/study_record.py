@@ -14,7 +14,7 @@ from drakesep.case_file.errors import explained, shown
 from drakesep.files import write_text
 from drakesep.results import provenance
 from drakesep.results.asked import Asked
-from drakesep.results.catalogue import STUDY
+from drakesep.results.catalogue.names import STUDY
 from drakesep.results.listing import FileInFolder
 from drakesep.systems.checks import InputError
 

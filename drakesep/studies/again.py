@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from drakesep.results.catalogue import (
+from drakesep.results.catalogue.names import (
     CAMPAIGN,
     CLEARANCE,
     PROVE,

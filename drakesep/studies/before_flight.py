@@ -7,7 +7,7 @@ from drakesep.analysis.metrics.of_run import metric_named
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.case_file.case import Case
 from drakesep.results.asked import Asked
-from drakesep.results.catalogue import VERIFY
+from drakesep.results.catalogue.names import VERIFY
 from drakesep.studies.verification import planned
 from drakesep.studies.worst_case.searches import DRAKE
 from drakesep.studies.worst_case.session import checked_batch

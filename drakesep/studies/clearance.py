@@ -16,7 +16,7 @@ from drakesep.case_file.case import Case
 from drakesep.case_file.values import values_in_si
 from drakesep.plots.approach import Curve
 from drakesep.results.asked import Asked
-from drakesep.results.catalogue import CLEARANCE
+from drakesep.results.catalogue.names import CLEARANCE
 from drakesep.results.folder import Output, ResultsFolder, begun
 from drakesep.results.recorded_runs import save_runs
 from drakesep.studies.remarks import Remark, remarks, save_remarks

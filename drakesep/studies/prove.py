@@ -15,7 +15,7 @@ from drakesep.case_file.objectives import (
     listed,
 )
 from drakesep.results.asked import Asked
-from drakesep.results.catalogue import PROVE
+from drakesep.results.catalogue.names import PROVE
 from drakesep.results.folder import Output, begun
 from drakesep.studies.proof_progress import OnProof, TellingProof
 from drakesep.studies.proofs import Proofs

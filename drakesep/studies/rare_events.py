@@ -19,7 +19,7 @@ from drakesep.analysis.campaigns.subset_simulation import (
 from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.case_file.case import Case
 from drakesep.results.asked import Asked
-from drakesep.results.catalogue import RARE_EVENTS
+from drakesep.results.catalogue.names import RARE_EVENTS
 from drakesep.results.folder import Output, begun
 from drakesep.studies.campaign.flight import seconds_of
 from drakesep.studies.campaign.sample import not_confirmed, sample_of

@@ -18,7 +18,7 @@ from drakesep.analysis.campaigns.sensitivity import (
 )
 from drakesep.case_file.case import Case
 from drakesep.results.asked import Asked
-from drakesep.results.catalogue import SENSITIVITY
+from drakesep.results.catalogue.names import SENSITIVITY
 from drakesep.results.folder import Output, begun
 from drakesep.studies.campaign.flight import seconds_of
 from drakesep.studies.campaign.sample import not_confirmed, sample_of

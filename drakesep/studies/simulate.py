@@ -12,7 +12,7 @@ from drakesep.analysis.metrics.requirements import assess
 from drakesep.case_file.case import Case
 from drakesep.case_file.values import values_in_si
 from drakesep.results.asked import Asked
-from drakesep.results.catalogue import SIMULATE
+from drakesep.results.catalogue.names import SIMULATE
 from drakesep.results.folder import Output, ResultsFolder, begun
 from drakesep.results.recorded_runs import save_runs
 from drakesep.studies.remarks import Remark, remarks, save_remarks

@@ -18,7 +18,7 @@ from drakesep.analysis.clearance.objective import LowestClearance
 from drakesep.case_file.case import Case
 from drakesep.case_file.values import parameter_of
 from drakesep.results.asked import Asked
-from drakesep.results.catalogue import SWEEP
+from drakesep.results.catalogue.names import SWEEP
 from drakesep.results.folder import Output, ResultsFolder, begun
 from drakesep.studies.remarks import Remark, remarks, save_remarks
 from drakesep.studies.saved import SavedStudy

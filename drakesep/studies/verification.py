@@ -20,7 +20,7 @@ from drakesep.case_file.objectives import (
 )
 from drakesep.plots.pictures import OfFailures
 from drakesep.results.asked import Asked
-from drakesep.results.catalogue import VERIFY
+from drakesep.results.catalogue.names import VERIFY
 from drakesep.results.folder import Output, results_folder
 from drakesep.studies.background_process import BackgroundProcess
 from drakesep.studies.campaign.settings import CampaignSettings

@@ -8,7 +8,7 @@ from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
 from drakesep.case_file.case import Case
 from drakesep.case_file.objectives import choose_objectives
 from drakesep.results.asked import Asked
-from drakesep.results.catalogue import VERIFY, WORST_CASE
+from drakesep.results.catalogue.names import VERIFY, WORST_CASE
 from drakesep.studies.verification import planned
 from drakesep.studies.worst_case.plan import StudyPlan
 from drakesep.studies.worst_case.searches import WantedSearches

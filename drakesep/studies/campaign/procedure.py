@@ -18,7 +18,7 @@ from drakesep.results.campaign_files import (
     read_chunk,
     write_chunk,
 )
-from drakesep.results.catalogue import CAMPAIGN
+from drakesep.results.catalogue.names import CAMPAIGN
 from drakesep.results.folder import Output, results_folder
 from drakesep.results.parts import parts_folder
 from drakesep.studies.campaign.confirmation import chosen, confirmed

@@ -23,7 +23,7 @@ from drakesep.plots.campaign_points import scatters_of
 from drakesep.plots.pictures import OfCampaign
 from drakesep.results.asked import Asked
 from drakesep.results.campaign_files import RecordedPlan, write_draws
-from drakesep.results.catalogue import CAMPAIGN
+from drakesep.results.catalogue.names import CAMPAIGN
 from drakesep.results.folder import ResultsFolder
 from drakesep.systems.checks import InputError
 from drakesep.tables.campaign_convergence import convergence_table

@@ -10,7 +10,7 @@ from drakesep.analysis.campaigns.plan import CampaignPlan, Keep
 from drakesep.analysis.campaigns.shares import CONFIDENCE, check_size
 from drakesep.case_file.case import Case
 from drakesep.results.asked import Asked, is_given
-from drakesep.results.catalogue import CAMPAIGN
+from drakesep.results.catalogue.names import CAMPAIGN
 from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError, check_distinct
 

@@ -23,7 +23,7 @@ from drakesep.case_file.case import Case
 from drakesep.case_file.objectives import Wanted, choose_objectives, clearances_of
 from drakesep.plots.pictures import Tornado
 from drakesep.results.asked import Asked
-from drakesep.results.catalogue import WORST_CASE
+from drakesep.results.catalogue.names import WORST_CASE
 from drakesep.results.folder import Output, ResultsFolder, results_folder
 from drakesep.results.recorded_runs import save_runs
 from drakesep.studies.background_process import BackgroundProcess

@@ -10,7 +10,8 @@ from one_pair import one_pair
 
 import drakesep
 from drakesep.case_file.reader import builtin_cases
-from drakesep.results.catalogue import FILES, STUDIES
+from drakesep.results.catalogue.files import FILES
+from drakesep.results.catalogue.names import STUDIES
 from drakesep.results.listing import described
 from drakesep.units import split_unit
 
