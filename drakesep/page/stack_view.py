@@ -21,6 +21,8 @@ _FROM = (-0.66, -0.74, 0.52)
 """Where the camera stands, for what has a radius of a metre, m."""
 _SHOWN, _HIDDEN = 15, 1
 """Pictures in a second."""
+_BEFORE = "as it was before what is wrong now"
+_NONE_YET = "drawn once the case is right"
 
 
 class StackView:
@@ -66,7 +68,7 @@ class StackView:
     def _draw(self) -> None:
         case = self._workspace.case
         if case is None:
-            self._note.set_text("as it was before what is wrong now")
+            self._note.set_text(_BEFORE if self._drawn else _NONE_YET)
             return
         self._note.set_text("")
         try:

@@ -79,7 +79,7 @@ WRONG = {
         "4000",
         "must be positive definite",
     ),
-    "a quantity": (("requirements", 0, "quantity"), "rat", "must be 'rate_"),
+    "a quantity": (("requirements", 0, "quantity"), "rat", "unknown quantity"),
     "nothing": (
         ("attachments", "attachment_1", "spring", "force_max_N"),
         "",
