@@ -56,7 +56,10 @@ class Response:
         if self._nominal is not None and self._nominal[0] is case:
             return self._nominal[1]
         flown = await self._fly(case, {})
-        if flown is None or flown.message:
+        if flown is None:
+            return None
+        if flown.message:
+            self._note.set_text(f"The nominal run fails: {flown.message}")
             return None
         self._nominal = case, flown
         self._charts.clear()

@@ -56,6 +56,8 @@ class StudyBar:
         return self._studies.get(self._tab)
 
     def _started(self) -> None:
+        if self.study is not None and self.study.is_running:
+            return  # a second click, before the button has gone
         try:
             self._studies[self._tab] = self._begin()
         except InputError as error:
@@ -69,7 +71,7 @@ class StudyBar:
             self.study.stop()
 
     def _gone_on(self) -> None:
-        if self.study is not None:
+        if self.study is not None and self.study.can_go_on:
             self.study.go_on()
 
     def _look(self) -> None:
