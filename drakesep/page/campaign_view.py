@@ -101,7 +101,7 @@ class CampaignView:
             f", {last['before']} flown before beside them" if last["before"] else ""
         )
         self._count.set_text(f"{last['draws']} of {last['of']} draws{before}")
-        _set(self._shares, self._charts_of.shares_options(study.draws))
+        elements.redraw(self._shares, self._charts_of.shares_options(study.draws))
         told = last["requirements"]
         if len(self._histograms) != len(told):
             self._drawn.clear()
@@ -112,18 +112,12 @@ class CampaignView:
                 ]
         for chart, each in zip(self._histograms, told, strict=True):
             chart.props(f'aria-label="{each["requirement"]} {each["axis"]}"')
-            _set(chart, self._charts_of.histogram_options(each))
+            elements.redraw(chart, self._charts_of.histogram_options(each))
 
     async def _show_found(self, study: Study) -> None:
         self._tables.clear()
         with self._tables:
             await show_found(study.folder)
-
-
-def _set(chart: ui.echart, options: dict[str, Any]) -> None:
-    chart.options.clear()
-    chart.options.update(options)
-    chart.update()
 
 
 def _number(label: str, value: float, **limits: Any) -> ui.number:

@@ -1,6 +1,7 @@
 """What several tabs are made of."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from nicegui import context, ui
 
@@ -42,6 +43,18 @@ def attempt(action: Callable[[], None]) -> bool:
 def say_wrong(words: str) -> None:
     """Say what is wrong, until it is closed."""
     ui.notify(words, type="negative", timeout=0, close_button="Close", multi_line=True)
+
+
+def warn(words: str) -> None:
+    """Say what the page gets over by itself, for a while."""
+    ui.notify(words, type="warning")
+
+
+def redraw(chart: ui.echart, options: Mapping[str, Any]) -> None:
+    """Let a chart show something else."""
+    chart.options.clear()
+    chart.options.update(options)
+    chart.update()
 
 
 def title(workspace: Workspace) -> None:

@@ -167,7 +167,7 @@ class SearchView:
         bounds = await self._known_bounds()
         if row is None or bounds is None or study is None:
             return
-        self._set(self._in_bounds, self._charts_of.bounds_options(bounds, row))
+        elements.redraw(self._in_bounds, self._charts_of.bounds_options(bounds, row))
         await self._response.show(study.case, {n: row[n] for n in bounds.nominal})
 
     async def _known_bounds(self) -> Any:
@@ -178,13 +178,7 @@ class SearchView:
 
     def _draw(self, study: Study) -> None:
         options = self._charts_of.iterates_options(self._rows(study), self._chosen)
-        self._set(self._iterates, options)
-
-    @staticmethod
-    def _set(chart: ui.echart, options: Mapping[str, Any]) -> None:
-        chart.options.clear()
-        chart.options.update(options)
-        chart.update()
+        elements.redraw(self._iterates, options)
 
     # What is looked at.
 
@@ -233,7 +227,7 @@ class SearchView:
         bounds = await self._known_bounds()
         if bounds is not None:
             options = self._charts_of.bounds_options(bounds, self._chosen)
-            self._set(self._in_bounds, options)
+            elements.redraw(self._in_bounds, options)
         self._seen.run_method("scrollIntoView")
         if self._told is not None:
             await self._response.show(self._told.case, values)
