@@ -9,7 +9,7 @@ from drakesep.page import elements
 from drakesep.page.found import show_found
 from drakesep.page.study import State, Study
 from drakesep.page.study_bar import StudyBar
-from drakesep.page.study_files import case_argument, next_folder
+from drakesep.page.study_files import case_argument, next_folder, number_option
 from drakesep.page.workspace import Workspace
 
 
@@ -71,8 +71,7 @@ class CampaignView:
             ("confidence", self._confidence),
             ("seed", self._seed),
         ):
-            if field.value is not None:
-                words += [f"--{name}", f"{field.value:g}"]
+            words += number_option(name, field.value)
         words += ["--chunk", str(max(runs // _CHUNKS, 256)), "-o", str(folder)]
         assert self._workspace.case is not None  # which its argument has told
         return Study.begin(words, Path.cwd(), folder, self._workspace.case)

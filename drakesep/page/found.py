@@ -23,6 +23,8 @@ _EVIDENCE = {
     "optimality_residual": "residual",
     "local_maxima": "maxima (ascents)",
 }
+_GROWTH = "growth"
+"""Of all tolerances together, in words; a column that is made here."""
 _REQUIREMENTS = {
     "requirement": "requirement",
     "axis": "axis",
@@ -32,7 +34,7 @@ _REQUIREMENTS = {
     "nominal": "nominal",
     "worst": "worst",
     "margin": "margin",
-    "its_growth_factor": "tolerances may grow by",
+    _GROWTH: "violated at tolerances times",
     "verdict": "verdict",
 }
 _FAILURES = {
@@ -40,6 +42,7 @@ _FAILURES = {
     "verdict": "verdict",
     "requirement": "requirement",
     "axis": "axis",
+    "sense": "",
     "limit": "limit",
     "unit": "",
     "worst": "worst",
@@ -107,6 +110,7 @@ _Found = tuple[dict[str, pd.DataFrame], dict[str, dict[str, float]]]
 def _read(folder: Path) -> _Found | None:
     """Return the tables of a folder, and the parameters of its worst cases."""
     from drakesep.results.reading import read_results
+    from drakesep.tables.growth_words import all_by
     from drakesep.units import with_unit
 
     try:
@@ -114,6 +118,8 @@ def _read(folder: Path) -> _Found | None:
         there = {str(f["name"]) for f in results.record.files if "row" in f}
         names = [name for name, *_ in _PARTS if name in there]
         tables = {name: results.table(name) for name in names}
+        if (found := tables.get("requirements.csv")) is not None:
+            found[_GROWTH] = [*map(all_by, found.to_dict("records"))]
         worst: dict[str, dict[str, float]] = {}
         if "evidence.csv" in tables:
             parameters = [with_unit(name) for name in results.case.box.names]

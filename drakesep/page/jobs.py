@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from nicegui import app, ui
+from nicegui import app, context, ui
 
 from drakesep.page import elements
 from drakesep.page.study import SPARE
@@ -54,9 +54,11 @@ async def open_page(button: ui.button, arguments: Sequence[str], file: Path) -> 
         file: that it writes.
     """
     button.props("loading")
+    client = context.client  # which stays, where the button goes meanwhile
     try:
-        if await done(arguments, Path.cwd()) is not None:
-            show_file(file)
+        with client:
+            if await done(arguments, Path.cwd()) is not None:
+                show_file(file)
     finally:
         button.props(remove="loading")
 

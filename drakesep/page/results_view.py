@@ -9,7 +9,7 @@ from drakesep.page import elements, jobs
 from drakesep.page.found import show_found
 from drakesep.page.frames import facts, show_frame
 from drakesep.page.past_results import Past, past_results
-from drakesep.page.study_files import export
+from drakesep.page.study_files import export_beside
 from drakesep.page.workspace import Workspace
 from drakesep.systems.checks import InputError
 
@@ -70,6 +70,7 @@ class ResultsView:
             ).props("dense flat bordered")
             self._table.classes("results-table")
             self._table.props('no-data-label="No results yet"')
+            self._table.on("row-click", self._row_clicked, [None, ["name"], None])
             self._below = ui.element("div").classes("study-tables")
         elements.follow(workspace.looks, self._looked)
 
@@ -89,9 +90,15 @@ class ResultsView:
         self._table.selected = [row for row in rows if row["name"] in kept]
         self._compare.set_enabled(len(self._table.selected) == 2)
 
+    async def _row_clicked(self, event: Any) -> None:
+        """Open one: what was chosen before is so no more."""
+        name = event.args[1]["name"]
+        self._table.selected = [r for r in self._table.rows if r["name"] == name]
+        await self._chosen()
+
     async def _chosen(self) -> None:
+        await self._list()  # one that was under way has gone on
         chosen = [self._all[row["name"]] for row in self._table.selected]
-        self._compare.set_enabled(len(chosen) == 2)
         if len(chosen) == 1:
             self._below.clear()
             with self._below:
@@ -120,13 +127,7 @@ class ResultsView:
 
     @staticmethod
     def _export(folder: Path, says: ui.label) -> None:
-        target = folder.with_name(f"{folder.name}-export")
-        try:
-            command = export(folder, target)
-        except InputError as error:
-            elements.say_wrong(str(error))
-            return
-        says.set_text(f"cd {target} && {command}")
+        elements.attempt(lambda: says.set_text(export_beside(folder)))
 
     async def _compared(self) -> None:
         """Say what changed between the two that are chosen, the older first."""
@@ -139,11 +140,14 @@ class ResultsView:
 
             return compare(first, second)
 
+        self._compare.props("loading")
         try:
             changes = await run.io_bound(compared)
         except InputError as error:
             elements.say_wrong(str(error))
             return
+        finally:
+            self._compare.props(remove="loading")
         if changes is None:  # the page is gone
             return
         self._below.clear()

@@ -6,7 +6,7 @@ from nicegui import run, ui
 
 from drakesep.page import elements
 from drakesep.page.study import SPARE
-from drakesep.page.study_files import case_argument, next_folder
+from drakesep.page.study_files import case_argument, next_folder, number_option
 from drakesep.page.workspace import Workspace
 from drakesep.systems.checks import InputError
 
@@ -33,9 +33,9 @@ class SearchForm:
             self._kind = ui.toggle(
                 _KINDS, value="worst-case", on_change=self._kind_changed
             ).props("no-caps dense unelevated spread")
-            self._objectives = ui.select(
-                {}, label="objectives", multiple=True, with_input=True
-            ).props("outlined dense use-chips")
+            self._objectives = elements.chosen_by_typing(
+                {}, "objectives", multiple=True
+            ).props("use-chips")
             self._objectives.on_value_change(self.warm_soon)
             self._metric()
             self._failures = ui.switch("Failure cases, too").props("dense")
@@ -66,8 +66,9 @@ class SearchForm:
             with ui.element("div").classes("form-pair"):
                 self._sense = _select("sense", list(choice.SENSES), "highest")
                 self._axis = _select("axis", {a: a or "none" for a in choice.AXES}, "x")
-            self._quantity = _select("quantity", choice.quantities(), "rate")
-            self._quantity.props("use-input")
+            self._quantity = elements.chosen_by_typing(
+                choice.quantities(), "quantity", value="rate"
+            )
             with ui.element("div").classes("form-pair"):
                 self._window = _select("when", dict(choice.WINDOWS), "after_separation")
                 self._extreme = _select("of it", dict(choice.EXTREMES), "")
@@ -133,8 +134,7 @@ class SearchForm:
         for name in self._searches.value or ():
             words += ["--search", name]
         for name, number in self._numbers.items():
-            if number.value is not None:
-                words += [f"--{name}", f"{number.value:g}"]
+            words += number_option(name, number.value)
         if self.kind == "verify" and self._failures.value:
             words.append("--failures")
         return (*words, "-o", str(next_folder(self._workspace, self.kind)))

@@ -14,9 +14,8 @@ from drakesep.page.response import Response
 from drakesep.page.search_form import SearchForm
 from drakesep.page.study import State, Study
 from drakesep.page.study_bar import StudyBar
-from drakesep.page.study_files import export
+from drakesep.page.study_files import export_beside
 from drakesep.page.workspace import Workspace
-from drakesep.systems.checks import InputError
 
 
 _STYLE = Path(__file__).with_name("studies.css")
@@ -256,13 +255,7 @@ class SearchView:
         study = self._told
         if study is None:
             return
-        target = study.folder.with_name(f"{study.folder.name}-export")
-        try:
-            command = export(study.folder, target)
-        except InputError as error:
-            elements.say_wrong(str(error))
-            return
-        self._exported.set_text(f"cd {target} && {command}")
+        elements.attempt(lambda: self._exported.set_text(export_beside(study.folder)))
 
 
 async def _page_of(study: Study | None, command: str, button: ui.button) -> None:

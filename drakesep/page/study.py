@@ -4,6 +4,7 @@ It is a command in a process of its own. What is kept here is what is shown whil
 goes on; what came of it stands in its folder.
 """
 
+import contextlib
 import enum
 import threading
 from collections.abc import Mapping, Sequence
@@ -176,6 +177,9 @@ class Study:
         self.summary, self.exit_code = event["summary"], event["exit_code"]
         self.message = self.summary.get("error") or ""
         refused = self.exit_code in (2, 3)
+        if refused:
+            with contextlib.suppress(OSError):  # which holds something
+                self.folder.rmdir()
         self._over(State.REFUSED if refused else State.ENDED)
 
     def _stopped(self, event: Mapping[str, Any]) -> None:

@@ -4,6 +4,7 @@ A study is asked for by a case file or the name of a built-in case. A case that 
 changed and not saved is written beside its results first: that is what was studied.
 """
 
+import contextlib
 import shlex
 import shutil
 from collections.abc import Mapping
@@ -25,7 +26,7 @@ def case_argument(workspace: Workspace) -> str:
     case = workspace.case
     if case is None:
         raise InputError("the case is not right: see the tab Case")
-    if case.source is not None:
+    if case.source is not None and workspace.is_on_disk:
         return str(case.source)
     if case.files:
         raise InputError(
@@ -36,17 +37,41 @@ def case_argument(workspace: Workspace) -> str:
 
 
 def next_folder(workspace: Workspace, study: str) -> Path:
-    """Return the folder of a new study: the first of its kind that is not there."""
-    return _first_free(_home(workspace), study, "")
+    """Return the folder of a new study: the first of its kind that is not there.
+
+    It is made, so that no other page takes it before the study begins.
+
+    Raises:
+        ValueError: it cannot be made.
+    """
+    home = _home(workspace)
+    while True:
+        folder = _first_free(home, study, "")
+        with contextlib.suppress(FileExistsError):  # another has been faster
+            folder.mkdir()
+            return folder
 
 
 def _home(workspace: Workspace) -> Path:
-    return (workspace.results / workspace.name).absolute()
+    from drakesep.results.folder import writable_folder
+
+    return writable_folder((workspace.results / workspace.name).absolute())
+
+
+def number_option(name: str, value: float | None) -> list[str]:
+    """Return an option of the command line that is a number, to its last digit.
+
+    Args:
+        name: of the option, without dashes.
+        value: as a field gives it; None: it is empty, and the option left out.
+    """
+    if value is None:
+        return []
+    return [f"--{name}", f"{value:.0f}" if value == round(value) else repr(value)]
 
 
 def _kept(home: Path, name: str, text: str) -> Path:
     """Return the file of a case beside its results; one that has this text, or new."""
-    home.mkdir(parents=True, exist_ok=True)
     for file in sorted(home.glob(f"{name}-*.yaml")):
         if file.read_text(encoding="utf-8") == text:
             return file
@@ -77,7 +102,7 @@ def export(folder: Path, target: Path) -> str:
 
     Raises:
         ValueError: the study was asked from Python or under way, files lie outside of
-            the case's folder, or the target is there.
+            the case's folder, the target holds something else, or cannot be written.
     """
     from drakesep.results.reading import read_results
 
@@ -85,8 +110,6 @@ def export(folder: Path, target: Path) -> str:
     text = record.case["text"]
     if text is None:
         raise InputError(f"{folder}: must be of a case file, got a case made in Python")
-    if target.exists():
-        raise InputError(f"{target}: is there already")
     name = f"{record.case['name']}.yaml"
     source = Path(record.case["source"] or "").parent
     words = [
@@ -95,14 +118,42 @@ def export(folder: Path, target: Path) -> str:
         *("-o", "again"),
     ]
     command = shlex.join(words)
-    target.mkdir(parents=True)
-    for file in record.named_files:
-        _copy(Path(file), source.absolute(), target)
-    write_text(target / name, text)
-    script = target / "command.sh"
-    write_text(script, f'#!/bin/sh\ncd "$(dirname "$0")"\n{command}\n')
-    script.chmod(0o755)
+    script = f'#!/bin/sh\ncd "$(dirname "$0")"\n{command}\n'
+    written = {name: text, "command.sh": script}
+    if target.exists():
+        if any(_text_of(target / file) != what for file, what in written.items()):
+            raise InputError(f"{target}: is there already, with something else in it")
+        return command  # it has been exported before
+    try:
+        target.mkdir(parents=True)
+        for file in record.named_files:
+            _copy(Path(file), source.absolute(), target)
+        for file, what in written.items():
+            write_text(target / file, what)
+        (target / "command.sh").chmod(0o755)
+    except OSError as error:
+        raise InputError(f"{target}: cannot be written: {error.strerror}") from error
     return command
+
+
+def export_beside(folder: Path) -> str:
+    """Export a study into a folder beside its results.
+
+    Returns:
+        The command, which goes there first.
+
+    Raises:
+        ValueError: as `export`.
+    """
+    target = folder.absolute().with_name(f"{folder.name}-export")
+    return f"cd {shlex.quote(str(target))} && {export(folder, target)}"
+
+
+def _text_of(file: Path) -> str | None:
+    try:
+        return file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        return None
 
 
 _COMMANDS: Mapping[str, tuple[str, ...]] = {
