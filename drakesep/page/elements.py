@@ -34,7 +34,7 @@ def attempt(action: Callable[[], None]) -> bool:
     """
     try:
         action()
-    except InputError as error:
+    except (InputError, OSError) as error:
         say_wrong(str(error))
         return False
     return True

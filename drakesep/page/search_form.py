@@ -6,7 +6,7 @@ from nicegui import run, ui
 
 from drakesep.page import elements
 from drakesep.page.study import SPARE
-from drakesep.page.study_files import case_argument, next_folder, number_option
+from drakesep.page.study_files import as_typed, case_argument, next_folder
 from drakesep.page.workspace import Workspace
 from drakesep.systems.checks import InputError
 
@@ -134,8 +134,10 @@ class SearchForm:
         for name in self._searches.value or ():
             words += ["--search", name]
         for name, number in self._numbers.items():
-            words += number_option(name, number.value)
-        if self.kind == "verify" and self._failures.value:
+            if number.value is not None:
+                words += [f"--{name}", as_typed(number.value)]
+        failures = self._failures.value and self._failures.enabled
+        if self.kind == "verify" and failures:
             words.append("--failures")
         return (*words, "-o", str(next_folder(self._workspace, self.kind)))
 

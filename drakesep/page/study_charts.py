@@ -37,7 +37,7 @@ def iterates_options(rows: Sequence[Row], chosen: Row | None) -> dict[str, Any]:
 
     Args:
         rows: of the objective.
-        chosen: the one that is looked at.
+        chosen: the one that is looked at, ringed if it is one of them.
     """
     ascents: dict[str, list[Row]] = {}
     for row in rows:
@@ -56,7 +56,7 @@ def iterates_options(rows: Sequence[Row], chosen: Row | None) -> dict[str, Any]:
         }
         for name, each in ascents.items()
     ]
-    ring = [] if chosen is None else [[chosen["evaluations"], chosen["value"]]]
+    ring = [[r["evaluations"], r["value"]] for r in rows if r is chosen]
     series.append(
         {
             "id": "chosen",

@@ -36,44 +36,37 @@ def case_argument(workspace: Workspace) -> str:
     return str(file)
 
 
-def next_folder(workspace: Workspace, study: str) -> Path:
-    """Return the folder of a new study: the first of its kind that is not there.
+def as_typed(number: float) -> str:
+    """Return a number of a field as a command line has it, to its last digit."""
+    return str(int(number)) if number == int(number) else repr(number)
 
-    It is made, so that no other page takes it before the study begins.
+
+def next_folder(workspace: Workspace, study: str) -> Path:
+    """Make the folder of a new study, the first of its kind that is not there.
+
+    It is there from now on, so that no other page takes it.
 
     Raises:
-        ValueError: it cannot be made.
+        OSError: it cannot be made.
     """
     home = _home(workspace)
+    home.mkdir(parents=True, exist_ok=True)
     while True:
-        folder = _first_free(home, study, "")
-        with contextlib.suppress(FileExistsError):  # another has been faster
+        with contextlib.suppress(FileExistsError):
+            folder = _first_free(home, study, "")
             folder.mkdir()
             return folder
 
 
 def _home(workspace: Workspace) -> Path:
-    from drakesep.results.folder import writable_folder
-
-    return writable_folder((workspace.results / workspace.name).absolute())
-
-
-def number_option(name: str, value: float | None) -> list[str]:
-    """Return an option of the command line that is a number, to its last digit.
-
-    Args:
-        name: of the option, without dashes.
-        value: as a field gives it; None: it is empty, and the option left out.
-    """
-    if value is None:
-        return []
-    return [f"--{name}", f"{value:.0f}" if value == round(value) else repr(value)]
+    return (workspace.results / workspace.name).absolute()
 
 
 def _kept(home: Path, name: str, text: str) -> Path:
     """Return the file of a case beside its results; one that has this text, or new."""
+    home.mkdir(parents=True, exist_ok=True)
     for file in sorted(home.glob(f"{name}-*.yaml")):
-        if file.read_text(encoding="utf-8") == text:
+        if file.read_bytes() == text.encode():
             return file
     file = _first_free(home, name, ".yaml")
     write_text(file, text)
@@ -87,6 +80,12 @@ def _first_free(home: Path, name: str, ending: str) -> Path:
     return path
 
 
+def from_here(folder: Path) -> Path:
+    """Return a folder as seen from the working directory, if it is below that."""
+    here = Path.cwd()
+    return folder.relative_to(here) if folder.is_relative_to(here) else folder
+
+
 def export(folder: Path, target: Path) -> str:
     """Write what reproduces a study to the bit: its case, and the command.
 
@@ -98,11 +97,12 @@ def export(folder: Path, target: Path) -> str:
         target: new folder.
 
     Returns:
-        The command, to be run in the target.
+        What runs it in a shell, from any folder; of what has been exported before, too.
 
     Raises:
-        ValueError: the study was asked from Python or under way, files lie outside of
-            the case's folder, the target holds something else, or cannot be written.
+        ValueError: the study was asked from Python or has just begun, files lie outside
+            of the case's folder, or something else is where the target would be.
+        OSError: it cannot be written.
     """
     from drakesep.results.reading import read_results
 
@@ -119,43 +119,29 @@ def export(folder: Path, target: Path) -> str:
     ]
     command = shlex.join(words)
     script = f'#!/bin/sh\ncd "$(dirname "$0")"\n{command}\n'
-    written = {name: text, "command.sh": script}
-    if target.exists():
-        if any(_text_of(target / file) != what for file, what in written.items()):
-            raise InputError(f"{target}: is there already, with something else in it")
-        return command  # it has been exported before
-    try:
+    if not _holds(target, {name: text, _SCRIPT: script}):
+        if target.exists():
+            raise InputError(f"{target}: is there already, and holds something else")
+        copies = [_copy_of(Path(f), source.absolute()) for f in record.named_files]
         target.mkdir(parents=True)
-        for file in record.named_files:
-            _copy(Path(file), source.absolute(), target)
-        for file, what in written.items():
-            write_text(target / file, what)
-        (target / "command.sh").chmod(0o755)
-    except OSError as error:
-        raise InputError(f"{target}: cannot be written: {error.strerror}") from error
-    return command
+        for file, place in copies:
+            (target / place).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(file, target / place)
+        write_text(target / name, text)
+        write_text(target / _SCRIPT, script)
+        (target / _SCRIPT).chmod(0o755)
+    return f"cd {shlex.quote(str(target))} && {command}"
 
 
-def export_beside(folder: Path) -> str:
-    """Export a study into a folder beside its results.
-
-    Returns:
-        The command, which goes there first.
-
-    Raises:
-        ValueError: as `export`.
-    """
-    target = folder.absolute().with_name(f"{folder.name}-export")
-    return f"cd {shlex.quote(str(target))} && {export(folder, target)}"
-
-
-def _text_of(file: Path) -> str | None:
+def _holds(folder: Path, texts: Mapping[str, str]) -> bool:
+    """Return whether a folder has files with these texts."""
     try:
-        return file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError):
-        return None
+        return all((folder / k).read_bytes() == t.encode() for k, t in texts.items())
+    except OSError:
+        return False
 
 
+_SCRIPT = "command.sh"
 _COMMANDS: Mapping[str, tuple[str, ...]] = {
     "sensitivity": ("campaign", "sensitivity"),
     "rare-events": ("campaign", "rare-events"),
@@ -182,10 +168,9 @@ def _options(arguments: Mapping[str, Any], seed: int | None, study: str) -> list
     return words
 
 
-def _copy(file: Path, source: Path, target: Path) -> None:
+def _copy_of(file: Path, source: Path) -> tuple[Path, Path]:
+    """Return a file that a case names, and where it stands below the case's folder."""
     absolute = file if file.is_absolute() else source / file
     if not absolute.is_relative_to(source):
         raise InputError(f"{file}: must lie within {source}, to be exported")
-    copy = target / absolute.relative_to(source)
-    copy.parent.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(absolute, copy)
+    return absolute, absolute.relative_to(source)

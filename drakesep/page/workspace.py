@@ -18,6 +18,7 @@ from drakesep.systems.checks import InputError
 
 if TYPE_CHECKING:
     from drakesep.case_file.case import Case
+    from drakesep.page.study import Study
 
 
 _MOST_UNDONE = 200
@@ -75,11 +76,12 @@ class Workspace:
         looks: told when another tab is shown, and of light and dark.
         flights: flies what is played with.
         measuring: flies what is measured, which takes longer.
+        studies: the last of each tab, by its name: a page loaded again shows it.
     """
 
     def __init__(self, results: Path = Path("results")):
         """Begin without a case; see `open` and `begin`."""
-        self.results = results
+        self.results = results.absolute()
         self.text = ""
         self.case: Case | None = None
         self.problems: tuple[str, ...] = ()
@@ -94,6 +96,7 @@ class Workspace:
         self._before: list[str] = []
         self.flights = Flights()
         self.measuring = Flights()
+        self.studies: dict[str, Study] = {}
         self.changes = Listeners()
         self.looks = Listeners()
 
