@@ -82,6 +82,7 @@ _FAILURES = {
     **{"worst": "worst", "margin": "margin", "message": ""},
 }
 EVIDENCE = "evidence.csv"
+_REMARKS = "remarks.csv"
 _PARTS = (
     ("requirements.csv", "Requirements", _REQUIREMENTS),
     ("answers.csv", "Found, statistical and proven, side by side", _ANSWERS),
@@ -90,6 +91,7 @@ _PARTS = (
     (EVIDENCE, "Worst cases, and why to believe them", _EVIDENCE),
     ("failure_requirements.csv", "Failure cases", _FAILURES),
     ("failure_cases.csv", "Failure cases by themselves", _FAILURES),
+    (_REMARKS, "Remarks", {"about": "about", "remark": "", "run": "in"}),
 )
 _MOST = 200
 """Rows that are shown of a table."""
@@ -139,9 +141,11 @@ def read_found(folder: Path) -> Found:
             for name, title, columns in _PARTS
             if name in there
         ]
+        if all(part.file == _REMARKS for part in parts):
+            parts = _all(results)
         if "proofs.csv" not in there:
             parts = [part._replace(columns=_without_proofs(part)) for part in parts]
-        return Found(parts or _all(results), _worst(results, parts))
+        return Found(parts, _worst(results, parts))
     except (OSError, KeyError, ValueError) as error:
         return Found(wrong=f"{folder.name} cannot be read: {error}")
 
