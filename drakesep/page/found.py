@@ -84,6 +84,7 @@ _FAILURES = {
     **{"worst": "worst", "margin": "margin", "message": ""},
 }
 EVIDENCE = "evidence.csv"
+_REMARKS = "remarks.csv"
 _PARTS = (
     ("requirements.csv", "Requirements", _REQUIREMENTS),
     ("answers.csv", "Found, statistical and proven, side by side", _ANSWERS),
@@ -92,6 +93,7 @@ _PARTS = (
     (EVIDENCE, "Worst cases, and why to believe them", _EVIDENCE),
     ("failure_requirements.csv", "Failure cases", _FAILURES),
     ("failure_cases.csv", "Failure cases by themselves", _FAILURES),
+    (_REMARKS, "Remarks", {"about": "about", "remark": "", "run": "in"}),
 )
 _MOST = 200
 """Rows that are shown of a table."""
@@ -146,9 +148,11 @@ def read_found(folder: Path) -> Found:
             if _GROWTH in part.columns:
                 rows = part.table.to_dict("records")
                 part.table[_GROWTH] = [*map(all_by, rows)]
+        if all(part.file == _REMARKS for part in parts):
+            parts = _all(results)
         if "proofs.csv" not in there:
             parts = [part._replace(columns=_without_proofs(part)) for part in parts]
-        return Found(parts or _all(results), _worst(results, parts))
+        return Found(parts, _worst(results, parts))
     except (OSError, KeyError, ValueError) as error:
         return Found(wrong=f"{folder.name} cannot be read: {error}")
 

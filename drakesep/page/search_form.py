@@ -38,7 +38,12 @@ class SearchForm:
             ).props("use-chips")
             self._objectives.on_value_change(self.warm_soon)
             self._metric()
-            self._failures = ui.switch("Failure cases, too").props("dense")
+            with ui.element("div").classes("form-beside") as self._beside:
+                self._failures = ui.switch("Failure cases, too").props("dense")
+                self._proofs = ui.switch("Proven bounds, too").props("dense")
+                self._proofs.tooltip("What nothing within the tolerances is beyond")
+                self._draws = ui.number("launches drawn, too", min=1, step=1000)
+                self._draws.props("outlined dense clearable")
             self._searches = ui.select(
                 _SEARCHES,
                 label="searches; what suits if empty",
@@ -50,6 +55,7 @@ class SearchForm:
                     name: ui.number(name, min=0).props("outlined dense")
                     for name in _NUMBERS
                 }
+        self._beside.set_visibility(False)
         self._pause = ui.timer(_PAUSE, self._warm, active=False, once=False)
         elements.follow(workspace.changes, self._case_changed)
         elements.follow(workspace.looks, self._case_changed)
@@ -136,16 +142,26 @@ class SearchForm:
         for name, number in self._numbers.items():
             if number.value is not None:
                 words += [f"--{name}", as_typed(number.value)]
-        failures = self._failures.value and self._failures.enabled
-        if self.kind == "verify" and failures:
-            words.append("--failures")
+        if self.kind == "verify":
+            words += self._asked_beside()
         return (*words, "-o", str(next_folder(self._workspace, self.kind)))
+
+    def _asked_beside(self) -> list[str]:
+        """Return the options of what is verified beside the worst cases."""
+        words = []
+        if self._failures.value and self._failures.enabled:
+            words.append("--failures")
+        if self._proofs.value:
+            words.append("--prove")
+        if self._draws.value is not None:
+            words += ["--campaign", as_typed(self._draws.value)]
+        return words
 
     # What follows the case.
 
     def _kind_changed(self) -> None:
         verifies = self.kind == "verify"
-        self._failures.set_visibility(verifies)
+        self._beside.set_visibility(verifies)
         self._searches.set_value([] if verifies else ["sqp", "multistart"])
         label = "objectives beside these" if verifies else "objectives"
         self._objectives.props(f'label="{label}"')
@@ -173,10 +189,6 @@ class SearchForm:
         kept = {name: name for name in self._chosen()}
         self._objectives.set_options({**{name: name for name in own or ()}, **kept})
         self._failures.set_enabled(bool(case.failure_cases))
-        self._kind_changed_at_first()
-
-    def _kind_changed_at_first(self) -> None:
-        self._failures.set_visibility(self.kind == "verify")
         self.warm_soon()
 
     def warm_soon(self) -> None:

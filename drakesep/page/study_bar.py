@@ -55,12 +55,13 @@ class StudyBar:
         return self._studies.get(self._tab)
 
     def _started(self) -> None:
-        if self.study is None or not self.study.is_running:  # of a double click
+        if self.study is not None and self.study.is_running:
+            return  # a second click, before the button has gone
 
-            def begin() -> None:
-                self._studies[self._tab] = self._begin()
+        def begin() -> None:
+            self._studies[self._tab] = self._begin()
 
-            elements.attempt(begin)
+        elements.attempt(begin)
         self._look()
 
     def _stopped(self) -> None:
