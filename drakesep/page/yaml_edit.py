@@ -88,12 +88,19 @@ class YamlText:
         return self._inserted(path[:known], path[known:], value)
 
     def without(self, path: Path) -> str:
-        """Return the text without an entry, nor the mapping that had nothing else."""
+        """Return the text without an entry, nor the mapping that had nothing else.
+
+        Raises:
+            ValueError: it does not stand there itself.
+        """
         parent = self._node(path[:-1])
         entries = [] if parent is None else _entries(parent)
         if len(entries) == 1 and len(path) > 1:
             return self.without(path[:-1])
-        [i] = [i for i, (key, _, _) in enumerate(entries) if key == path[-1]]
+        found = [i for i, (key, _, _) in enumerate(entries) if key == path[-1]]
+        if not found:
+            raise InputError(f"{path[-1]} is merged from elsewhere: change the YAML")
+        [i] = found
         _, begin, value = entries[i]
         if parent is not None and _is_in_line(parent):
             return self._without_in_flow(entries, i)
