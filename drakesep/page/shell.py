@@ -137,11 +137,9 @@ def _theme_button(workspace: Workspace, dark: ui.dark_mode) -> None:
         dark.set_value(is_dark)
         workspace.looks.tell()
 
-    async def ask() -> None:
-        turn(bool(await ui.run_javascript("Quasar.Dark.isActive")))
-
     if workspace.dark is None:
-        ui.timer(0.0, ask, once=True)
+        ui.on("drakesep-dark", lambda event: turn(bool(event.args)))
+        ui.run_javascript('emitEvent("drakesep-dark", Quasar.Dark.isActive)')
     button = ui.button(
         icon="contrast", color=None, on_click=lambda: turn(not workspace.dark)
     )
