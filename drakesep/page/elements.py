@@ -68,6 +68,31 @@ def title(workspace: Workspace) -> None:
     follow(workspace.changes, show)
 
 
+def chosen_by_typing(
+    options: list[str] | dict[str, str], label: str, **more: Any
+) -> ui.select:
+    """Let some of a list be chosen: what is typed finds them, Enter takes the first.
+
+    Args:
+        options: that there are.
+        label: of the field.
+        more: what `ui.select` takes.
+    """
+    field = ui.select(options, label=label, with_input=True, **more)
+    field.props("outlined dense")
+    # Quasar takes none by Enter before an arrow has been pressed.
+    field.on("input-value", js_handler=_FIRST_FOUND % field.id)
+    return field
+
+
+_FIRST_FOUND = """(typed) => setTimeout(() => {
+  const list = getElement(%d)?.$refs.qRef;
+  list?.setOptionIndex(-1);
+  if (typed) list?.moveOptionSelection(1, true);
+}, 50)"""
+"""When the list has been cut to what was typed."""
+
+
 def placeholder(text: str) -> ui.label:
     """Say what a tab would show, where it has nothing to show."""
     return ui.label(text).classes("page-placeholder")

@@ -23,13 +23,15 @@ _PROVEN = {
     **{"proven_bound": "proven bound", "gap_percent": "gap, %", "proven": "proof"}
 }
 """Of tables that have nothing to say there, where nothing was to be proven."""
+_GROWTH = "growth"
+"""Of all tolerances together, in words; a column that is made here."""
 _REQUIREMENTS = {
     **_LIMIT,
     "nominal": "nominal",
     "worst": "worst found",
     **_PROVEN,
     "margin": "margin",
-    "its_growth_factor": "tolerances may grow by",
+    _GROWTH: "violated at tolerances times",
     "verdict": "verdict",
 }
 _ANSWERS = {
@@ -131,6 +133,7 @@ def read_found(folder: Path) -> Found:
         folder: with results.
     """
     from drakesep.results.reading import read_results
+    from drakesep.tables.growth_words import all_by
 
     try:
         results = read_results(folder)
@@ -141,6 +144,10 @@ def read_found(folder: Path) -> Found:
             for name, title, columns in _PARTS
             if name in there
         ]
+        for part in parts:
+            if _GROWTH in part.columns:
+                rows = part.table.to_dict("records")
+                part.table[_GROWTH] = [*map(all_by, rows)]
         if all(part.file == _REMARKS for part in parts):
             parts = _all(results)
         if "proofs.csv" not in there:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from nicegui import app, ui
+from nicegui import app, context, ui
 
 from drakesep.page import elements
 from drakesep.page.study_process import StudyProcess
@@ -75,16 +75,20 @@ async def open_file(
         links: gets a link to the page.
     """
     button.props("loading")
+    client = context.client  # is there, too, where something else is shown meanwhile
     try:
-        if await done(arguments, Path.cwd()) is None:
-            return
+        with client:
+            if await done(arguments, Path.cwd()) is None:
+                return
     finally:
         button.props(remove="loading")
     address = _address_of(file)
-    links.clear()
-    with links:
-        ui.link(file.name, address, new_tab=True)
-    ui.navigate.to(address, new_tab=True)
+    if not links.is_deleted:
+        links.clear()
+        with links:
+            ui.link(file.name, address, new_tab=True)
+    with client:
+        ui.navigate.to(address, new_tab=True)
 
 
 @functools.cache

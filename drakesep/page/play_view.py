@@ -60,9 +60,9 @@ class PlayView:
             self._follows = ui.switch("Clearance", on_change=self._measure)
             self._follows.props("dense").tooltip("Measure how near parts come")
         self._sliders = Sliders(self._move)
-        self._more = ui.select(
-            [], label="another parameter", with_input=True, on_change=self._add
-        ).props("outlined dense clearable")
+        self._more = elements.chosen_by_typing(
+            [], "another parameter", on_change=self._add
+        ).props("clearable")
         self._more.classes("play-more")
 
     # What changes.

@@ -69,6 +69,7 @@ class ResultsView:
             ).props("dense flat bordered")
             self._table.classes("results-table")
             self._table.props('no-data-label="No results yet"')
+            self._table.on("row-click", self._row_clicked, [None, ["name"], None])
             self._below = ui.element("div").classes("study-tables")
             self._found = FoundView()
         elements.follow(workspace.looks, self._looked)
@@ -89,9 +90,15 @@ class ResultsView:
         self._table.selected = [row for row in rows if row["name"] in kept]
         self._compare.set_enabled(len(self._table.selected) == 2)
 
+    async def _row_clicked(self, event: Any) -> None:
+        """Open one: what was chosen before is so no more."""
+        name = event.args[1]["name"]
+        self._table.selected = [r for r in self._table.rows if r["name"] == name]
+        await self._chosen()
+
     async def _chosen(self) -> None:
+        await self._list()  # one that was under way has gone on
         chosen = [self._all[row["name"]] for row in self._table.selected]
-        self._compare.set_enabled(len(chosen) == 2)
         if len(chosen) == 1:
             self._found.clear()
             self._below.clear()
@@ -126,11 +133,14 @@ class ResultsView:
 
             return compare(first, second)
 
+        self._compare.props("loading")
         try:
             changes = await run.io_bound(compared)
         except InputError as error:
             elements.say_wrong(str(error))
             return
+        finally:
+            self._compare.props(remove="loading")
         if changes is None:  # the page is gone
             return
         self._found.clear()

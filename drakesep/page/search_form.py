@@ -33,9 +33,9 @@ class SearchForm:
             self._kind = ui.toggle(
                 _KINDS, value="worst-case", on_change=self._kind_changed
             ).props("no-caps dense unelevated spread")
-            self._objectives = ui.select(
-                {}, label="objectives", multiple=True, with_input=True
-            ).props("outlined dense use-chips")
+            self._objectives = elements.chosen_by_typing(
+                {}, "objectives", multiple=True
+            ).props("use-chips")
             self._objectives.on_value_change(self.warm_soon)
             self._metric()
             with ui.element("div").classes("form-beside") as self._beside:
@@ -72,8 +72,9 @@ class SearchForm:
             with ui.element("div").classes("form-pair"):
                 self._sense = _select("sense", list(choice.SENSES), "highest")
                 self._axis = _select("axis", {a: a or "none" for a in choice.AXES}, "x")
-            self._quantity = _select("quantity", choice.quantities(), "rate")
-            self._quantity.props("use-input")
+            self._quantity = elements.chosen_by_typing(
+                choice.quantities(), "quantity", value="rate"
+            )
             with ui.element("div").classes("form-pair"):
                 self._window = _select("when", dict(choice.WINDOWS), "after_separation")
                 self._extreme = _select("of it", dict(choice.EXTREMES), "")

@@ -26,7 +26,7 @@ def case_argument(workspace: Workspace) -> str:
     case = workspace.case
     if case is None:
         raise InputError("the case is not right: see the tab Case")
-    if case.source is not None:
+    if case.source is not None and workspace.is_on_disk:
         return str(case.source)
     if case.files:
         raise InputError(

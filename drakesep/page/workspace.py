@@ -81,7 +81,7 @@ class Workspace:
 
     def __init__(self, results: Path = Path("results")):
         """Begin without a case; see `open` and `begin`."""
-        self.results = results
+        self.results = results.absolute()
         self.text = ""
         self.case: Case | None = None
         self.problems: tuple[str, ...] = ()
@@ -118,6 +118,17 @@ class Workspace:
         return self.text == self._saved
 
     @property
+    def is_on_disk(self) -> bool:
+        """Whether its file holds the text: nobody else has changed or removed it."""
+        if self._builtin is not None:
+            return self.is_saved
+        return (
+            self._opened is not None
+            and self.is_saved
+            and _digest_of(self._opened.path) == self._opened.digest
+        )
+
+    @property
     def folder(self) -> Path:
         """From which the files are named that the case refers to."""
         from drakesep.case_file.reader import builtin_cases
@@ -143,6 +154,7 @@ class Workspace:
         self._builtin = source if builtin else None
         path = Path(source).absolute()
         self._opened = None if builtin else _Opened(path, _digest(text))
+        self.name = path.stem  # until it says another
         self._start(text)
 
     def begin(self, name: str = "new") -> None:
@@ -178,12 +190,9 @@ class Workspace:
         self._tell()
 
     def _check_unchanged(self, target: Path) -> None:
-        try:
-            found = hashlib.sha256(target.read_bytes()).hexdigest()
-        except FileNotFoundError:
+        found = _digest_of(target)
+        if found is None:
             return
-        except OSError as error:
-            raise InputError(f"{target}: {error.strerror}") from error
         if self._opened is None or target != self._opened.path:
             raise ChangedMeanwhile(f"{target}: is there already")
         if found != self._opened.digest:
@@ -253,6 +262,20 @@ class Workspace:
     def _tell(self) -> None:
         self.revision += 1
         self.changes.tell()
+
+
+def _digest_of(file: Path) -> str | None:
+    """Return that of a file; None if it is not there.
+
+    Raises:
+        ValueError: it cannot be read.
+    """
+    try:
+        return hashlib.sha256(file.read_bytes()).hexdigest()
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise InputError(f"{file}: {error.strerror}") from error
 
 
 def _digest(text: str) -> str:
