@@ -202,6 +202,9 @@ class SearchForm:
         workspace = self._workspace
         if workspace.case is None or workspace.tab != "Search":
             return
+        study = workspace.studies.get("Search")
+        if study is not None and study.is_running:  # it has the machine for itself
+            return
         with contextlib.suppress(OSError):
             verifies = self.kind == "verify"
             wanted = self._chosen() or [_CHEAP] * (not verifies)

@@ -129,6 +129,18 @@ class Workspace:
         )
 
     @property
+    def source(self) -> str | None:
+        """What opens the case again: its file or built-in name; None of a new one."""
+        return self._builtin if self.path is None else str(self.path)
+
+    @property
+    def is_elsewhere(self) -> bool:
+        """Whether nothing is lost without it: no text, and no study that is running."""
+        if any(study.is_running for study in self.studies.values()):
+            return False
+        return self.is_saved if self.path is None else self.is_on_disk
+
+    @property
     def folder(self) -> Path:
         """From which the files are named that the case refers to."""
         from drakesep.case_file.reader import builtin_cases
@@ -246,11 +258,8 @@ class Workspace:
         from drakesep.case_file.errors import CaseError
         from drakesep.case_file.reader import read_case
 
-        source = None if self.path is None else str(self.path)
-        if not self.is_saved:  # what was changed here stands nowhere yet
-            source = None
-        elif self._builtin is not None:
-            source = self._builtin
+        # What was changed here stands nowhere yet.
+        source = self.source if self.is_saved else None
         try:
             self.case = read_case(self.text, folder=self.folder, source=source)
             self.problems = ()
