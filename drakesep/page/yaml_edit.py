@@ -88,7 +88,13 @@ class YamlText:
         return self._inserted(path[:known], path[known:], value)
 
     def without(self, path: Path) -> str:
-        """Return the text without an entry, nor the mapping that had nothing else."""
+        """Return the text without an entry, nor the mapping that had nothing else.
+
+        Raises:
+            ValueError: it is not there.
+        """
+        if not self.has(path):
+            raise InputError("is not there, or merged from elsewhere: change the YAML")
         parent = self._node(path[:-1])
         entries = [] if parent is None else _entries(parent)
         if len(entries) == 1 and len(path) > 1:
