@@ -300,7 +300,9 @@ class _Maker:
 
 
 def _keys(value: Any) -> list[str]:
-    return [str(key) for key in value] if isinstance(value, Mapping) else []
+    """Return the keys of a mapping; those that are no text are left to the YAML."""
+    mapping = value if isinstance(value, Mapping) else {}
+    return [key for key in mapping if isinstance(key, str)]
 
 
 def _name_of(path: Path) -> str:

@@ -91,10 +91,12 @@ class YamlText:
         """Return the text without an entry, nor the mapping that had nothing else.
 
         Raises:
-            ValueError: it is not there.
+            ValueError: it does not stand there itself.
         """
-        if not self.has(path):
-            raise InputError("is not there, or merged from elsewhere: change the YAML")
+        if not self.has(path):  # a second click would take out what is beside it
+            if value_at(self.data, path) is None:
+                raise InputError(f"{path[-1]} is not there any more")
+            raise InputError(f"{path[-1]} is merged from elsewhere: change the YAML")
         parent = self._node(path[:-1])
         entries = [] if parent is None else _entries(parent)
         if len(entries) == 1 and len(path) > 1:

@@ -30,7 +30,13 @@ def test_what_is_saved_is_named_and_what_is_not_is_kept(workspace, tmp_path):
     assert case_argument(workspace) != kept
     assert drakesep.load_case(kept).in_si().separation.bodies[0].mass == 751.0
     workspace.save(tmp_path / "mine.yaml")
-    assert case_argument(workspace) == str(tmp_path / "mine.yaml")
+    file = tmp_path / "mine.yaml"
+    assert case_argument(workspace) == str(file)
+    for_it = workspace.text
+    file.write_text("name: another")  # beneath the page, which shows what was
+    assert drakesep.load_case(case_argument(workspace)).text == for_it
+    file.unlink()
+    assert drakesep.load_case(case_argument(workspace)).text == for_it
     workspace.change("bodies: 3")
     with pytest.raises(InputError, match="not right"):
         case_argument(workspace)
