@@ -20,8 +20,7 @@ def ask(workspace: Workspace, table: str) -> None:
 
 
 def _tolerance(workspace: Workspace) -> None:
-    with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
-        ui.label("A parameter with a tolerance").classes("dialog-title")
+    with elements.dialog("A parameter with a tolerance") as dialog:
         name = elements.chosen_by_typing(
             case_edit.parameters_left(workspace.case), "parameter"
         ).props("autofocus")
@@ -38,8 +37,7 @@ def _tolerance(workspace: Workspace) -> None:
 
 def _another(workspace: Workspace, table: str) -> None:
     rows = case_edit.rows_of(workspace.text, table)
-    with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
-        ui.label("One more, like one that is there").classes("dialog-title")
+    with elements.dialog("One more, like one that is there") as dialog:
         name = ui.input("name").props("autofocus outlined dense")
         like = ui.select([*rows], label="like", value=[*rows][-1])
         like.props("outlined dense")
@@ -53,8 +51,7 @@ def _another(workspace: Workspace, table: str) -> None:
 
 
 def _requirement(workspace: Workspace) -> None:
-    with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
-        ui.label("A requirement").classes("dialog-title")
+    with elements.dialog("A requirement") as dialog:
         quantity = elements.chosen_by_typing(case_edit.quantities(), "quantity").props(
             "autofocus"
         )

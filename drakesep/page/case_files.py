@@ -80,8 +80,7 @@ document.addEventListener("keydown", (e) => {
 
 def _open(workspace: Workspace) -> None:
     files = _files()
-    with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
-        ui.label("Open a case").classes("dialog-title")
+    with elements.dialog("Open a case") as dialog:
         if not workspace.is_saved:
             ui.label(
                 f"Changes to {workspace.name} that are not saved are lost."
@@ -139,8 +138,7 @@ def _save(workspace: Workspace) -> None:
 
 
 def _save_as(workspace: Workspace) -> None:
-    with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
-        ui.label("Save the case as a file").classes("dialog-title")
+    with elements.dialog("Save the case as a file") as dialog:
         chosen = ui.input("file", value=f"{workspace.name}.yaml")
         chosen.props("autofocus outlined dense")
         ui.label(f"In {Path.cwd()}").classes("dialog-note")
@@ -165,8 +163,7 @@ def _save_as(workspace: Workspace) -> None:
 
 def _ask_to_replace(workspace: Workspace, path: Path, why: str) -> None:
     """Ask what to do with a file that somebody else has written."""
-    with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
-        ui.label("The file is another").classes("dialog-title")
+    with elements.dialog("The file is another") as dialog:
         ui.label(f"{why}. What is in it would be lost.")
 
         def replace() -> None:

@@ -1,6 +1,7 @@
 """What several tabs are made of."""
 
-from collections.abc import Callable, Mapping
+import contextlib
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from nicegui import context, ui
@@ -58,6 +59,24 @@ def redraw(chart: ui.echart, options: Mapping[str, Any]) -> None:
     chart.options.clear()
     chart.options.update(options)
     chart.update()
+
+
+@contextlib.contextmanager
+def dialog(title: str) -> Iterator[ui.dialog]:
+    """Open a dialog, to be filled; once it is closed it is gone.
+
+    Args:
+        title: of the dialog.
+    """
+    # Not within another, from which it may be opened, and which closes.
+    with (
+        context.client.content,
+        ui.dialog(value=True) as opened,
+        ui.card().classes("dialog"),
+    ):
+        opened.on("hide", opened.delete)
+        ui.label(title).classes("dialog-title")
+        yield opened
 
 
 def title(workspace: Workspace) -> None:

@@ -93,14 +93,15 @@ class YamlText:
         Raises:
             ValueError: it does not stand there itself.
         """
+        if not self.has(path):  # a second click would take out what is beside it
+            if value_at(self.data, path) is None:
+                raise InputError(f"{path[-1]} is not there any more")
+            raise InputError(f"{path[-1]} is merged from elsewhere: change the YAML")
         parent = self._node(path[:-1])
         entries = [] if parent is None else _entries(parent)
         if len(entries) == 1 and len(path) > 1:
             return self.without(path[:-1])
-        found = [i for i, (key, _, _) in enumerate(entries) if key == path[-1]]
-        if not found:
-            raise InputError(f"{path[-1]} is merged from elsewhere: change the YAML")
-        [i] = found
+        [i] = [i for i, (key, _, _) in enumerate(entries) if key == path[-1]]
         _, begin, value = entries[i]
         if parent is not None and _is_in_line(parent):
             return self._without_in_flow(entries, i)
