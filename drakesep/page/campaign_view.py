@@ -15,6 +15,8 @@ from drakesep.page.workspace import Workspace
 
 
 _STYLE = Path(__file__).with_name("studies.css")
+_BEGIN = "Choose how many draws and start: histograms fill as draws come."
+_WAITS = "Programs are made; histograms fill as soon as draws come."
 _CHUNKS = 20
 """Into which draws are cut, so that histograms fill as one looks on."""
 
@@ -43,9 +45,7 @@ class CampaignView:
                 StudyBar(workspace, "Campaign", self._begin, self._show)
                 self._after = ui.element("div")
             with ui.element("div").classes("study-main"):
-                self._nothing = elements.placeholder(
-                    "Choose how many draws and start: histograms fill as draws come."
-                )
+                self._nothing = elements.placeholder(_BEGIN)
                 self._count = ui.label().classes("study-where")
                 self._shares = ui.echart({}).classes("study-chart")
                 self._shares.props('role="img" aria-label="Share that is shown"')
@@ -80,7 +80,9 @@ class CampaignView:
         return Study.begin(words, Path.cwd(), folder, self._workspace.case)
 
     def _show(self, study: Study | None) -> None:
-        self._nothing.set_visibility(study is None)
+        waits = study is not None and study.is_running and not study.draws
+        self._nothing.set_visibility(study is None or waits)
+        self._nothing.set_text(_WAITS if waits else _BEGIN)
         seen = study is not None and bool(study.draws)
         for element in (self._count, self._shares, self._drawn):
             element.set_visibility(seen)

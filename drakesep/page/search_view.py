@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from drakesep.case_file.case import Case
     from drakesep.page import study_charts
 
+_BEGIN = "Choose objectives and start: every iterate is shown as it comes."
+_WAITS = "Programs are made; iterates are shown as soon as they come."
 _STYLE = Path(__file__).with_name("studies.css")
 
 
@@ -50,9 +52,7 @@ class SearchView:
                 StudyBar(workspace, "Search", self._begin, self._show)
                 self._after = ui.element("div")
             with ui.element("div").classes("study-main"):
-                self._nothing = elements.placeholder(
-                    "Choose objectives and start: every iterate is shown as it comes."
-                )
+                self._nothing = elements.placeholder(_BEGIN)
                 self._seen = ui.element("div").classes("study-seen")
                 with self._seen:
                     self._looks()
@@ -99,7 +99,9 @@ class SearchView:
 
     def _show(self, study: Study | None) -> None:
         """Show what the study has told so far."""
-        self._nothing.set_visibility(study is None)
+        waits = study is not None and study.is_running and not study.iterates
+        self._nothing.set_visibility(study is None or waits)
+        self._nothing.set_text(_WAITS if waits else _BEGIN)
         self._seen.set_visibility(study is not None and bool(study.iterates))
         if study is None:
             return
