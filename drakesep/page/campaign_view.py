@@ -80,7 +80,7 @@ class CampaignView:
         return Study.begin(words, Path.cwd(), folder, self._workspace.case)
 
     def _show(self, study: Study | None) -> None:
-        self._nothing.set_visibility(study is None or not study.draws)
+        self._nothing.set_visibility(study is None)
         seen = study is not None and bool(study.draws)
         for element in (self._count, self._shares, self._drawn):
             element.set_visibility(seen)

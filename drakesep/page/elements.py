@@ -35,8 +35,11 @@ def attempt(action: Callable[[], None]) -> bool:
     """
     try:
         action()
-    except (InputError, OSError) as error:
+    except InputError as error:
         say_wrong(str(error))
+        return False
+    except OSError as error:
+        say_wrong(f"{error.filename}: {error.strerror}")
         return False
     return True
 

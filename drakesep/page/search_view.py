@@ -99,7 +99,7 @@ class SearchView:
 
     def _show(self, study: Study | None) -> None:
         """Show what the study has told so far."""
-        self._nothing.set_visibility(study is None or not study.iterates)
+        self._nothing.set_visibility(study is None)
         self._seen.set_visibility(study is not None and bool(study.iterates))
         if study is None:
             return

@@ -22,7 +22,7 @@ export default {
         <tbody>
           <tr v-for="r in t.rows" :key="key(r.path)">
             <th scope="row" class="tables-name" :class="{wrong: r.problem}"
-              :title="r.problem">{{ r.name }}</th>
+              :title="r.problem || r.name">{{ r.name }}</th>
             <td v-for="(c, i) in r.cells" :key="i" :class="{number: t.columns[i].numeric}">
               <span v-if="!c.path" class="tables-told">{{ c.text }}</span>
               <input v-else v-shown="shown(c)" :style="{width: t.columns[i].width + 'ch'}"
