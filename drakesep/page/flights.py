@@ -100,12 +100,16 @@ class Flights:
             ValueError: the values cannot be flown.
             FlightsEnded: the process ended twice.
         """
-        asked = {"asker": asker, "measure": measure}
+
+        async def flown() -> "Flown | None":
+            flying = self.fly(case, values, asker=asker, measure=measure)
+            return await asyncio.wrap_future(flying)
+
         try:
-            return await asyncio.wrap_future(self.fly(case, values, **asked))
+            return await flown()
         except FlightsEnded as error:
             restarts(f"{error}; it is started again")
-        return await asyncio.wrap_future(self.fly(case, values, **asked))
+        return await flown()
 
     def end(self) -> None:
         """End the process, in the midst of a run if need be: nothing comes of it."""

@@ -171,7 +171,9 @@ def _all(results: "Results") -> list[Part]:
     for file in short:
         name = str(file["name"])
         table = results.table(name).head(_MOST)
-        parts.append(Part(name, str(file["what"]), table, {c: c for c in table}))
+        parts.append(
+            Part(name, str(file["what"]), table, {str(c): str(c) for c in table})
+        )
     return parts
 
 

@@ -94,4 +94,5 @@ async def open_file(
 @functools.cache
 def _address_of(file: Path) -> str:
     """Return the address of a file of this machine, as it is whenever it is asked."""
-    return app.add_static_file(local_file=file, max_cache_age=0)
+    address: str = app.add_static_file(local_file=file, max_cache_age=0)
+    return address
