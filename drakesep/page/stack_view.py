@@ -31,8 +31,8 @@ _BEGIN = """(() => {
     view.camera.updateProjectionMatrix();
   }).observe(view.$el);
 })()"""
-"""The ground of the page is seen through it. It is as large as its place, also after the
-window became another while another tab was shown; of a narrow one, nothing is cut off."""
+"""The ground of the page is seen through it. It is as large as its place, also after
+the window became another while another tab was shown; in a narrow one it is all seen."""
 _BEFORE = "as it was before what is wrong now"
 _NONE_YET = "drawn once the case is right"
 
