@@ -32,7 +32,7 @@ _BEGIN = """(() => {
   }).observe(view.$el);
 })()"""
 """The ground of the page is seen through it. It is as large as its place, also after
-the window became another while another tab was shown; in a narrow one it is all seen."""
+the window became another while another tab was shown; a narrow one shows all."""
 _BEFORE = "as it was before what is wrong now"
 _NONE_YET = "drawn once the case is right"
 
