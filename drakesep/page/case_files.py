@@ -1,5 +1,6 @@
 """The case in the header: its name, whether it is saved and right; open, save, undo."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -39,7 +40,9 @@ def build(workspace: Workspace) -> None:
 
 
 def _where(workspace: Workspace) -> str:
-    return "built in" if workspace.path is None else workspace.path.name
+    if workspace.path is None:
+        return "built in" if workspace.is_builtin else "new, not saved"
+    return workspace.path.name
 
 
 def _button(icon: str, words: str, action: Callable[[], None]) -> ui.button:
@@ -72,6 +75,7 @@ document.addEventListener("keydown", (e) => {
   const action = {s: "save", o: "open", z, y: "redo"}[key];
   if (!action || (typing && "zy".includes(key))) return;
   e.preventDefault();
+  if (document.querySelector(".q-dialog")) return;  // it is to be answered first
   document.activeElement?.blur?.();
   setTimeout(() => emitEvent("drakesep-key", action), 50);
 });
@@ -91,7 +95,7 @@ def _open(workspace: Workspace) -> None:
         ).props("autofocus outlined dense")
 
         def go(source: str) -> None:
-            if elements.attempt(lambda: workspace.open(source)):
+            if elements.attempt(lambda: workspace.open(os.path.expanduser(source))):
                 dialog.close()
 
         chosen.on("keydown.enter", lambda: go(str(chosen.value)))

@@ -113,6 +113,11 @@ class Workspace:
         return None if self._opened is None else self._opened.path
 
     @property
+    def is_builtin(self) -> bool:
+        """Whether it is of drakesep."""
+        return self._builtin is not None
+
+    @property
     def is_saved(self) -> bool:
         """Whether the text is what was opened or saved last."""
         return self.text == self._saved
@@ -120,7 +125,7 @@ class Workspace:
     @property
     def is_on_disk(self) -> bool:
         """Whether its file holds the text: nobody else has changed or removed it."""
-        if self._builtin is not None:
+        if self.is_builtin:
             return self.is_saved
         return (
             self._opened is not None
