@@ -165,7 +165,7 @@ def _without_proofs(part: Part) -> Part:
 
 def _all(results: "Results") -> list[Part]:
     """Return the tables of a study as they stand, but for long ones of its runs."""
-    from drakesep.results.catalogue import FILES
+    from drakesep.results.catalogue.files import FILES
 
     long = {kind.row for kind in FILES if kind.is_long}
     short = [f for f in results.record.files if "row" in f and f["row"] not in long]
