@@ -38,6 +38,7 @@ class CampaignView:
         self._shown: Mapping[str, Any] | None = None
         self._told: Study | None = None
         self._ended: Study | None = None
+        self._shares: ui.echart | None = None
         self._histograms: list[ui.echart] = []
         with ui.element("div").classes("study"):
             with ui.element("div").classes("study-side"):
@@ -47,8 +48,7 @@ class CampaignView:
             with ui.element("div").classes("study-main"):
                 self._nothing = elements.placeholder(_BEGIN)
                 self._count = ui.label().classes("study-where")
-                self._shares = ui.echart({}).classes("study-chart")
-                self._shares.props('role="img" aria-label="Share that is shown"')
+                self._of_shares = ui.element("div")
                 self._drawn = ui.element("div").classes("study-histograms")
                 self._found = FoundView()
         self._show(None)
@@ -84,7 +84,7 @@ class CampaignView:
         self._nothing.set_visibility(study is None or waits)
         self._nothing.set_text(_WAITS if waits else _BEGIN)
         seen = study is not None and bool(study.draws)
-        for element in (self._count, self._shares, self._drawn):
+        for element in (self._count, self._of_shares, self._drawn):
             element.set_visibility(seen)
         if study is None:
             return
@@ -109,7 +109,12 @@ class CampaignView:
             f", {last['before']} flown before beside them" if last["before"] else ""
         )
         self._count.set_text(f"{last['draws']} of {last['of']} draws{before}")
-        elements.redraw(self._shares, self._charts_of.shares_options(study.draws))
+        shares = self._charts_of.shares_options(study.draws)
+        if self._shares is None:  # a chart is as wide as there is room when it is made
+            with self._of_shares:
+                self._shares = ui.echart(shares).classes("study-chart")
+            self._shares.props('role="img" aria-label="Share that is shown"')
+        elements.redraw(self._shares, shares)
         told = last["requirements"]
         if len(self._histograms) != len(told):
             self._drawn.clear()

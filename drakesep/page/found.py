@@ -41,8 +41,7 @@ _ANSWERS = {
     "bound_of": "of launches",
     "at_confidence": "at confidence",
     **_PROVEN,
-    "by_worst_case": "by worst case",
-    "by_campaign": "by campaign",
+    "decided_by": "decided by",
     "verdict": "verdict",
 }
 _PROOFS = {
@@ -151,14 +150,17 @@ def read_found(folder: Path) -> Found:
         if all(part.file == _REMARKS for part in parts):
             parts = _all(results)
         if "proofs.csv" not in there:
-            parts = [part._replace(columns=_without_proofs(part)) for part in parts]
+            parts = [*map(_without_proofs, parts)]
+        elif "answers.csv" in there:  # where they stand beside what draws say
+            parts[:1] = [_without_proofs(parts[0])]
         return Found(parts, _worst(results, parts))
     except (OSError, KeyError, ValueError) as error:
         return Found(wrong=f"{folder.name} cannot be read: {error}")
 
 
-def _without_proofs(part: Part) -> dict[str, str]:
-    return {k: head for k, head in part.columns.items() if k not in _PROVEN}
+def _without_proofs(part: Part) -> Part:
+    shown = {k: head for k, head in part.columns.items() if k not in _PROVEN}
+    return part._replace(columns=shown)
 
 
 def _all(results: "Results") -> list[Part]:

@@ -9,6 +9,7 @@ from drakesep.page import elements
 from drakesep.page.found_view import FoundView, hand_on
 from drakesep.page.frames import facts, show_frame
 from drakesep.page.past_results import Past, past_results
+from drakesep.page.study_files import from_here
 from drakesep.page.workspace import Workspace
 from drakesep.systems.checks import InputError
 
@@ -52,7 +53,7 @@ class ResultsView:
         self._all: dict[str, Past] = {}
         with ui.element("div").classes("study-main"):
             with ui.row().classes("study-pick"):
-                ui.label(f"Results in {workspace.results}")
+                ui.label(f"Results in {from_here(workspace.results)}")
                 ui.space()
                 self._compare = ui.button("Compare two", on_click=self._compared)
                 self._compare.props("no-caps dense outline")

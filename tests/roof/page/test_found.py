@@ -6,6 +6,7 @@ from command_line import run
 from small_case import small_case, write_case
 
 from drakesep.page.found import read_found
+from drakesep.page.study_files import export
 
 
 def parts_of(folder):
@@ -46,7 +47,7 @@ def test_found_statistical_and_proven_stand_side_by_side(asked):
     """As requirements.csv, campaign.csv and proofs.csv say them, each by itself."""
     folder = asked(
         *("verify", "--prove", "--proof-seconds", "2", "--campaign", "300"),
-        *("--search", "sqp", "--no-growth"),
+        *("--share", "0.9", "--search", "sqp", "--no-growth"),
     )
     parts, found = parts_of(folder)
     answers = parts["answers.csv"]
@@ -62,4 +63,7 @@ def test_found_statistical_and_proven_stand_side_by_side(asked):
         pd.testing.assert_series_equal(
             table[mine].reindex(own.index), own[column], check_names=False
         )
+        assert own[column].notna().any()
     assert found.worst
+    command = export(folder, folder.with_name("handed"))
+    assert " --prove " in command and "--no-prove" not in command
