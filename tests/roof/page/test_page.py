@@ -175,6 +175,7 @@ def test_what_is_typed_into_the_yaml_is_saved_at_once(page, folder):
     page.click("[aria-label^='Undo']")
     page.wait(f"{STATE} === 'not saved'")
     page.click("[aria-label^='Save']")
+    page.wait(f"{STATE} === 'small.yaml'")
     as_before(page)
     assert (folder / "small.yaml").read_text() == before
 
