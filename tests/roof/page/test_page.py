@@ -139,6 +139,61 @@ def test_what_is_no_yaml_stays_in_its_cell_with_the_error(page):
     as_before(page)
 
 
+def test_a_parameter_is_found_by_typing_and_a_row_is_like_another(page):
+    page.click("#table-dispersions .tables-add")
+    page.wait("document.activeElement?.ariaLabel === 'parameter'")
+    page.type("lower.mass")
+    page.wait("document.querySelector('.q-item.q-manual-focusable--focused')")
+    page.press("Enter")
+    page.wait("document.querySelector('.q-dialog input').value === 'lower.mass_kg'")
+    page.press("Tab")
+    page.type("1 %")
+    page.press("Enter")
+    page.wait(f"document.querySelector(`{cell('dispersions', 'upper.mass_kg')}`)")
+    page.click("#table-attachments .tables-add")
+    page.wait("document.activeElement?.ariaLabel === 'name'")
+    page.type("second")
+    page.press("Enter")
+    spring = cell("attachments", "second", "spring", "name")
+    page.wait(f"document.querySelector(`{spring}`)?.value === 'second_spring'")
+    page.wait("!document.querySelector('.q-dialog')")
+    for left in ("not saved", "small.yaml"):
+        page.click("[aria-label^='Undo']")
+        page.wait(f"{STATE} === '{left}'")
+    as_before(page)
+
+
+def test_what_is_typed_into_the_yaml_is_saved_at_once(page, folder):
+    before = (folder / "small.yaml").read_text()
+    page.click(".case-text .cm-line")
+    page.press("Home", 2)
+    page.type("# mine\n")
+    page.press("s", 2)
+    changed = """!document.querySelector("[aria-label^='Undo']").disabled"""
+    page.wait(f"{changed} && {STATE} === 'small.yaml'")
+    assert (folder / "small.yaml").read_text() == "# mine\n" + before
+    page.click("[aria-label^='Undo']")
+    page.wait(f"{STATE} === 'not saved'")
+    page.click("[aria-label^='Save']")
+    page.wait(f"{STATE} === 'small.yaml'")
+    as_before(page)
+    assert (folder / "small.yaml").read_text() == before
+
+
+def test_the_stack_fits_a_window_that_became_another_behind_it(page):
+    page.click_text("Play", "header")
+    page.wait("!document.querySelector('.stack').offsetParent")
+    page.resize(1000, 700)
+    page.wait("innerWidth === 1000")
+    page.click_text("Case", "header")
+    canvas, place = (
+        f"document.querySelector('{s}')" for s in (".stack canvas", ".stack")
+    )
+    page.wait(f"{canvas}.clientWidth && {canvas}.clientWidth === {place}.clientWidth")
+    page.resize(1280, 800)
+    page.wait(f"innerWidth === 1280 && {canvas}.clientWidth === {place}.clientWidth")
+
+
 def test_another_page_on_the_file_is_not_overwritten(page, folder):
     page.fill(cell("bodies", "upper", "mass_kg"), "1215")
     page.wait(f"{STATE} === 'not saved'")

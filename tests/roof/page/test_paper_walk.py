@@ -175,6 +175,14 @@ def test_the_smallsat_is_mended_and_verified(tmp_path, see):
         verify(page)
         see(page, "smallsat met")
         assert "Ended: met" in page.value(f"{VISIBLE}.textContent")
+        page.click_text("Results")
+        page.wait("document.querySelectorAll('.results-table tbody tr').length === 2")
+        for name in ("verify-1", "verify-2"):  # the one in place of the other
+            page.click_text(f"smallsat/{name}", ".results-table")
+            title = "document.querySelector('[aria-label=Results] .study-title')"
+            page.wait(f"{title}?.textContent === 'smallsat/{name}'")
+            page.wait("document.querySelector('[aria-label=Results] .frame')")
+        see(page, "results")
 
 
 def fill(page, path, text):
