@@ -1171,7 +1171,7 @@ _PROOFS = (
         studies=_PROVEN,
         what="The certificate: the problem, and of each bound the tree of boxes that "
         "proves it, in the form that proof.md says; "
-        "`python -m drakesep.check_proof proof.json` checks it.",
+        "`drakesep check-proof proof.json` checks it.",
     ),
 )
 

@@ -91,6 +91,7 @@ OPTIONS = {
         "--campaign": (300, {"campaign": 300}),
     },
     "prove": {},  # test_proofs.py
+    "check-proof": {},  # roof/studies/test_proof_check.py
 }
 """Of each command: an option, its value, and the same argument in Python."""
 ELSEWHERE = {
@@ -108,6 +109,7 @@ ELSEWHERE = {
     "report": {"--output", "-o", "--pdf", "--check", "--tolerance"},
     "clearance": {"--output", "-o"},
     "prove": {"--output", "-o", "--objective", "--gap-percent", "--proof-seconds"},
+    "check-proof": {"--workers"},
     "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes", "--resume"},
     "verify": {
         *("--output", "-o", "--workers", "--flips", "--corners", "--minutes"),
