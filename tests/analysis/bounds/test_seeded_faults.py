@@ -14,9 +14,10 @@ from separations import generic_pair, pushed_on_axis, vega
 from drakesep.analysis import AnalysisCase
 from drakesep.analysis.bounds import branch_and_bound, intervals
 from drakesep.analysis.bounds.box import Boxes
-from drakesep.analysis.bounds.branch_and_bound import Prover
 from drakesep.analysis.bounds.certificate import certificate
 from drakesep.analysis.bounds.intervals import Interval
+from drakesep.analysis.bounds.jets import Affine
+from drakesep.analysis.bounds.motion import Enclosure
 from drakesep.analysis.bounds.proving import ProofSettings, prove_bounds
 from drakesep.check_proof.certificate import certificate as as_read
 from drakesep.check_proof.checking import outcomes
@@ -65,19 +66,19 @@ def sound():
     return bound
 
 
-def halved(x: Interval) -> Interval:
+def halved(x):
     middle, half = 0.5 * (x.lo + x.hi), 0.25 * (x.hi - x.lo)
-    return Interval(middle - half, middle + half)
+    return type(x)(middle - half, middle + half)
 
 
-def values_halved(patch):
-    enclosed = branch_and_bound.options
+def enclosure_halved(patch):
+    """Rates, with their derivatives, over every box."""
+    enclosed = Enclosure.rates
 
-    def narrow(*arguments):
-        value, slopes, choice = enclosed(*arguments)
-        return halved(value), slopes, choice
+    def narrow(enclosure, state):
+        return [[halved(x) for x in rate] for rate in enclosed(enclosure, state)]
 
-    patch.setattr(branch_and_bound, "options", narrow)
+    patch.setattr(Enclosure, "rates", narrow)
 
 
 def axis_lost_of_the_box(patch):
@@ -94,14 +95,15 @@ def axis_lost_of_the_box(patch):
 
 
 def axis_lost_of_derivatives(patch):
-    enclosed = Prover.options
+    """The parameter varies, and is nobody's derivative."""
+    affine = Boxes.affine
 
-    def without(prover, quantity, lower, upper, slopes):
-        slopes = slopes.copy()
-        slopes[LEFT_OUT] = False
-        return enclosed(prover, quantity, lower, upper, slopes)
+    def flat(boxes, number):
+        found = affine(boxes, number)
+        left_out = number.parameter == LEFT_OUT
+        return Affine(found.value, {}) if left_out else found
 
-    patch.setattr(Prover, "options", without)
+    patch.setattr(Boxes, "affine", flat)
 
 
 def box_forgotten(patch):
@@ -138,7 +140,7 @@ def sign_taken_for_constant(patch):
 
 ABOVE, NO_SIGN = "its bound is", "the quantity may not grow"
 FAULTS = {
-    values_halved: ABOVE,
+    enclosure_halved: ABOVE,
     axis_lost_of_the_box: ABOVE,
     axis_lost_of_derivatives: ABOVE,
     box_forgotten: ABOVE,
