@@ -434,14 +434,14 @@ def of_rare_events(study: RareEvents, folder: Path) -> RareEventsSummary:
 
 def of_proofs(study: Proofs, folder: Path) -> ProveSummary:
     """Return the summary of what is proven."""
-    certificate = str(folder / CERTIFICATE) if study.bounds.proven else None
+    file = folder / CERTIFICATE
     return ProveSummary(
         case=study.case.name,
         folder=str(folder),
         verdict=study.verdict,
         notes=[],
         proofs=_rows(study.table),
-        certificate=certificate,
+        certificate=str(file) if file.exists() else None,
     )
 
 

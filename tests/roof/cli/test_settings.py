@@ -108,7 +108,10 @@ ELSEWHERE = {
     "replay": {"--run", "--animation", "--no-animation", "--output", "-o"},
     "report": {"--output", "-o", "--pdf", "--check", "--tolerance"},
     "clearance": {"--output", "-o"},
-    "prove": {"--output", "-o", "--objective", "--gap-percent", "--proof-seconds"},
+    "prove": {
+        *("--output", "-o", "--objective", "--gap-percent", "--proof-seconds"),
+        "--resume",
+    },
     "check-proof": {"--workers"},
     "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes", "--resume"},
     "verify": {
