@@ -1,10 +1,12 @@
 """Every command by every outcome: what is asked of it, and its exit code."""
 
 import functools
+import json
 import shutil
 import tempfile
 from pathlib import Path
 
+from certificates import LARGEST, TIGHT, push
 from small_case import small_case, write_case
 
 import drakesep
@@ -43,6 +45,7 @@ CODES = {
     "worst-case": {**OF_STUDY, OTHER_RUN_FAILED: 4},
     "verify": {**OF_STUDY, NOT_MET: 1, OTHER_RUN_FAILED: 4},
     "prove": {one: code for one, code in OF_CLEARANCE.items() if one != RUN_FAILED},
+    "check-proof": {GOOD: 0, NOT_MET: 1, BAD_FILE: 2, INTERRUPTED: 130},
     "compare": {GOOD: 0, NOT_MET: 1, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
     "report": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
     "export": {GOOD: 0, BAD_SETTING: 2, NO_FOLDER: 2, INTERRUPTED: 130},
@@ -129,6 +132,11 @@ def arguments(command, outcome, folder):
     if command == "compare":
         setting = SETTINGS[command] if outcome == BAD_SETTING else ()
         return [*to_compare(outcome, folder), *setting]
+    if command == "check-proof":
+        bound = 0.999 * LARGEST if outcome == NOT_MET else TIGHT
+        file = folder / "proof.json"
+        file.write_text("{}" if outcome == BAD_FILE else json.dumps(push(bound)))
+        return [file, "--workers", 1]
     case = write_case(folder, case_for(outcome, command))
     if command == "show":
         return [case]
@@ -170,6 +178,7 @@ def interrupt(monkeypatch):
 
     monkeypatch.setattr(Simulation, "run", stop)
     monkeypatch.setattr("drakesep.studies.prove.proven_answers", stop)
+    monkeypatch.setattr("drakesep.check_proof.tree.Walk.verify", stop)
     monkeypatch.setattr("drakesep.cli.console.print_cases", stop)
     monkeypatch.setattr("drakesep.cli.console.print_case", stop)
     monkeypatch.setattr("drakesep.case_file.new_case.new_case", stop)

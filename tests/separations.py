@@ -214,3 +214,20 @@ def coaxial(separation: Separation) -> Separation:
         initial=InitialMotion(rpy_WA=GENERIC.rpy_WA),
     )
     return with_values(separation, values)
+
+
+def pushed_on_axis(separation: Separation, springs: int = 1) -> Separation:
+    """Bodies that springs push through their CGs: nothing turns."""
+    A, B = separation.bodies
+    attachments = tuple(
+        dataclasses.replace(a, p_AoPad_A=(0.0, 0.0, 0.0))
+        for a in separation.attachments[:springs]
+    )
+    return dataclasses.replace(
+        separation,
+        bodies=(
+            dataclasses.replace(A, p_BoBcm_B=(-0.8, 0.0, 0.0)),
+            dataclasses.replace(B, p_BoBcm_B=(1.1, 0.0, 0.0)),
+        ),
+        attachments=attachments,
+    )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from drakesep.analysis.analysis_case import AnalysisCase
-from drakesep.analysis.bounds.branch_and_bound import Progress
+from drakesep.analysis.bounds.branch_and_bound import Progress, Proof
 from drakesep.analysis.bounds.claims import Side, claim_name, side_of
 from drakesep.analysis.bounds.problem import NotCovered, problem_of
 from drakesep.analysis.bounds.proving import (
@@ -173,6 +173,11 @@ def questions_of(
     return tuple(questions)
 
 
+def claims_of(questions: Iterable[Question]) -> list[str]:
+    """Return names of the claims that answer questions, each once, in their order."""
+    return list(dict.fromkeys(one.claim for one in questions if not one.refused))
+
+
 def _why_not_covered(case: AnalysisCase) -> str:
     """Return why there is no bound of a case at all; empty if there may be some."""
     try:
@@ -211,6 +216,8 @@ def proven_answers(
     *,
     starts: Iterable[Mapping[str, float]] = (),
     runs: Mapping[str, Found] | None = None,
+    known: Mapping[str, Proof] | None = None,
+    on_proof: Callable[[str, Proof], None] = lambda *_: None,
     on_progress: Callable[[str, Progress], None] = lambda *_: None,
 ) -> tuple[Bounds, tuple[ProvenAnswer, ...]]:
     """Return bounds, and what they say of each question.
@@ -221,11 +228,19 @@ def proven_answers(
         settings: how hard to try, for each bound.
         starts: as `prove_bounds` takes them.
         runs: the worst that was flown within the tolerances, by the claims.
+        known: as `prove_bounds` takes them.
+        on_proof: as `prove_bounds` takes it.
         on_progress: as `prove_bounds` takes it.
     """
     asked = dict.fromkeys((q.metric, q.side) for q in questions if not q.refused)
     bounds = prove_bounds(
-        case, [*asked], settings, starts=starts, on_progress=on_progress
+        case,
+        [*asked],
+        settings,
+        starts=starts,
+        known=known,
+        on_proof=on_proof,
+        on_progress=on_progress,
     )
     found = runs or {}
     return bounds, tuple(

@@ -9,7 +9,7 @@ import itertools
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,7 +99,8 @@ class Proof:
     """F is at least this somewhere in the box."""
     at: tuple[float, ...]
     """Where that is."""
-    tree: Node
+    tree: Node | Sequence[Any]
+    """Its root; of a proof that was kept, its nodes as certificates list them."""
     boxes: int
     seconds: float
     finished: bool

@@ -21,6 +21,8 @@ from drakesep.analysis.bounds.quantities import Quantity
 
 
 FORMAT = "drakesep proof 1"
+MOST = 50_000_000
+"""Bytes of a certificate: what reads and checks it holds all of it."""
 
 
 def certificate(
@@ -49,10 +51,37 @@ def certificate(
 
 def write_certificate(
     path: Path, problem: BoundProblem, grid: Grid, proofs: Mapping[str, Proof]
-) -> None:
-    """Write a certificate; see `certificate`."""
-    text = json.dumps(certificate(problem, grid, proofs), separators=(",", ":"))
-    path.write_text(text + "\n", encoding="utf-8")
+) -> tuple[str, ...]:
+    """Write a certificate of the claims that fit into it; see `certificate`.
+
+    It is at most `MOST` long. The shortest proofs go first, so that one of many boxes
+    takes no other along; if not even one fits, nothing is written.
+
+    Args:
+        path: of the file.
+        problem: of which bounds are proven.
+        grid: of time.
+        proofs: by the names of their claims.
+
+    Returns:
+        Names of the claims that do not fit.
+    """
+    record = certificate(problem, grid, proofs)
+    texts = {claim["name"]: _text(claim) for claim in record["claims"]}
+    length = len(_text({**record, "claims": []})) + 1
+    fitting = set()
+    for name in sorted(texts, key=lambda name: len(texts[name])):
+        length += len(texts[name]) + 1
+        if length <= MOST:
+            fitting.add(name)
+    record["claims"] = [c for c in record["claims"] if c["name"] in fitting]
+    if fitting:
+        path.write_text(_text(record) + "\n", encoding="utf-8")
+    return tuple(name for name in texts if name not in fitting)
+
+
+def _text(record: Any) -> str:
+    return json.dumps(record, separators=(",", ":"))
 
 
 def _claim(name: str, proof: Proof) -> dict[str, Any]:
@@ -62,7 +91,7 @@ def _claim(name: str, proof: Proof) -> dict[str, Any]:
         "bound": proof.bound.hex(),
         "found": proof.found.hex(),
         "at": _plain(proof.at),
-        "tree": _preorder(proof.tree),
+        "tree": nodes_of(proof.tree),
     }
 
 
@@ -85,10 +114,16 @@ def _quantity(quantity: Quantity) -> dict[str, Any]:
     }
 
 
-def _preorder(root: Node) -> list[Any]:
-    """Return the nodes of a tree, each before its children, the lower one first."""
+def nodes_of(tree: Node | Sequence[Any]) -> list[Any]:
+    """Return the nodes of a tree, each before its children, the lower one first.
+
+    Args:
+        tree: its root; or its nodes, as this has returned them.
+    """
+    if not isinstance(tree, Node):
+        return list(tree)
     nodes: list[Any] = []
-    pending = [root]
+    pending = [tree]
     while pending:
         node = pending.pop()
         pending.extend(reversed(node.children))

@@ -68,8 +68,14 @@ class Bounds:
     not_covered: Mapping[str, str]
     """Why there is no bound, by what is asked."""
 
-    def write_certificate(self, path: Path) -> None:
-        """Write the certificate of what is proven.
+    def write_certificate(self, path: Path) -> tuple[str, ...]:
+        """Write the certificate of what is proven, as far as it is not too long.
+
+        Args:
+            path: of the file; it is not written if no claim fits.
+
+        Returns:
+            Names of the claims that do not fit.
 
         Raises:
             ValueError: nothing is.
@@ -77,7 +83,7 @@ class Bounds:
         if self.problem is None or self.grid is None or not self.proven:
             raise NotCovered("certificate: nothing is proven")
         proofs = {name: bound.proof for name, bound in self.proven.items()}
-        write_certificate(path, self.problem, self.grid, proofs)
+        return write_certificate(path, self.problem, self.grid, proofs)
 
 
 @typed
@@ -125,6 +131,8 @@ def prove_bounds(
     settings: ProofSettings | None = None,
     *,
     starts: Iterable[Mapping[str, float]] = (),
+    known: Mapping[str, Proof] | None = None,
+    on_proof: Callable[[str, Proof], None] = lambda *_: None,
     on_progress: Callable[[str, Progress], None] = lambda *_: None,
 ) -> Bounds:
     """Prove what metrics cannot exceed, anywhere in the box of the tolerances.
@@ -139,6 +147,10 @@ def prove_bounds(
         settings: how hard to try.
         starts: points of the box by parameter values, in SI, where metrics may be far
             out, such as worst cases found.
+        known: proofs of the same case and settings by the names of their claims, which
+            are not proven again.
+        on_proof: called with the name of each claim that was not known, and its proof,
+            as soon as it is there.
         on_progress: called with the name of what is being proven, and how far it is;
             what it raises ends all.
 
@@ -156,7 +168,9 @@ def prove_bounds(
     except NotCovered as why:
         reasons = dict.fromkeys(names, str(why))
         return Bounds(problem=None, grid=None, proven={}, not_covered=reasons)
-    return _proven(case, problem, asked, settings, starts, on_progress)
+    return _proven(
+        case, problem, asked, settings, starts, known or {}, on_proof, on_progress
+    )
 
 
 def _proven(
@@ -165,6 +179,8 @@ def _proven(
     asked: Sequence[tuple[str, Side]],
     settings: ProofSettings,
     starts: Iterable[Mapping[str, float]],
+    known: Mapping[str, Proof],
+    on_proof: Callable[[str, Proof], None],
     on_progress: Callable[[str, Progress], None],
 ) -> Bounds:
     of_runs = [metric for metric, _ in asked if not _measured_apart(metric)]
@@ -185,8 +201,12 @@ def _proven(
         except NotCovered as why:
             not_covered[name] = str(why)
             continue
-        told = functools.partial(on_progress, name)
-        proof = prover.prove(claim.quantity, effort, points, told)
+        if name in known:
+            proof = known[name]
+        else:
+            told = functools.partial(on_progress, name)
+            proof = prover.prove(claim.quantity, effort, points, told)
+            on_proof(name, proof)
         if not math.isfinite(proof.bound):
             not_covered[name] = f"{metric}: no enclosure of the motion was found"
             continue

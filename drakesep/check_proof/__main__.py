@@ -5,17 +5,15 @@ be read.
 """
 
 import argparse
-import json
-import math
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from .certificate import Certificate, Claim, Unreadable, certificate
-from .intervals import NotVerified
-from .tree import Motions, Outcome, checked
+from .certificate import Certificate, Claim, Unreadable
+from .checking import outcomes, read_certificate
+from .tree import Outcome
 from .words import in_words
 
 
@@ -28,29 +26,15 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         read = read_certificate(options.certificate)
     except Unreadable as error:
-        print(f"not readable: {error}")
+        print(f"not readable: {options.certificate}: {error}")
         return 2
     print(_about(read))
-    outcomes = _all_checked(read, options.certificate, options.processes)
-    for claim, outcome in zip(read.claims, outcomes, strict=True):
+    all_verified = True
+    each = _all_checked(read, options.certificate, options.processes)
+    for claim, outcome in zip(read.claims, each, strict=True):
         print(_line(claim, outcome, read), flush=True)
-    return int(any(outcome.failure for outcome in outcomes))
-
-
-def read_certificate(path: Path) -> Certificate:
-    """Read a file; raise Unreadable if it is not a certificate."""
-    try:
-        record = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_once)
-    except (OSError, ValueError, RecursionError) as error:
-        raise Unreadable(f"{path}: {error}") from None
-    return certificate(record)
-
-
-def _once(pairs: list[tuple[str, object]]) -> dict[str, object]:
-    record = dict(pairs)
-    if len(record) < len(pairs):
-        raise Unreadable(f"a key stands twice in {', '.join(key for key, _ in pairs)}")
-    return record
+        all_verified &= outcome.failure is None
+    return 0 if all_verified else 1
 
 
 def _about(read: Certificate) -> str:
@@ -75,25 +59,20 @@ def _line(claim: Claim, outcome: Outcome, read: Certificate) -> str:
     )
 
 
-def _all_checked(read: Certificate, path: Path, processes: int) -> list[Outcome]:
+def _all_checked(read: Certificate, path: Path, processes: int) -> Iterator[Outcome]:
+    """Yield what comes of each claim, as soon as it and those before have ended."""
     count = len(read.claims)
     if min(processes, count) <= 1:
-        return _checked(read, range(count))
+        yield from outcomes(read, range(count))
+        return
     with ProcessPoolExecutor(min(processes, count)) as pool:
-        return list(pool.map(_outcome, [str(path)] * count, range(count)))
-
-
-def _checked(read: Certificate, claims: Iterable[int]) -> list[Outcome]:
-    try:
-        motions = Motions(read.problem)
-    except NotVerified as error:
-        return [Outcome(str(error), 0, -math.inf) for _ in claims]
-    return [checked(read.claims[c], motions) for c in claims]
+        yield from pool.map(_outcome, [str(path)] * count, range(count))
 
 
 def _outcome(path: str, c: int) -> Outcome:
     """Check one claim in a process of its own, which reads the file itself."""
-    return _checked(read_certificate(Path(path)), [c])[0]
+    [outcome] = outcomes(read_certificate(Path(path)), [c])
+    return outcome
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ import typer
 from drakesep.cli.answer import BAD_INPUT, MACHINE, print_json, say_error, words_of
 from drakesep.cli.campaign_commands import campaign, replay
 from drakesep.cli.case_commands import cases, new, show
+from drakesep.cli.check_proof_command import check_proof
 from drakesep.cli.compare_command import compare
 from drakesep.cli.export_command import export
 from drakesep.cli.prove_command import prove
@@ -54,7 +55,7 @@ def options(
 _COMMANDS = (
     *(cases, show, new),
     *(simulate, sweep, clearance, animate),
-    *(worst_case, verify, prove, replay),
+    *(worst_case, verify, prove, check_proof, replay),
     *(report, compare, export),
     ui,
 )

@@ -65,6 +65,14 @@ ProofSecondsOption = Annotated[
         help="For each bound, about; what is known then is its bound. 60 if not given."
     ),
 ]
+ResumeOption = Annotated[
+    bool,
+    typer.Option(
+        "--resume",
+        help="Go on from what the same study has finished in its folder, if it was "
+        "interrupted or killed.",
+    ),
+]
 QuietOption = Annotated[
     bool,
     typer.Option(

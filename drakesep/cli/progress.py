@@ -11,6 +11,7 @@ from rich import progress as rich_progress
 from rich.console import Console
 
 from drakesep.studies.campaign.progress import CONFIRM, MEASURE, CampaignProgress
+from drakesep.studies.proof_check import CheckProgress
 from drakesep.studies.proof_progress import ProofProgress
 from drakesep.studies.runs_progress import RunsProgress
 from drakesep.studies.sweep import SweepProgress
@@ -35,7 +36,12 @@ class Standing(NamedTuple):
 
 
 AnyProgress: TypeAlias = (
-    Progress | SweepProgress | CampaignProgress | RunsProgress | ProofProgress
+    Progress
+    | SweepProgress
+    | CampaignProgress
+    | RunsProgress
+    | ProofProgress
+    | CheckProgress
 )
 Tell: TypeAlias = Callable[[AnyProgress], None]
 
@@ -226,6 +232,9 @@ def standing_of(progress: AnyProgress) -> Standing:
             f"bound {progress.done + 1} of {progress.total}, {progress.claim}: "
             f"{progress.boxes} boxes"
         )
+    elif isinstance(progress, CheckProgress):
+        step, begins, plan = progress.claim, progress.done == 0, str(progress)
+        described = f"{progress.done} of {progress.total} claims checked"
     else:
         step, plan = progress.search.search, str(progress.effort)
         begins, described = step == PLAN, _described(progress)

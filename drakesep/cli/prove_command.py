@@ -12,6 +12,7 @@ from drakesep.cli.options import (
     OutputOption,
     ProofSecondsOption,
     QuietOption,
+    ResumeOption,
 )
 from drakesep.cli.results_folder import load, results_folder, say
 
@@ -34,6 +35,7 @@ def prove(
         ),
     ] = None,
     proof_seconds: ProofSecondsOption = None,
+    resume: ResumeOption = False,
     output: OutputOption = None,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
@@ -59,6 +61,7 @@ def prove(
                 loaded,
                 objectives or (),
                 output=folder,
+                resume=resume,
                 on_progress=on_progress,
                 **{name: x for name, x in given.items() if x is not None},
             )

@@ -14,6 +14,7 @@ from drakesep.cli.options import (
     OutputOption,
     ProofSecondsOption,
     QuietOption,
+    ResumeOption,
     ShareOption,
     WorkersOption,
 )
@@ -54,14 +55,6 @@ MinutesOption = Annotated[
     typer.Option(
         help="That the study may take; if not given, 10, or as long as searches take "
         "that are named. What takes longer is left out, or refused.",
-    ),
-]
-ResumeOption = Annotated[
-    bool,
-    typer.Option(
-        "--resume",
-        help="Go on from what the same study has finished in its folder, if it was "
-        "interrupted or killed.",
     ),
 ]
 _OBJECTIVE = (

@@ -16,6 +16,7 @@ from drakesep.case_file.case import Case
 from drakesep.reports.compare import Comparison
 from drakesep.studies.campaign.result import Campaign
 from drakesep.studies.clearance import Clearances
+from drakesep.studies.proof_check import ProofCheck
 from drakesep.studies.proofs import CERTIFICATE, Proofs
 from drakesep.studies.rare_events import RareEvents
 from drakesep.studies.remarks import notes_of
@@ -162,7 +163,7 @@ class ProveSummary(StudySummary):
     proofs: list[Row]
     """Rows of proofs.csv."""
     certificate: str | None
-    """That `python -m drakesep.check_proof` checks; null: nothing is proven."""
+    """That `drakesep check-proof` checks; null: nothing is proven."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -205,6 +206,23 @@ class AnimateSummary:
     """The page."""
     runs: list[str]
     """Labels of what it shows."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckProofSummary:
+    """Of `check-proof`."""
+
+    certificate: str
+    """The file."""
+    verified: bool
+    """Whether every claim is."""
+    claims: list[Row]
+    """`claim`, `says` (in words, with bound and unit), `bound`, `reaches` (what is
+    surely attained), `nodes` and `failure` of each, in SI; a failure of null: it is
+    verified."""
+    parameters: list[Row]
+    """`parameter`, `from` and `to` of each, in SI: the claims are of all values
+    together."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -268,6 +286,7 @@ SUMMARIES: dict[str, type[Any]] = {
     "worst-case": WorstCaseSummary,
     "verify": VerifySummary,
     "prove": ProveSummary,
+    "check-proof": CheckProofSummary,
     "compare": CompareSummary,
     "report": ReportSummary,
     "export": ExportSummary,
@@ -415,14 +434,27 @@ def of_rare_events(study: RareEvents, folder: Path) -> RareEventsSummary:
 
 def of_proofs(study: Proofs, folder: Path) -> ProveSummary:
     """Return the summary of what is proven."""
-    certificate = str(folder / CERTIFICATE) if study.bounds.proven else None
+    file = folder / CERTIFICATE
     return ProveSummary(
         case=study.case.name,
         folder=str(folder),
         verdict=study.verdict,
         notes=[],
         proofs=_rows(study.table),
-        certificate=certificate,
+        certificate=str(file) if file.exists() else None,
+    )
+
+
+def of_proof_check(found: ProofCheck) -> CheckProofSummary:
+    """Return the summary of a certificate that was checked."""
+    claims = [
+        {**vars(claim), "failure": claim.failure or None} for claim in found.claims
+    ]
+    return CheckProofSummary(
+        certificate=str(found.certificate),
+        verified=found.verified,
+        claims=claims,
+        parameters=_rows(found.parameters),
     )
 
 

@@ -19,6 +19,8 @@ from drakesep.analysis.analysis_case import (
     PrintedResult,
     PublishedCase,
 )
+from drakesep.analysis.bounds.branch_and_bound import Proof
+from drakesep.analysis.bounds.quantities import Quantity, Signal, Term
 from drakesep.analysis.campaigns.answers import (
     CampaignAnswer,
     LaunchRequirement,
@@ -90,6 +92,7 @@ _RECORDS: tuple[type[Any], ...] = (
     *(Clearance, Contact, ContactForces),
     *(Searched, Candidate, Ascent, Iteration, AscentSettings, SearchSettings),
     *(Growth, Limit),
+    *(Proof, Quantity, Term, Signal),
     *(CampaignAnswer, LaunchRequirement, Tally, Histogram, Summary),
     *(RankCorrelations, SobolIndices, RareProbability),
 )

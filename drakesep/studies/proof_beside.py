@@ -8,6 +8,7 @@ from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.bounds.answers import (
     Found,
     Question,
+    claims_of,
     proven_answers,
     questions_of,
 )
@@ -17,6 +18,7 @@ from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.objectives import highest
 from drakesep.analysis.metrics.of_run import metric_of_run
 from drakesep.analysis.metrics.registry import find_metric
+from drakesep.studies.kept_proofs import KeptProofs
 from drakesep.studies.proofs import Proofs
 from drakesep.studies.verified import Verification
 from drakesep.studies.worst_case.confirmation import may_differ
@@ -45,8 +47,7 @@ def planned_with_proofs(
     if not plan.case.tolerances:
         raise InputError("dispersions: a bound needs some, got none")
     questions = questions_of(plan.case, plan.objectives, functions)
-    claims = {question.claim for question in questions if not question.refused}
-    return replace(plan, proofs=len(claims), proof_settings=settings)
+    return replace(plan, proofs=len(claims_of(questions)), proof_settings=settings)
 
 
 def with_proofs(study: Verification, under_way: Session) -> Verification:
@@ -61,17 +62,19 @@ def with_proofs(study: Verification, under_way: Session) -> Verification:
         return study
     case = study.case
     questions = questions_of(case, study.objectives, study.functions)
-    claims = [question.claim for question in questions if not question.refused]
-    order = list(dict.fromkeys(claims))
+    order = claims_of(questions)
     tell = under_way.telling(PROOF)
 
     def told(claim: str, _: Progress) -> None:
         tell(order.index(claim), len(order))
 
+    kept = KeptProofs(plan.folder, order)
     bounds, answers = proven_answers(
         case,
         questions,
         plan.proof_settings,
+        known=kept.known,
+        on_proof=kept.keep,
         starts=[one.values for one in study.worst],
         runs=worst_of_runs(case, questions, study.runs),
         on_progress=told,

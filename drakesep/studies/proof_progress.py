@@ -1,10 +1,10 @@
 """How far the bounds of a case are proven."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from drakesep.analysis.bounds.answers import Question
+from drakesep.analysis.bounds.answers import Question, claims_of
 from drakesep.analysis.bounds.branch_and_bound import Progress
 from drakesep.studies.worst_case.effort import in_time
 from drakesep.studies.worst_case.pace import Pace, Remaining
@@ -50,6 +50,7 @@ class TellingProof:
         questions: Sequence[Question],
         parameters: int,
         seconds: float,
+        known: Collection[str] = (),
     ):
         """Tell what will be done, and how long it takes at most.
 
@@ -58,11 +59,13 @@ class TellingProof:
             questions: that are answered.
             parameters: that vary.
             seconds: for each bound, at most.
+            known: claims that are proven already.
         """
-        claims = [question.claim for question in questions if not question.refused]
-        self._claims = list(dict.fromkeys(claims))
+        self._claims = claims_of(questions)
         self._on_progress, self._parameters = on_progress, parameters
-        self._pace = Pace(dict.fromkeys(self._claims, seconds))
+        self._pace = Pace(
+            {claim: 0.0 if claim in known else seconds for claim in self._claims}
+        )
         self._tell("", 0)
 
     def __call__(self, claim: str, progress: Progress) -> None:

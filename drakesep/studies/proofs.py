@@ -1,6 +1,7 @@
 """What is proven of a case, and written down: a table, a certificate, a picture."""
 
 import functools
+import warnings
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -15,6 +16,7 @@ from drakesep.analysis.bounds.answers import (
     PROVEN_MET,
     ProvenAnswer,
 )
+from drakesep.analysis.bounds.certificate import MOST
 from drakesep.analysis.bounds.proving import Bounds
 from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.requirements import Requirement
@@ -27,6 +29,10 @@ from drakesep.tables.proofs_table import proofs_table
 
 
 CERTIFICATE = "proof.json"
+
+
+class LongCertificate(UserWarning):
+    """Proofs of some bounds, which hold, are too long to be written down."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,8 +105,15 @@ class Proofs(SavedStudy):
     def write_tables(self, folder: Path) -> None:
         """Write the table and the certificate into a folder that is locked."""
         write_csv(self.table, folder / "proofs.csv")
-        if self.bounds.proven:
-            self.bounds.write_certificate(folder / CERTIFICATE)
+        if self.bounds.proven and (
+            left_out := self.bounds.write_certificate(folder / CERTIFICATE)
+        ):
+            warnings.warn(
+                f"{CERTIFICATE}: has no proof of {', '.join(left_out)}, with which it "
+                f"would be larger than {MOST // 1_000_000} MB: a larger gap takes less",
+                LongCertificate,
+                stacklevel=2,
+            )
 
     def write(self, results: ResultsFolder) -> None:
         """Write it into the folder of its study, which ends."""

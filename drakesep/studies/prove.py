@@ -4,7 +4,7 @@ from pathlib import Path
 
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.bounds.answers import PROVEN_MET as PROVEN_MET
-from drakesep.analysis.bounds.answers import proven_answers, questions_of
+from drakesep.analysis.bounds.answers import claims_of, proven_answers, questions_of
 from drakesep.analysis.bounds.proving import ProofSettings
 from drakesep.analysis.metrics.objectives import Objective
 from drakesep.case_file.case import Case
@@ -16,7 +16,8 @@ from drakesep.case_file.objectives import (
 )
 from drakesep.results.asked import Asked
 from drakesep.results.catalogue.names import PROVE
-from drakesep.results.folder import Output, begun
+from drakesep.results.folder import Output, results_folder
+from drakesep.studies.kept_proofs import KeptProofs
 from drakesep.studies.proof_progress import OnProof, TellingProof
 from drakesep.studies.proofs import Proofs
 from drakesep.systems.argument_types import typed
@@ -35,6 +36,7 @@ def prove(
     gap_percent: float = GAP_PERCENT,
     proof_seconds: float = PROOF_SECONDS,
     output: Output | None = None,
+    resume: bool = False,
     on_progress: OnProof | None = None,
 ) -> Proofs:
     """Prove bounds of what a case requires, over all of its tolerances.
@@ -51,11 +53,13 @@ def prove(
         gap_percent: of a bound beyond what is attained, at which it is good enough.
         proof_seconds: for each bound, about; what is known then is its bound.
         output: folder that receives proofs.csv, proof.json and proofs.png.
+        resume: whether to go on from the bounds that the same study has proven in the
+            folder, if it was interrupted or killed.
         on_progress: called as it goes on.
 
     Raises:
         ValueError: the case or an argument is wrong, nothing varies or is asked for, or
-            the folder cannot be written.
+            the folder cannot be written, or has another study to resume.
     """
     settings = proof_settings(gap_percent, proof_seconds)
     how = {"gap_percent": gap_percent, "proof_seconds": proof_seconds}
@@ -64,11 +68,24 @@ def prove(
         raise InputError("dispersions: a bound needs some, got none")
     chosen = asked_objectives(asked.case, objectives)
     questions = questions_of(asked.case, chosen)
-    with begun(output, asked) as folder:
-        varying = len(asked.case.box)
-        telling = TellingProof(on_progress, questions, varying, proof_seconds)
+    if resume and output is None:
+        raise InputError("output: must be the folder of the study to resume, got None")
+    with results_folder(output, asked.study) as folder:
+        if folder is not None:
+            if resume:
+                folder.resume(asked)
+            folder.begin(asked)
+        kept = KeptProofs(folder, claims_of(questions))
+        telling = TellingProof(
+            on_progress, questions, len(asked.case.box), proof_seconds, kept.known
+        )
         bounds, answers = proven_answers(
-            asked.case, questions, settings, on_progress=telling
+            asked.case,
+            questions,
+            settings,
+            known=kept.known,
+            on_proof=kept.keep,
+            on_progress=telling,
         )
         study = Proofs(asked=asked.over(), answers=answers, bounds=bounds)
         if folder is not None:

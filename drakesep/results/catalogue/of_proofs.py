@@ -57,6 +57,6 @@ PROOF_FILES = (
         studies=PROVEN,
         what="The certificate: the problem, and of each bound the tree of boxes that "
         "proves it, in the form that proof.md says; "
-        "`python -m drakesep.check_proof proof.json` checks it.",
+        "`drakesep check-proof proof.json` checks it.",
     ),
 )

@@ -9,7 +9,7 @@ import free_bodies
 import numpy as np
 import oracle
 import pytest
-from separations import by_displacement, generic_pair, staged_pair
+from separations import by_displacement, generic_pair, pushed_on_axis, staged_pair
 from six_springs import six_springs_case
 
 import drakesep
@@ -27,25 +27,8 @@ from drakesep.systems.model.separation import InitialMotion
 FAST = ProofSettings(gap=0.02, seconds=20.0, push=8, coast=4)
 
 
-def on_axis(separation, springs: int = 1):
-    """Bodies that springs push through their CGs: nothing turns."""
-    A, B = separation.bodies
-    attachments = tuple(
-        dataclasses.replace(a, p_AoPad_A=(0.0, 0.0, 0.0))
-        for a in separation.attachments[:springs]
-    )
-    return dataclasses.replace(
-        separation,
-        bodies=(
-            dataclasses.replace(A, p_BoBcm_B=(-0.8, 0.0, 0.0)),
-            dataclasses.replace(B, p_BoBcm_B=(1.1, 0.0, 0.0)),
-        ),
-        attachments=attachments,
-    )
-
-
 def test_the_speed_that_a_spring_gives():
-    pair = on_axis(generic_pair(initial=InitialMotion()))
+    pair = pushed_on_axis(generic_pair(initial=InitialMotion()))
     tolerances = {
         "spring_1.force_max": 60.0,
         "spring_1.stroke": 0.005,

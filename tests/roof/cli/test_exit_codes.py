@@ -72,6 +72,9 @@ def test_exit_code(command, outcome, tmp_path, capsys, monkeypatch):
     elif outcome == NOT_MET and command in ("verify", "campaign"):
         assert not lines
         assert out.splitlines()[-1] == "Not every requirement is met."
+    elif outcome == NOT_MET and command == "check-proof":
+        assert not lines
+        assert out.splitlines()[-1] == "0 of 1 claims are verified."
     elif outcome == NOT_MET and command == "prove":
         assert not lines
         assert "It is proven of 0 of 1 requirements that they are met." in out

@@ -91,6 +91,7 @@ OPTIONS = {
         "--campaign": (300, {"campaign": 300}),
     },
     "prove": {},  # test_proofs.py
+    "check-proof": {},  # roof/studies/test_proof_check.py
 }
 """Of each command: an option, its value, and the same argument in Python."""
 ELSEWHERE = {
@@ -107,7 +108,11 @@ ELSEWHERE = {
     "replay": {"--run", "--animation", "--no-animation", "--output", "-o"},
     "report": {"--output", "-o", "--pdf", "--check", "--tolerance"},
     "clearance": {"--output", "-o"},
-    "prove": {"--output", "-o", "--objective", "--gap-percent", "--proof-seconds"},
+    "prove": {
+        *("--output", "-o", "--objective", "--gap-percent", "--proof-seconds"),
+        "--resume",
+    },
+    "check-proof": {"--workers"},
     "worst-case": {"--output", "-o", "--workers", "--flips", "--minutes", "--resume"},
     "verify": {
         *("--output", "-o", "--workers", "--flips", "--corners", "--minutes"),

@@ -15,12 +15,15 @@ from command_line import run
 from small_case import small_case, write_case
 
 import drakesep
-from drakesep.analysis.bounds import answers
+from drakesep.analysis.bounds import answers, certificate
 from drakesep.analysis.bounds.answers import questions_of
+from drakesep.analysis.bounds.branch_and_bound import Prover
 from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.of_run import metric_of_run
 from drakesep.analysis.metrics.requirements import NO_LIMITS
 from drakesep.case_file.case import Case
+from drakesep.studies.kept_proofs import KeptProofs
+from drakesep.studies.proofs import LongCertificate
 from drakesep.systems.checks import InputError
 from drakesep.systems.simulation.simulation import Simulation
 
@@ -122,8 +125,8 @@ def test_columns_computed_anew(proven):
 
 def test_the_certificate_has_every_claim(proven):
     study, folder = proven
-    certificate = json.loads((folder / "proof.json").read_text())
-    bounds = {one["name"]: float.fromhex(one["bound"]) for one in certificate["claims"]}
+    record = json.loads((folder / "proof.json").read_text())
+    bounds = {one["name"]: float.fromhex(one["bound"]) for one in record["claims"]}
     table = study.table.set_index("claim")
     assert set(bounds) == set(table.index)
     for name, bound in bounds.items():
@@ -266,7 +269,111 @@ def test_progress_says_how_long_before_it_begins():
     ]
 
 
+@pytest.fixture
+def proven_anew(monkeypatch):
+    """The numbers of claims that were proven, not taken from where they are kept."""
+    count, prove = [], Prover.prove
+
+    def counted(*arguments):
+        count.append(1)
+        return prove(*arguments)
+
+    monkeypatch.setattr(Prover, "prove", counted)
+    return count
+
+
+def end_at(claim):
+    """Progress that ends a study as it comes to a claim."""
+
+    def told(progress):
+        if progress.claim == claim:
+            raise KeyboardInterrupt
+
+    return told
+
+
+def test_what_is_proven_is_kept_and_not_proven_again(
+    proven, tmp_path, capsys, monkeypatch, proven_anew
+):
+    """Interrupted in the second of three bounds, it ends as it would have."""
+    _, once = proven
+
+    def prove(**how):
+        return drakesep.prove(case(), ["PM"], output=tmp_path, **how)
+
+    with pytest.raises(KeyboardInterrupt):
+        prove(on_progress=end_at(f"highest_{RATE}"))
+    assert len(proven_anew) == 2
+    assert not (tmp_path / "proofs.csv").exists()
+    with pytest.raises(InputError, match=r"proof_seconds = 60.0, got 5.0"):
+        prove(resume=True, proof_seconds=5.0)
+    told = []
+    prove(resume=True, on_progress=told.append)
+    assert len(proven_anew) == 4
+    assert "proof of 3 bounds" in str(told[0]) and "at most 2 min" in str(told[0])
+    for name in ("proofs.csv", "proof.json"):
+        assert (tmp_path / name).read_bytes() == (once / name).read_bytes()
+    assert not (tmp_path / ".parts").exists()
+    words = [write_case(tmp_path, small()), "--objective", "PM", "-o", tmp_path]
+    code, _, err = run(capsys, monkeypatch, "prove", *words, "--resume")
+    assert (code, err.rstrip().endswith("completed")) == (2, True), err
+
+
+def test_beside_worst_cases_too(beside, tmp_path, monkeypatch, proven_anew):
+    _, once = beside
+    required = [*small()["requirements"], CLEARANCE]
+    file = write_case(tmp_path, small(requirements=required, dispersions=ONE))
+
+    def verify(**how):
+        folder = tmp_path / "out"
+        return drakesep.verify(file, prove=True, output=folder, **DRAKE, **how)
+
+    keep = KeptProofs.keep
+
+    def keep_and_end(mine, claim, proof):
+        keep(mine, claim, proof)
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(KeptProofs, "keep", keep_and_end)
+        verify()
+    verify(resume=True)
+    assert len(proven_anew) == 2
+    for name in ("proofs.csv", "proof.json", "requirements.csv"):
+        assert (tmp_path / "out" / name).read_bytes() == (once / name).read_bytes()
+
+
+@pytest.mark.parametrize("fit", [1, 0])
+def test_a_certificate_that_is_too_long_loses_no_bound(
+    fit, proven, tmp_path, monkeypatch
+):
+    """Proofs that do not fit are named; their bounds stand in the table."""
+    study, once = proven
+    record = json.loads((once / "proof.json").read_text())
+    shortest, *others = sorted(
+        record["claims"], key=lambda claim: len(json.dumps(claim))
+    )
+    record["claims"] = [shortest]
+    length = len(json.dumps(record, separators=(",", ":"))) + 1
+    # A comma's place is left for each claim.
+    monkeypatch.setattr(certificate, "MOST", length + 2 if fit else 100)
+    names = {claim["name"] for claim in others} | (set() if fit else {shortest["name"]})
+    with pytest.warns(LongCertificate, match=r"larger than .* MB") as told:
+        study.save(tmp_path)
+    assert all(name in str(told[0].message) for name in names)
+    assert pd.read_csv(tmp_path / "proofs.csv")["proven_bound"].notna().all()
+    file = tmp_path / "proof.json"
+    assert file.exists() == bool(fit)
+    if fit:
+        assert [c["name"] for c in json.loads(file.read_text())["claims"]] == [
+            shortest["name"]
+        ]
+        assert file.stat().st_size <= certificate.MOST
+
+
 def test_what_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"^output: .* study to resume, got None"):
+        drakesep.prove(case(), resume=True)
     with pytest.raises(InputError, match=r"^gap_percent must be > 0"):
         drakesep.prove(case(), gap_percent=0.0, output=tmp_path)
     with pytest.raises(InputError, match=r"^proof_seconds must be > 0"):
