@@ -189,14 +189,14 @@ NOMINAL_ALONE = {"dispersions": None, "published": None, "objectives": None}
 def test_what_is_finished_is_written_down(tmp_path, monkeypatch):
     """An interrupt in the second failure case leaves the rows of the first."""
     two = {name: FAILURES[name] for name in ("s1_weak", "held")}
-    verify = failure_cases._verified
+    confirmed = failure_cases._confirmed
 
-    def interrupted(study, failure, case, under_way):
-        if failure.name == "held":
+    def interrupted(one, under_way):
+        if one.failure.name == "held":
             raise KeyboardInterrupt
-        return verify(study, failure, case, under_way)
+        return confirmed(one, under_way)
 
-    monkeypatch.setattr(failure_cases, "_verified", interrupted)
+    monkeypatch.setattr(failure_cases, "_confirmed", interrupted)
     with pytest.raises(KeyboardInterrupt):
         drakesep.verify(
             case(failure_cases=two, **NOMINAL_ALONE), failures=True, output=tmp_path
