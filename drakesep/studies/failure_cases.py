@@ -42,7 +42,7 @@ _BY_FAR = 0.1
 def failure_cases_verified(study: Verification, under_way: Session) -> Verification:
     """Return a study with the failure cases of its plan, verified.
 
-    Some at a time; the tables have each of them as soon as that is finished.
+    Some at a time, which the tables have as soon as they are finished.
 
     Args:
         study: of the design, with its worst cases.
@@ -59,8 +59,8 @@ def failure_cases_verified(study: Verification, under_way: Session) -> Verificat
         for one in _searched_together(begun, under_way, study):
             one = _confirmed(one, under_way)
             study = replace(study, failed_cases=(*study.failed_cases, one))
-            under_way.write_down(study, Verification.write_failures)
             tell(len(study.failed_cases), len(failures))
+        under_way.write_down(study, Verification.write_failures)
     return study
 
 
