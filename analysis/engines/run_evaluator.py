@@ -89,18 +89,18 @@ class RunEvaluator:
 
     def one(self, rows: Array, which: Sequence[int]) -> Evaluated:
         """Return one objective at each row: the which[i]-th at row i."""
-        failures: dict[int, str] = {}
-        told = {i: self._last.get((k, rows[i].tobytes())) for i, k in enumerate(which)}
-        new = [i for i, about in told.items() if about is None]
-        self._flown.update(which[i] for i in new)
-        for i, run in zip(new, self._fly(rows[new]) if new else (), strict=True):
+        values = np.full(len(rows), np.nan)
+        failures, unended = {}, set()
+        self._flown.update(which)
+        for i, run in enumerate(self._fly(rows)):
             if why := _why_not(run):
                 failures[i] = why
-            else:
-                told[i] = self._about(which[i], run, rows[i])
-        values = [math.nan if about is None else about.value for about in told.values()]
-        unended = (i for i, about in told.items() if about and not about.ended)
-        return Evaluated(np.array(values), failures, frozenset(unended))
+                continue
+            about = self._about(which[i], run, rows[i])
+            values[i] = about.value
+            if not about.ended:
+                unended.add(i)
+        return Evaluated(values, failures, frozenset(unended))
 
     def near(self, rows: Array, k: int) -> Evaluated:
         """Return an objective at the first row, and about it at the others."""
