@@ -3,6 +3,7 @@
 import math
 from collections import Counter, OrderedDict
 from collections.abc import Callable, Sequence
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
@@ -17,6 +18,10 @@ from drakesep.analysis.metrics.objectives import (
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.run import Run, RunStatus
+
+
+_Key: TypeAlias = tuple[int, bytes]
+_T = TypeVar("_T")
 
 
 class RunEvaluator:
@@ -44,8 +49,9 @@ class RunEvaluator:
         self.names = tuple(names)
         self.objectives = tuple(objectives)
         self._flown: Counter[int] = Counter()
-        # What is asked for at a row and, a little later, about it.
-        self._last: OrderedDict[tuple[int, bytes], About] = OrderedDict()
+        # What is asked for at a row and, a little later, about it; or once more.
+        self._last: OrderedDict[_Key, About] = OrderedDict()
+        self._last_near: OrderedDict[_Key, Evaluated] = OrderedDict()
 
     def exact(self, k: int) -> bool:
         """Return False: differences must do."""
@@ -98,13 +104,18 @@ class RunEvaluator:
 
     def near(self, rows: Array, k: int) -> Evaluated:
         """Return an objective at the first row, and about it at the others."""
+        key = k, rows.tobytes()
+        if key in self._last_near:
+            return self._last_near[key]
         values = np.full(len(rows), np.nan)
         runs = self.runs(rows, k)
         failures = {i: why for i, run in enumerate(runs) if (why := _why_not(run))}
         if not failures:
             about = self._about(k, runs[0], rows[0])
             values[:] = [about.value, *map(about.near, runs[1:])]
-        return Evaluated(values, failures)
+        told = Evaluated(values, failures)
+        _keep(self._last_near, key, told)
+        return told
 
     def slopes(self, rows: Array, which: Sequence[int]) -> tuple[Evaluated, Array]:
         """Refuse."""
@@ -151,9 +162,7 @@ class RunEvaluator:
                 "a low one if the run is harmless"
             )
         if objective.expensive:
-            self._last[key] = about
-            if len(self._last) > _KEPT:
-                self._last.popitem(last=False)
+            _keep(self._last, key, about)
         return about
 
     def _at_least(self, k: int, run: Run) -> float:
@@ -161,6 +170,13 @@ class RunEvaluator:
         told = [about.at_least for (j, _), about in self._last.items() if j == k]
         bounds = [bound(run) for bound in told[-_ASKED:] if bound is not None]
         return max(bounds, default=-math.inf)
+
+
+def _keep(last: OrderedDict[_Key, _T], key: _Key, answer: _T) -> None:
+    """Keep an answer among the last that were given."""
+    last[key] = answer
+    if len(last) > _KEPT:
+        last.popitem(last=False)
 
 
 def _why_not(run: Run) -> str:

@@ -46,6 +46,6 @@ class MeshSection(Section):
     """A mesh: closed, if it is to have a mass."""
 
     file: File
-    """OBJ, STL, PLY or glTF in one file, from the folder of the case file."""
+    """OBJ, STL, PLY or glTF, from the folder of the case file."""
     scale: Positive = 1.0
     """Metres in a unit of the file."""

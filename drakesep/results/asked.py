@@ -16,6 +16,7 @@ from drakesep.case_file.case import Case
 from drakesep.case_file.reader import analysis_case_of, load_case
 from drakesep.results import provenance
 from drakesep.systems.checks import InputError
+from drakesep.systems.geometry.meshes import mesh_bytes
 from drakesep.systems.model.parts import Mesh
 
 
@@ -76,7 +77,7 @@ class Asked:
             source=None if in_file is None else in_file.source,
             text=in_file.text if in_file else None,
             named_files=provenance.hashed(files),
-            meshes={file: file.read_bytes() for file in meshes if file.is_file()},
+            meshes={file: mesh_bytes(file) for file in meshes if file.is_file()},
             arguments={k: v for k, v in (arguments or {}).items() if is_given(v)},
             seed=None if seed is None else int(seed),
         )
@@ -95,7 +96,7 @@ class Asked:
                 which of its contents was.
         """
         for file, content in self.meshes.items():
-            if not file.is_file() or file.read_bytes() != content:
+            if not file.is_file() or mesh_bytes(file) != content:
                 raise InputError(
                     f"{file}: must stay as it is while it is measured, got a file that "
                     "has changed since"

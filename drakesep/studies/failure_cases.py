@@ -1,19 +1,22 @@
 """Failure cases, each verified as the design is, by what has flown that.
 
 They share its compiled programs and its diagram: what has failed is a number that these
-hold. Fewer starts and samples do, since the design's worst cases are known; tolerances
-do not grow.
+hold. They share calls, too: some are searched side by side. Fewer starts and samples
+do, since the design's worst cases are known; tolerances do not grow.
 """
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from drakesep.analysis.analysis_case import AnalysisCase
+from drakesep.analysis.engines.jax.together import Ask, flown_together
 from drakesep.analysis.failure_cases import FailureCase
 from drakesep.analysis.metrics.objectives import Objective
+from drakesep.analysis.search.ask_tell import side_by_side
 from drakesep.analysis.search.expensive_objectives import by_cost
 from drakesep.analysis.search.judge import judge, search_for_worst
 from drakesep.analysis.search.problem import FROM_BEST, Problem, Searched
@@ -29,6 +32,9 @@ from drakesep.tables.labelled_run import measured
 from drakesep.tables.roles import Nominal
 
 
+_TOGETHER = 8
+"""Failure cases that are searched side by side: what each asks for fills a part of a
+call."""
 _BY_FAR = 0.1
 """Share of the worse direction's value."""
 
@@ -36,31 +42,34 @@ _BY_FAR = 0.1
 def failure_cases_verified(study: Verification, under_way: Session) -> Verification:
     """Return a study with the failure cases of its plan, verified.
 
-    The tables have each of them as soon as that is finished.
+    Some at a time, which the tables have as soon as they are finished.
 
     Args:
         study: of the design, with its worst cases.
         under_way: the session that has found them.
     """
-    failures = under_way.plan.failures
+    failures = [*under_way.plan.failures.items()]
     if not failures:
         return study
     tell = under_way.telling(FAILURES)
     tell(0, len(failures))
-    for done, (failure, case) in enumerate(failures.items(), 1):
-        one = _verified(study, failure, case, under_way)
-        study = replace(study, failed_cases=(*study.failed_cases, one))
+    for first in range(0, len(failures), _TOGETHER):
+        some = failures[first : first + _TOGETHER]
+        begun = [_begun(study, *one, under_way) for one in some]
+        for one in _searched_together(begun, under_way, study):
+            one = _confirmed(one, under_way)
+            study = replace(study, failed_cases=(*study.failed_cases, one))
+            tell(len(study.failed_cases), len(failures))
         under_way.write_down(study, Verification.write_failures)
-        tell(done, len(failures))
     return study
 
 
-def _verified(
+def _begun(
     study: Verification, failure: FailureCase, case: AnalysisCase, under_way: Session
 ) -> FailedCase:
+    """Return a failure case with its nominal run."""
     design = study.case
-    fly = _holding(failure, under_way)
-    [nominal] = fly([{}], lambda *_: None)
+    [nominal] = _holding(failure, under_way)([{}], lambda *_: None)
     held = _held(design, nominal)
     # What is held for ever has no worst case: it does not separate whatever else is.
     objectives = () if held or not case.tolerances else _required(case, study)
@@ -77,13 +86,50 @@ def _verified(
         campaign=None,
         missed={},
     )
-    if held:  # of such a run a function may know nothing
-        return FailedCase(failure=failure, study=failed, design=design, held=held)
-    failed = told(failed)
-    if objectives and nominal.motion is not None:
-        failed = _searched(failed, failure, under_way, study)
-        failed = functions_compared(told(confirmed(failed, fly, of=failed.deciding)))
-    return FailedCase(failure=failure, study=failed, design=design)
+    if not held:  # else of such a run a function may know nothing
+        failed = told(failed)
+    return FailedCase(failure=failure, study=failed, design=design, held=held)
+
+
+def _is_searched(one: FailedCase) -> bool:
+    """Return whether a failure case that has begun has worst cases."""
+    return bool(one.study.objectives) and one.nominal.run.motion is not None
+
+
+def _searched_together(
+    begun: Sequence[FailedCase], under_way: Session, design: Verification
+) -> list[FailedCase]:
+    """Return failure cases with their worst cases, searched side by side."""
+    searched = [one for one in begun if _is_searched(one)]
+    kept = [under_way.kept(_part_of(one), Searched) for one in searched]
+    if None in kept:  # round-off of a row is that of its place among all: all again
+        kept = [None] * len(searched)
+    found = side_by_side(
+        [
+            partial(_searched, one, under_way, design, known)
+            for one, known in zip(searched, kept, strict=True)
+        ],
+        flown_together,
+    )
+    for one, known in zip(found, kept, strict=True):
+        if known is None:
+            under_way.keep(_part_of(one), one.study.searched)
+    by_name = {one.failure.name: one for one in found}
+    return [by_name.get(one.failure.name, one) for one in begun]
+
+
+def _part_of(one: FailedCase) -> str:
+    """Return the name of the part of a study that a failure case's searches are."""
+    return f"failure_{one.failure.name}"
+
+
+def _confirmed(one: FailedCase, under_way: Session) -> FailedCase:
+    """Return a failure case with the runs in Drake of what may decide its verdict."""
+    if not _is_searched(one):
+        return one
+    fly = _holding(one.failure, under_way)
+    study = confirmed(one.study, fly, of=one.study.deciding)
+    return replace(one, study=functions_compared(told(study)))
 
 
 def _held(design: AnalysisCase, nominal: Run) -> tuple[str, ...]:
@@ -146,13 +192,23 @@ def _worst_of_design(
 
 
 def _searched(
-    study: Verification,
-    failure: FailureCase,
+    one: FailedCase,
     under_way: Session,
     design: Verification,
-) -> Verification:
-    """Return a failure case with its worst cases, which an earlier study may have."""
-    evaluator = under_way.evaluator_of(study.case, failure, study.objectives)
+    known: Sequence[Searched] | None,
+    ask: Ask,
+) -> FailedCase:
+    """Return a failure case with its worst cases.
+
+    Args:
+        one: with its nominal run.
+        under_way: the session.
+        design: with its worst cases.
+        known: what came of the searches, if an earlier study has it.
+        ask: flies what is searched.
+    """
+    study = one.study
+    evaluator = under_way.evaluator_of(study.case, one.failure, study.objectives, ask)
     problem = Problem(
         tolerances=study.case.tolerance_set,
         evaluator=evaluator,
@@ -168,10 +224,11 @@ def _searched(
         deciding = replace(problem, only=_deciding(study, problem, done))
         return search_for_worst(deciding, names, settings, finished=done)
 
-    done = under_way.once(f"failure_{failure.name}", Searched, search)
+    done = search() if known is None else known
     deciding = replace(problem, only=_deciding(study, problem, done))
     worst = judge(deciding, done)
-    return replace(study, searched=tuple(done), worst=tuple(worst))
+    found = replace(study, searched=tuple(done), worst=tuple(worst))
+    return replace(one, study=found)
 
 
 def _deciding(

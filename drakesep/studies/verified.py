@@ -27,7 +27,7 @@ from drakesep.studies.worst_case.result import WorstCases
 from drakesep.tables.answers_table import answers_table
 from drakesep.tables.columns import write_csv
 from drakesep.tables.failure_tables import HELD, outcome_row, under_each_other
-from drakesep.tables.labelled_run import nominal_of
+from drakesep.tables.labelled_run import LabelledRun, nominal_of
 from drakesep.tables.requirement_tables import requirements_table, tolerances_table
 from drakesep.tables.run_tables import runs_table
 
@@ -309,10 +309,15 @@ class FailedCase:
     @functools.cached_property
     def outcome(self) -> dict[str, object]:
         """What came of it, in a row."""
-        nominal, failure = nominal_of(self.study.runs), self.failure
+        failure = self.failure
         return outcome_row(
-            failure.name, failure.values, nominal, self.requirements, self.verdict
+            failure.name, failure.values, self.nominal, self.requirements, self.verdict
         )
+
+    @property
+    def nominal(self) -> LabelledRun:
+        """Its run without tolerances."""
+        return nominal_of(self.study.runs)
 
     @property
     def verdict(self) -> str | None:

@@ -1,11 +1,13 @@
 """Meshes from files."""
 
+import base64
 import functools
 import json
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,13 +42,15 @@ def read_mesh(file: str | Path) -> "trimesh.Trimesh":
     """Return the mesh in a file, in its axes; if it is closed, it faces outward.
 
     Args:
-        file: OBJ, STL, PLY or glTF, of which all that is shown makes one mesh.
+        file: OBJ, STL, PLY or glTF, of which all that is shown makes one mesh; buffers
+            of a glTF may be in files beside it.
 
     Raises:
         ValueError: the file is missing or is no mesh.
     """
     path = readable(file, "mesh", MESH_SUFFIXES)
-    return _read(path, path.stat().st_mtime_ns)
+    files = [path, *_buffers_beside(path).values()]
+    return _read(path, tuple(file.stat().st_mtime_ns for file in files))
 
 
 def read_solid(file: str | Path) -> "trimesh.Trimesh":
@@ -76,11 +80,9 @@ def is_closed(mesh: "trimesh.Trimesh") -> bool:
 
 
 @functools.lru_cache(maxsize=64)
-def _read(path: Path, _: int) -> "trimesh.Trimesh":
+def _read(path: Path, _: tuple[int, ...]) -> "trimesh.Trimesh":
     import trimesh  # half a second, for the few cases that have meshes
 
-    if path.suffix.lower() == ".gltf":
-        _check_whole(path)
     try:
         with np.errstate(all="ignore"):  # of what is refused
             mesh = trimesh.load_mesh(path, skip_materials=True)
@@ -103,20 +105,41 @@ def _read(path: Path, _: int) -> "trimesh.Trimesh":
     return mesh
 
 
-def _check_whole(path: Path) -> None:
-    """Raise InputError if a glTF names files beside it, which are not copied along."""
+def mesh_bytes(file: Path) -> bytes:
+    """Return what a mesh file holds; of a glTF, with the buffers that are beside it.
+
+    Raises:
+        ValueError: it is a glTF that cannot be read, or a buffer is not there.
+    """
+    beside = _buffers_beside(file)
+    if not beside:
+        return file.read_bytes()
+    content = json.loads(file.read_bytes())
+    for buffer in content["buffers"]:
+        if (held := beside.get(buffer.get("uri"))) is not None:
+            data = base64.b64encode(held.read_bytes()).decode()
+            buffer["uri"] = f"data:application/octet-stream;base64,{data}"
+    return json.dumps(content).encode()
+
+
+def _buffers_beside(path: Path) -> dict[str, Path]:
+    """Return the files beside a glTF that hold buffers of it, by their names in it."""
+    if path.suffix.lower() != ".gltf":
+        return {}
     try:
         content = json.loads(path.read_bytes())
         uris = [buffer.get("uri", "") for buffer in content.get("buffers", ())]
     except (ValueError, AttributeError):
         got = "a file that is no glTF"
         raise InputError(f"{path.name}: must be a mesh, got {got}") from None
-    others = [uri for uri in uris if not uri.startswith("data:")]
-    if others:
-        raise InputError(
-            f"{path.name}: must be one file, got a glTF with {others[0]!r} beside it: "
-            f"`assimp export {path.name} {path.stem}.glb` or Blender make one of them"
-        )
+    uris = [uri for uri in uris if uri and not uri.startswith("data:")]
+    beside = {uri: path.parent / unquote(uri) for uri in uris}
+    for uri, file in beside.items():
+        if not file.is_file():
+            raise InputError(
+                f"{path.name}: must have its buffers beside it, got none at {uri!r}"
+            )
+    return beside
 
 
 class DoubtfulScale(DrakesepWarning):

@@ -16,7 +16,7 @@ from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError, check_finite, unknown
 from drakesep.systems.model.parameter_table import Parameter, split_axis
 from drakesep.systems.model.parts import Part
-from drakesep.systems.model.separation import STACK, Body, Separation
+from drakesep.systems.model.separation import STACK, Attachment, Body, Separation
 
 
 class ParameterName(NamedTuple):
@@ -177,15 +177,19 @@ def with_values(separation: Separation, values: Mapping[str, float]) -> Separati
         separation,
         bodies=tuple(_with_parts(new[body.name], new) for body in separation.bodies),
         attachments=tuple(
-            dataclasses.replace(
-                new[attachment.name],
-                spring=attachment.spring and new[attachment.spring.name],
-            )
+            _with_spring(new[attachment.name], new)
             for attachment in separation.attachments
         ),
         loads=tuple(new[load.name] for load in separation.loads),
         initial=new[STACK],
     )
+
+
+def _with_spring(attachment: Attachment, new: Mapping[str, Any]) -> Attachment:
+    spring = attachment.spring and new[attachment.spring.name]
+    if spring is attachment.spring:
+        return attachment
+    return dataclasses.replace(attachment, spring=spring)
 
 
 def _with_parts(body: Body, new: Mapping[str, Any]) -> Body:

@@ -192,6 +192,7 @@ class Batch:
         self._max_steps = max_steps
         self._nominal = nominal
         self.nominal = np.array([nominal[name] for name in names])
+        self._whole: Batch | None = None  # this one, until it holds some
         self._all_names, self._free = self.names, np.arange(len(names))
         self._lane = self.nominal  # of all of the programs' parameters
         self._equations = BatchEquations(separation, names)
@@ -245,6 +246,7 @@ class Batch:
                 raise InputError(unknown("parameter", name, self._all_names))
             check_finite(name, value)
         held = copy.copy(self)
+        held._whole = self.whole
         held.separation = with_values(self.separation, values)
         held._lane = self._lane.copy()
         for name, value in values.items():
@@ -255,6 +257,20 @@ class Batch:
         held.nominal = held._lane[held._free]
         held._row_checks = RowChecks(held.separation, held.names)
         return held
+
+    @property
+    def whole(self) -> "Batch":
+        """The batch that flies by the same programs, and holds no parameter."""
+        return self if self._whole is None else self._whole
+
+    def whole_rows(self, values: Values) -> Array:
+        """Return rows (n, n_p) of parameters as rows of `whole`, with what is held.
+
+        Raises:
+            ValueError: the values are not n_p columns.
+        """
+        rows = self._check_values(values)
+        return self._filled(rows, len(rows)).T
 
     @typed
     def run(
@@ -519,7 +535,9 @@ class Batch:
         )
 
     def _values(self, row: Array) -> dict[str, float]:
-        return dict(zip(self.names, row.tolist(), strict=True))
+        """Return the values that are not the nominal ones."""
+        changed = np.flatnonzero(row != self.nominal).tolist()
+        return {self.names[i]: float(row[i]) for i in changed}
 
     def _sample_motion(self, lanes: Array, plans: Sequence["SampledRun"]) -> Array:
         longest = max(len(plan.times) for plan in plans)

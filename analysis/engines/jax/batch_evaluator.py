@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from drakesep.analysis.engines.evaluator import Evaluated, Progress
 from drakesep.analysis.engines.jax.batch import Batch, BatchResult
 from drakesep.analysis.engines.jax.compiling_threads import compiling_threads
+from drakesep.analysis.engines.jax.together import Ask, OneOfMany
 from drakesep.analysis.engines.run_evaluator import RunEvaluator
 from drakesep.analysis.metrics.objectives import Limits, MetricObjective, Objective
 from drakesep.systems.arrays import Array
@@ -23,8 +24,6 @@ _COMPILERS = 2
 class BatchEvaluator:
     """Flies on the batch engine; knows derivatives of what metrics tell."""
 
-    concurrent = True
-
     def __init__(
         self,
         batch: Batch,
@@ -32,6 +31,7 @@ class BatchEvaluator:
         limits: Limits,
         *,
         derivatives: bool = True,
+        ask: Ask | None = None,
     ):
         """Prepare.
 
@@ -42,6 +42,8 @@ class BatchEvaluator:
             limits: (3,) of the deviations, as `metrics_of_run` takes them.
             derivatives: whether to use those of the batch engine: differences cost less
                 where runs take many steps.
+            ask: flies its rows with those of others (see `OneOfMany`); the batch
+                does, by itself, if None.
 
         Raises:
             ValueError: the batch does not tell a metric.
@@ -49,6 +51,8 @@ class BatchEvaluator:
         self._derivatives = derivatives
         self._preparing: list[futures.Future[BatchResult]] = []
         self._batch = batch
+        self._flies = batch if ask is None else OneOfMany(batch, ask)
+        self.concurrent = ask is None
         self.names = batch.names
         self.objectives = tuple(objectives)
         self._by_metrics = {
@@ -62,7 +66,7 @@ class BatchEvaluator:
                     f"{objective.name}: needs a batch that tells {name}: make it with "
                     f"metrics=[{name!r}]"
                 )
-        self._of_runs = RunEvaluator(batch.runs, batch.names, objectives, limits)
+        self._of_runs = RunEvaluator(self._flies.runs, batch.names, objectives, limits)
 
     def exact(self, k: int) -> bool:
         """Return whether derivatives are to be had: of what metrics alone tell."""
@@ -87,7 +91,7 @@ class BatchEvaluator:
         values = np.full((len(rows), len(self.objectives)), np.nan)
         failures: dict[int, str] = {}
         if by_metrics:
-            result = self._batch.run(rows, on_progress=on_progress)
+            result = self._flies.run(rows, on_progress=on_progress)
             metrics = _by_name(result)
             for k in by_metrics:
                 values[:, k] = self._by_metrics[k].of_metrics(metrics)
@@ -107,7 +111,7 @@ class BatchEvaluator:
         parts: list[tuple[NDArray[np.intp], Evaluated]] = []
         if by_metrics.any():
             index = np.flatnonzero(by_metrics)
-            result = self._batch.run(rows[index])
+            result = self._flies.run(rows[index])
             told = self._tell(result, [which[i] for i in index.tolist()])
             parts.append((index, Evaluated(told, dict(result.failures))))
         if not by_metrics.all():

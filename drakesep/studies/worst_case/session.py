@@ -16,6 +16,7 @@ from drakesep.analysis.engines.evaluator import Evaluator
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.engines.jax.batch_evaluator import BatchEvaluator
 from drakesep.analysis.engines.jax.shared_batch import shared_batch
+from drakesep.analysis.engines.jax.together import Ask
 from drakesep.analysis.engines.run_evaluator import RunEvaluator
 from drakesep.analysis.failure_cases import FailureCase
 from drakesep.analysis.metrics.objectives import MetricObjective, Objective
@@ -76,7 +77,7 @@ class Session:
         A study that goes on with another does what that had planned.
         """
         plan = self.plan
-        if (kept := self._part(PLAN, dict)) is not None:
+        if (kept := self.kept(PLAN, dict)) is not None:
             [planned] = kept
             return StudyEffort(**planned)
         if isinstance(self.evaluator, BatchEvaluator):
@@ -100,7 +101,11 @@ class Session:
         )
 
     def evaluator_of(
-        self, failed: AnalysisCase, failure: FailureCase, which: Sequence[Objective]
+        self,
+        failed: AnalysisCase,
+        failure: FailureCase,
+        which: Sequence[Objective],
+        ask: Ask,
     ) -> Evaluator:
         """Return what flies a failure case, by what flies the design.
 
@@ -108,12 +113,13 @@ class Session:
             failed: the case in which something has failed.
             failure: what has.
             which: objectives that are searched.
+            ask: flies what the batch engine is asked, with what others ask.
         """
         never = any(map(math.isinf, failure.values.values()))  # of no program's rows
         if self.batch is None or never:
             return _in_drake(failed, which, self.pool, failure.values)
-        batch = self.batch.holding(failure.values)
-        return BatchEvaluator(batch, which, failed.limits_of_pairs, derivatives=False)
+        batch, limits = self.batch.holding(failure.values), failed.limits_of_pairs
+        return BatchEvaluator(batch, which, limits, derivatives=False, ask=ask)
 
     @property
     def settings(self) -> SearchSettings:
@@ -145,7 +151,7 @@ class Session:
         """What came of the first searches, if an earlier study has finished them."""
         found: list[Searched] = []
         for name in self.effort.searches:
-            kept = self._part(name, Searched)
+            kept = self.kept(name, Searched)
             if kept is None:
                 break
             found += kept
@@ -153,8 +159,7 @@ class Session:
 
     def keep_search(self, found: Searched) -> None:
         """Keep what came of a search, for a study that goes on with this one."""
-        if self.plan.folder is not None:
-            self.plan.folder.keep_part(found.search, [found])
+        self.keep(found.search, [found])
 
     def once(
         self, name: str, kind: type[_Kind], find: Callable[[], Sequence[_Kind]]
@@ -166,15 +171,20 @@ class Session:
             kind: of the records.
             find: finds them.
         """
-        kept = self._part(name, kind)
+        kept = self.kept(name, kind)
         if kept is not None:
             return kept
         found = find()
-        if self.plan.folder is not None:
-            self.plan.folder.keep_part(name, found)
+        self.keep(name, found)
         return found
 
-    def _part(self, name: str, kind: type[_Kind]) -> tuple[_Kind, ...] | None:
+    def keep(self, name: str, records: Sequence[Any]) -> None:
+        """Keep a part of the study, for a study that goes on with this one."""
+        if self.plan.folder is not None:
+            self.plan.folder.keep_part(name, records)
+
+    def kept(self, name: str, kind: type[_Kind]) -> tuple[_Kind, ...] | None:
+        """Return the records of a part, if an earlier study has kept it."""
         folder = self.plan.folder
         return None if folder is None else folder.part(name, kind)
 

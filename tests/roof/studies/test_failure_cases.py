@@ -189,14 +189,15 @@ NOMINAL_ALONE = {"dispersions": None, "published": None, "objectives": None}
 def test_what_is_finished_is_written_down(tmp_path, monkeypatch):
     """An interrupt in the second failure case leaves the rows of the first."""
     two = {name: FAILURES[name] for name in ("s1_weak", "held")}
-    verify = failure_cases._verified
+    confirmed = failure_cases._confirmed
 
-    def interrupted(study, failure, case, under_way):
-        if failure.name == "held":
+    def interrupted(one, under_way):
+        if one.failure.name == "held":
             raise KeyboardInterrupt
-        return verify(study, failure, case, under_way)
+        return confirmed(one, under_way)
 
-    monkeypatch.setattr(failure_cases, "_verified", interrupted)
+    monkeypatch.setattr(failure_cases, "_confirmed", interrupted)
+    monkeypatch.setattr(failure_cases, "_TOGETHER", 1)
     with pytest.raises(KeyboardInterrupt):
         drakesep.verify(
             case(failure_cases=two, **NOMINAL_ALONE), failures=True, output=tmp_path
@@ -219,6 +220,17 @@ def test_joint_loads_are_computed_once(monkeypatch):
     for _ in range(3):
         assert study.failure_cases["joint_force_N"].notna().all()
     assert len(computed) == 3  # of the design, and of each failure case
+
+
+def test_what_is_searched_side_by_side_is_what_each_is_alone(study, monkeypatch):
+    """But for round-off of rows, of which a search makes no more than its tolerance."""
+    monkeypatch.setattr(failure_cases, "_TOGETHER", 1)
+    alone = drakesep.verify(case(failure_cases=FAILURES), failures=True, **HARD)
+    ours, theirs = (one.failure_requirements for one in (study[0], alone))
+    assert ours["failure_case"].tolist() == theirs["failure_case"].tolist()
+    assert ours["worst"].tolist() == pytest.approx(
+        theirs["worst"].tolist(), rel=1e-8, nan_ok=True
+    )
 
 
 @pytest.mark.slow

@@ -105,6 +105,9 @@ def test_mjcf_with_all_that_spacecraft_have(tmp_path):
     [
         ('autolimits="true"', 'settotalmass="7"', "else of mass .*got settotalmass"),
         ("<camera", '<flexcomp name="x"/><camera', "bodies must be .*got flexcomp"),
+        ("<camera", '<replicate count="3"/><camera', "bodies must be .*got replicate"),
+        ("<camera", "<composite/><camera", "bodies must be .*got composite"),
+        ('autolimits="true"', 'boundmass="7"', "else of mass .*got boundmass"),
         ('mass="77"', 'mass="77" shellinertia="true"', None),
         ('pos="0 0 0.1" mass="4"', 'mass="4"', None),
     ],

@@ -13,7 +13,12 @@ from drakesep.systems.design.mass_properties import (
     mass_properties_of_model,
 )
 from drakesep.systems.geometry.distance import Proximity, is_inside
-from drakesep.systems.geometry.meshes import DoubtfulScale, read_mesh, read_solid
+from drakesep.systems.geometry.meshes import (
+    DoubtfulScale,
+    mesh_bytes,
+    read_mesh,
+    read_solid,
+)
 from drakesep.systems.geometry.relative_path import Pose
 from drakesep.systems.model.parts import Mesh, Part, Sphere
 
@@ -128,10 +133,24 @@ def test_formats_hold_the_same(form, tmp_path):
     assert got.p_BoBcm_B == pytest.approx((5.0 * 8.0 / 14.0, 0.0, 0.0), abs=1e-6)
 
 
-def test_a_gltf_of_several_files_is_refused(tmp_path):
+def test_a_gltf_may_have_buffers_beside_it(tmp_path):
+    """A box of 1 m: with them within it, it is the same alone, in another folder."""
     for name, data in trimesh.Scene([BOX]).export(file_type="gltf").items():
         (tmp_path / name).write_bytes(data)
-    with pytest.raises(InputError, match=r"got a glTF with 'gltf_buffer_0.bin' beside"):
+    file, alone = tmp_path / "model.gltf", tmp_path / "alone" / "model.gltf"
+    assert (tmp_path / "gltf_buffer_0.bin").is_file()
+    alone.parent.mkdir()
+    alone.write_bytes(mesh_bytes(file))
+    for one in (file, alone):
+        assert read_solid(one).volume == pytest.approx(1.0)  # of halves, exact
+        assert read_solid(one).extents.tolist() == pytest.approx([1.0, 1.0, 1.0])
+
+
+def test_a_gltf_without_its_buffers_is_refused(tmp_path):
+    for name, data in trimesh.Scene([BOX]).export(file_type="gltf").items():
+        (tmp_path / name).write_bytes(data)
+    (tmp_path / "gltf_buffer_0.bin").unlink()
+    with pytest.raises(InputError, match=r"beside it, got none at 'gltf_buffer_0.bin'"):
         read_mesh(tmp_path / "model.gltf")
 
 
