@@ -160,6 +160,8 @@ def claim_of(
     window = _window(metric, problem, grid, pair, at_once=at_once)
     if kind != "peak" and window != (0, len(grid.times) - 2):
         raise NotCovered(f"{name}: bounds cover integrals over whole runs")
+    of_sum = kind == "peak" and len(signals) > 1
+    blocks = _blocks(window, grid) if of_sum else ()
     return Claim(
         metric=name,
         side=side,
@@ -171,7 +173,7 @@ def claim_of(
                     signs=signs,
                     first=window[0],
                     last=window[1],
-                    blocks=_blocks(window, grid) if len(signals) > 1 else (),
+                    blocks=blocks,
                     since="separation" if _since_separation(metric) else "first",
                     moment=not isinstance(metric.when, Window),
                 )

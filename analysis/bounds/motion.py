@@ -552,6 +552,36 @@ class Enclosure:
             U - a + b for U, a, b in zip(state.U[j], with_A, with_stack, strict=True)
         ]
 
+    def accelerations(self) -> list[list[Jet]]:
+        """Return the derivative of the rate of each body by time, without springs.
+
+        It is the motion's after the push.
+        """
+        w = self.rates(self.state)
+        return [self._acceleration(b, w[b]) for b in range(len(w))]
+
+    def _acceleration(self, b: int, w: list[Jet]) -> list[Jet]:
+        torque = []
+        gyro = self._gyroscopic(b, w, self.state.S[b])
+        for x, most in zip(gyro, self._gravity.torque[b], strict=True):
+            torque.append(-x + Interval(-most, most))
+        return self._solved(b, torque)
+
+    def relative_acceleration(self, j: int) -> list[Jet]:
+        """Return the derivative of a pair's relative rate by time, without springs."""
+        pair, R_BA = self.problem.pairs[j], transposed(self._mated[j].R0)
+        Q, u = self.state.Q[j], self.changes(self.state)
+        changes = self.accelerations()
+        of_A = rotated(R_BA, changes[pair.A])
+        rate = rotated(R_BA, self.rates(self.state)[pair.A])
+        turning = _turning(Q, self.relative_rate(self.state, u, j))
+        return [
+            changes[pair.B][a]
+            - of_A[a]
+            - total([turning[b][a] * rate[b] + Q[b][a] * of_A[b] for b in range(3)])
+            for a in range(3)
+        ]
+
     # ------------------------------------------------------------- the inclusion
 
     def _zero(self) -> Jet:

@@ -173,7 +173,6 @@ def _proven(
     box = case.box
     columns = [box.names.index(p.name) for p in problem.parameters]
     points = [box.clipped(box.scaled(values))[columns] for values in starts]
-    effort = Effort(gap=settings.gap, seconds=settings.seconds)
     proven: dict[str, Bound] = {}
     not_covered: dict[str, str] = {}
     for metric, side in asked:
@@ -186,6 +185,9 @@ def _proven(
             not_covered[name] = str(why)
             continue
         told = functools.partial(on_progress, name)
+        # A root's gap is half of that of what it is of.
+        gap = settings.gap * (2.0 if claim.squared else 1.0)
+        effort = Effort(gap=gap, seconds=settings.seconds)
         proof = prover.prove(claim.quantity, effort, points, told)
         if not math.isfinite(proof.bound):
             not_covered[name] = f"{metric}: no enclosure of the motion was found"

@@ -275,6 +275,8 @@ class Term:
     signs: list[int]
     pieces: range
     blocks: list[range]  # of pieces, from the first of the window on
+    coast: int | None  # piece from which on an integral is looked at as a whole
+    levels: list[float]  # between which the mean of what is squared lies
 
 
 @dataclass(frozen=True)
@@ -299,6 +301,7 @@ class Certificate:
 
 
 FIELDS = ("rate", "relative_rate", "relative_velocity", "relative_position", "angle")
+RATES = ("rate", "relative_rate")
 LAWS = ("component", "along", "length_squared", "across_squared")
 KINDS = ("peak", "integral_of_magnitude", "integral_of_square")
 
@@ -508,7 +511,12 @@ def _claim(record: object, name: str, problem: Problem) -> Claim:
 
 
 def _term(record: object, name: str, problem: Problem, kind: str) -> Term:
-    t = keys(record, name, "field pair law", "vector component signs pieces blocks")
+    t = keys(
+        record,
+        name,
+        "field pair law",
+        "vector component signs pieces blocks coast levels",
+    )
     for key, allowed in (("field", FIELDS), ("law", LAWS)):
         if t[key] not in allowed:
             raise Unreadable(f"{name}.{key}: wanted one of {allowed}, got {t[key]!r}")
@@ -533,6 +541,7 @@ def _term(record: object, name: str, problem: Problem, kind: str) -> Term:
     pieces = range(first, last + 1)
     if kind != "peak" and len(pieces) < problem.pieces:
         raise Unreadable(f"{name}.pieces: an integral is over the whole time")
+    coast, levels = _coast(t, name, problem, kind)
     return Term(
         t["field"],
         index(t["pair"], f"{name}.pair", len(problem.pairs)),
@@ -542,7 +551,31 @@ def _term(record: object, name: str, problem: Problem, kind: str) -> Term:
         signs,
         pieces,
         _blocks(t.get("blocks"), f"{name}.blocks", len(pieces)),
+        coast,
+        levels,
     )
+
+
+def _coast(
+    t: dict[str, Any], name: str, problem: Problem, kind: str
+) -> tuple[int | None, list[float]]:
+    """Return from which piece on an integral is looked at as a whole, and levels."""
+    coast = t.get("coast")
+    levels = [
+        number(x, f"{name}.levels")
+        for x in items(t.get("levels") or [], f"{name}.levels")
+    ]
+    if any(b <= a for a, b in pairwise(levels)):
+        raise Unreadable(f"{name}.levels: must grow")
+    if coast is None and not levels:
+        return None, []
+    if kind == "peak" or (levels and kind != "integral_of_square"):
+        raise Unreadable(f"{name}: {kind} has no coast, or no levels")
+    if kind == "integral_of_square" and (
+        t["law"] != "component" or t["field"] not in RATES
+    ):
+        raise Unreadable(f"{name}.coast: squares have one of components of rates alone")
+    return index(coast, f"{name}.coast", problem.pieces), levels
 
 
 def _blocks(bounds: object, name: str, count: int) -> list[range]:
