@@ -160,7 +160,7 @@ class Enclosure:
         self._mated = [mating(problem, pair) for pair in problem.pairs]
         self._inertia = [[boxes.affine(x) for x in b.inertia] for b in problem.bodies]
         self._G = [inverse([x.value for x in entries]) for entries in self._inertia]
-        rate = [Affine(Interval(x)) for x in problem.rate]
+        rate = boxes.vector(problem.rate)
         self.rate0 = [
             turned(transposed(matrix(b.orientation)), rate) for b in problem.bodies
         ]
@@ -199,7 +199,7 @@ class Enclosure:
         pad_B = boxes.pad_in_B(spring)
         axis = [entry(x) for x in spring.axis]
         pad, cg_A, cg_B = (
-            boxes.place(x)
+            boxes.vector(x)
             for x in (
                 spring.place,
                 self.problem.bodies[pair.A].cg,
@@ -305,7 +305,7 @@ class Enclosure:
         self._velocity0: list[AffineVector] = []
         for pair, mated in zip(self.problem.pairs, self._mated, strict=True):
             cg_A, cg_B = (
-                self._boxes.place(self.problem.bodies[b].cg) for b in (pair.A, pair.B)
+                self._boxes.vector(self.problem.bodies[b].cg) for b in (pair.A, pair.B)
             )
             point = [Affine(Interval(x)) for x in pair.reference]
             start, reference = (
@@ -322,9 +322,7 @@ class Enclosure:
             self._reference_arm.append(
                 [x - y for x, y in zip(point, cg_B, strict=True)]
             )
-            rate = [x.value for x in self.rate0[pair.A]]
-            back = affine_cross(start, rate)
-            self._velocity0.append([-x for x in back])
+            self._velocity0.append(cross(self.rate0[pair.A], start))
 
     # ----------------------------------------------------------- the right sides
 
@@ -660,11 +658,10 @@ def _weighted(weights: Sequence[Interval], terms: Sequence[_Terms]) -> _Terms:
 
 
 def _applied(entries: Sequence[Affine], w: AffineVector) -> AffineVector:
-    """Return I w of an inertia by its entries and a constant rate."""
+    """Return I w of an inertia by its entries."""
     xx, yy, zz, xy, xz, yz = entries
-    rate = [x.value for x in w]
     return [
-        total([x * y for x, y in zip(row, rate, strict=True)])
+        total([x * y for x, y in zip(row, w, strict=True)])
         for row in ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
     ]
 

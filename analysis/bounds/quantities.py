@@ -225,6 +225,7 @@ def _field(enclosure: Enclosure, signal: Signal) -> list[Jet]:
 def _angles(enclosure: Enclosure, j: int) -> list[Jet]:
     """Return roll, pitch and yaw from the mated attitude in the nominal stack."""
     problem = enclosure.problem
+    assert problem.attitude is not None
     R_SB = matrix(problem.bodies[problem.pairs[j].B].orientation)
     start = product(transposed(R_SB), product(matrix(problem.attitude), R_SB))
     P = enclosure.state.P[j]

@@ -198,8 +198,8 @@ class Problem:
     bodies: list[Body]
     pairs: list[Pair]
     springs: list[Spring]
-    R_W: Matrix
-    rate: list[float]
+    R_W: Matrix | None
+    rate: list[Value]
     gravity: Gravity | None
     grid: list[float]
 
@@ -222,13 +222,6 @@ class Problem:
             law = tuple(value.value for value in spring.law)
             alike.setdefault((spring.pair, axis, law), []).append(k)
         return list(alike.values())
-
-    @cached_property
-    def rates(self) -> Matrix:
-        """The rate of the mated stack in each body's axes."""
-        rate_S = [[point(x)] for x in self.rate]
-        rates = [scaled(transposed(body.R_S), rate_S) for body in self.bodies]
-        return [[jet[0] for jet in rate] for rate in rates]
 
     @property
     def root(self) -> "Box":
@@ -352,7 +345,7 @@ def _problem(record: object, grid: list[float]) -> Problem:
         _spring(s, f"problem.springs[{k}]", parameters, len(pairs))
         for k, s in enumerate(items(top["springs"], "problem.springs"))
     ]
-    rate = [number(x, "problem.rate") for x in items(top["rate"], "problem.rate", 3)]
+    rate = _values(top["rate"], "problem.rate", parameters, 3)
     gravity = None
     if top["gravity"] is not None:
         g = keys(top["gravity"], "problem.gravity", "mu least_radius")
@@ -360,7 +353,9 @@ def _problem(record: object, grid: list[float]) -> Problem:
             positive(g["mu"], "problem.gravity.mu"),
             positive(g["least_radius"], "problem.gravity.least_radius"),
         )
-    R_W = rotation(top["attitude"], "problem.attitude")
+    R_W = None
+    if top["attitude"] is not None:
+        R_W = rotation(top["attitude"], "problem.attitude")
     problem = Problem(parameters, bodies, pairs, springs, R_W, rate, gravity, grid)
     _check_pairs(problem)
     return problem
@@ -520,6 +515,8 @@ def _term(record: object, name: str, problem: Problem, kind: str) -> Term:
     for key, allowed in (("field", FIELDS), ("law", LAWS)):
         if t[key] not in allowed:
             raise Unreadable(f"{name}.{key}: wanted one of {allowed}, got {t[key]!r}")
+    if t["field"] == "angle" and problem.R_W is None:
+        raise Unreadable(f"{name}.field: of angles, problem.attitude is wanted")
     component, vector = None, None
     if t["law"] == "component":
         component = index(t.get("component"), f"{name}.component", 3)

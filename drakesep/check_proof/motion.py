@@ -168,7 +168,8 @@ class MovingBody:
         slope = negative(square(inverse_mass))
         self.inverse_mass: Jet = [inverse_mass, *times(slope, mass[1:])]
         self.cg = constants.vector(body.cg)
-        self.mated_rate = constants.constant(constants.problem.rates[b])
+        rate_S = constants.vector(constants.problem.rate)
+        self.mated_rate = scaled(transposed(body.R_S), rate_S)
         self.mated_momentum = by_vector(self.inertia, self.mated_rate)
 
     def change_of_rate(self, S: Vector) -> Vector:

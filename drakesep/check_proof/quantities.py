@@ -244,8 +244,9 @@ def _of_law(term: Term, x: Vector, motion: Motion) -> Jet:
 
 def _angles(b: int, motion: Motion) -> list[Vector]:
     """Return roll, pitch and yaw on each piece."""
-    body = motion.problem.bodies[b]
-    in_W = [scaled(motion.problem.R_W, [[x] for x in c]) for c in transposed(body.R_S)]
+    body, R_W = motion.problem.bodies[b], motion.problem.R_W
+    assert R_W is not None  # no claim of an angle is read without it
+    in_W = [scaled(R_W, [[x] for x in c]) for c in transposed(body.R_S)]
     in_S = [scaled(transposed(body.R_S), column) for column in in_W]
     fixed = transposed([[jet[0] for jet in column] for column in in_S])
     out = []

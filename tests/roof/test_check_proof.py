@@ -87,7 +87,7 @@ def push(bound: float) -> dict[str, Any]:
                 }
             ],
             "attitude": [hexadecimal(x) for x in (1, 0, 0, 0, 1, 0, 0, 0, 1)],
-            "rate": [hexadecimal(0)] * 3,
+            "rate": [value(0.0)] * 3,
             "gravity": None,
         },
         "grid": {"times": [hexadecimal(t) for t in times], "push": 4},
@@ -154,15 +154,20 @@ def test_nothing_below_the_supremum_is_verified(tmp_path, capsys):
 def test_a_free_top_keeps_its_rate(tmp_path, capsys):
     """Torque-free about an axis of symmetry: w_x stays what it is, exactly."""
     record = push(TIGHT)
-    record["problem"]["rate"] = [hexadecimal(x) for x in (0.02, 0.01, 0.0)]
+    record["problem"]["parameters"].append(parameter("rate", 0.015, 0.005))
+    record["problem"]["rate"] = [value(0.015, 2), value(0.01), value(0.0)]
     record["problem"]["bodies"][1] = body(
         "B", value(MASS_B, 1), (700, 3100, 3100, 0, 0, 0)
     )
     claim = record["claims"][0]
     [term] = claim["quantity"]["terms"]
     term |= {"field": "rate", "pieces": [0, 4]}
-    claim |= {"bound": hexadecimal(0.02 * (1 + 1e-12)), "found": hexadecimal(0.02)}
-    claim["tree"] = [["leaf", [hexadecimal(0)] * 2]]
+    claim |= {
+        "bound": hexadecimal(0.02 * (1 + 1e-12)),
+        "found": hexadecimal(0.02 * (1 - 1e-12)),
+    }
+    claim |= {"at": [hexadecimal(x) for x in (0, 0, 1)]}
+    claim["tree"] = [["leaf", None]]
     status, said = outcome(record, tmp_path, capsys)
     assert status == 0, said
     claim |= {"bound": hexadecimal(0.0199), "found": hexadecimal(0.0198)}
@@ -246,6 +251,11 @@ FAULTS: dict[str, tuple[Callable[[Record], Any], int, str]] = {
         lambda r: _problem(r)["attitude"].__setitem__(1, hexadecimal(1e-6)),
         2,
         "attitude",
+    ),
+    "angle without attitude": (
+        lambda r: (_problem(r).update(attitude=None), _term(r).update(field="angle")),
+        2,
+        "problem.attitude is wanted",
     ),
     "axis of a spring altered": (
         lambda r: _problem(r)["springs"][0]["axis"].__setitem__(1, hexadecimal(1e-3)),
