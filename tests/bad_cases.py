@@ -144,7 +144,7 @@ BAD = {
     "zero accuracy": (changed("run.accuracy", 0.0), "run.accuracy: must be > 0, got 0"),
     "unknown quantity": (
         changed("requirements", [{"quantity": "speed", "at_least": 1.0}]),
-        "requirements (entry 1).quantity: must be 'rate_after_separation_deg_s'",
+        "requirements (entry 1).quantity: unknown quantity 'speed'; did you mean",
     ),
     "no limit": (
         changed("requirements", [{"quantity": "rate_after_separation_deg_s"}]),

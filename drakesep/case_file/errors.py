@@ -9,6 +9,8 @@ from drakesep.systems.checks import InputError
 
 UNNAMED = ""
 """Tag of a union's section, whose keys stand in no place of their own."""
+_OF_KEY = "[key]"
+"""By which pydantic says that it is the name of an entry itself."""
 
 
 class CaseError(InputError):
@@ -30,7 +32,7 @@ def _explain(error: dict[str, Any]) -> str:
     place = "".join(
         f" (entry {part + 1})" if isinstance(part, int) else f".{part}"
         for part in error["loc"]
-        if part != UNNAMED
+        if part not in (UNNAMED, _OF_KEY)
     ).lstrip(".")
     context = error.get("ctx", {})
     got = f", got {shown(error['input'])}"

@@ -71,9 +71,8 @@ def limitable() -> dict[str, Metric | Quantity]:
 
 
 def _check_quantity(value: str) -> str:
-    *known, last = map(repr, limitable())
-    if repr(value) not in (*known, last):
-        raise ValueError(f"must be {', '.join(known)} or {last}, got {value!r}")
+    if value not in limitable():
+        raise ValueError(unknown("quantity", value, limitable()))
     return value
 
 

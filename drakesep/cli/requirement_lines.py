@@ -5,15 +5,14 @@ read whole, and says by itself which requirement it is of.
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any, TypeAlias
+from collections.abc import Sequence
 
 import pandas as pd
 
+from drakesep.tables.growth_words import Row, all_by, one_by
 from drakesep.units import share_words
 
 
-Row: TypeAlias = Mapping[Any, Any]
 _VALUES = ("nominal", "worst", "value", "margin", "verdict")
 """Columns that follow the limit, as far as there are any."""
 
@@ -55,27 +54,10 @@ def growth_lines(frame: pd.DataFrame, bodies: Sequence[str]) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "requirement": _names(frame, bodies),
-            "all by": list(map(_all_by, frame.to_dict("records"))),
-            "one alone by": list(map(_one_by, frame.to_dict("records"))),
+            "all by": list(map(all_by, frame.to_dict("records"))),
+            "one alone by": list(map(one_by, frame.to_dict("records"))),
         }
     )
-
-
-def _all_by(row: Row) -> str:
-    """Return the factor on all tolerances, or up to which none was found."""
-    if math.isnan(row["growth_factor"]):
-        return str(row["growth_by"])
-    if math.isinf(row["growth_factor"]):
-        return f"none up to {row['looked_up_to']:.4g}"
-    return f"{row['growth_factor']:.4g}"
-
-
-def _one_by(row: Row) -> str:
-    """Return the factor on the tolerance that violates it first, and its name."""
-    name, factor = row["first_tolerance"], row["its_growth_factor"]
-    if math.isinf(factor):
-        return "none"
-    return str(name) if math.isnan(factor) else f"{factor:.4g} {name}"
 
 
 def _names(frame: pd.DataFrame, bodies: Sequence[str]) -> list[str]:

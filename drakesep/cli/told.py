@@ -61,7 +61,8 @@ class Told:
             [(search.search, search.iterate)], progress.objectives, progress.box
         )
         [row] = table.to_dict("records")
-        self._tell("iterate", row=row)
+        objective = progress.objectives[search.iterate.objective]
+        self._tell("iterate", row=row, falls=shown(objective, 1.0) < 0.0)
 
     def _chunk(self, progress: CampaignProgress) -> None:
         if progress.chunk is None or progress.plan is None:

@@ -13,9 +13,10 @@ of JSON on standard input ask of it:
 
 Each line on standard output is an event as JSON, whose ``event`` says of what: `ready`
 and `warm` (with the ``error`` of a case that cannot be studied), `progress`, `iterate`
-(a row of `iterates.csv`), `draws` (what a campaign's draws show so far), and at last
-`ended`, with the ``exit_code`` and the ``summary`` that `--json` prints. A command that
-was stopped has not ended: the process exits with 130, and that says it.
+(a row of `iterates.csv`; it ``falls`` if its value is the worse the less it is),
+`draws` (what a campaign's draws show so far), and at last `ended`, with the
+``exit_code`` and the ``summary`` that `--json` prints. A command that was stopped has
+not ended: the process exits with 130, and that says it.
 """
 
 import contextlib

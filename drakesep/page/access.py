@@ -11,7 +11,6 @@ browser too: nothing from elsewhere.
 
 import hmac
 from collections.abc import Awaitable, Callable, Iterable, MutableMapping
-from http.cookies import CookieError, SimpleCookie
 from typing import Any, TypeAlias
 from urllib.parse import parse_qs
 
@@ -82,13 +81,12 @@ class Guard:
 
     def _is_known(self, headers: "_Headers") -> bool:
         """Return whether the cookie has the token."""
-        try:
-            cookies = SimpleCookie(headers.get("cookie") or "")
-        except CookieError:
-            return False
-        return self._cookie in cookies and _same(
-            cookies[self._cookie].value, self._token
-        )
+        # Cookies are shared by all programs of a host, which write them as they like.
+        for each in (headers.get("cookie") or "").split(";"):
+            name, _, value = each.strip().partition("=")
+            if name == self._cookie and _same(value, self._token):
+                return True
+        return False
 
     def _is_told(self, scope: Message) -> bool:
         """Return whether the address has the token."""

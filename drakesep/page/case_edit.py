@@ -29,9 +29,16 @@ _UNITS = {
 """Of keys of case files whose units no parameter has."""
 _SETTINGS = (
     *("name", "description", "pair", "orbit", "before_separation", "run"),
-    *("recontact", "clearance", "objectives"),
+    *("recontact", "clearance", "objectives", "failure_cases", "failures"),
 )
 """Sections whose leaves are rows of one table."""
+_LIKE_ANOTHER = {
+    "bodies": "a body",
+    "attachments": "an attachment",
+    "loads": "a load",
+    "parts": "a part",
+}
+"""To what tables a row may be added that is like one of theirs."""
 _FIRST = {
     "attachments": ("A", "B", "position_mm", "release_time_s"),
     "requirements": ("quantity", "when", "at_least", "at_most"),
@@ -210,8 +217,9 @@ class _Maker:
             )
         leaves = dict.fromkeys(leaf for leaf in leaves if not _covered(leaf, leaves))
         columns = tuple(self._column(leaf, paths) for leaf in leaves)
-        rows = tuple(self._row(path, leaves) for path in paths)
-        return Table(key, title, first, columns, rows)
+        rows = tuple(self._row(path, leaves, removable=True) for path in paths)
+        addable = _LIKE_ANOTHER.get(key, "") if rows else ""
+        return Table(key, title, first, columns, rows, addable)
 
     def _row(self, path: Path, leaves: Iterable[Path], removable: bool = False) -> Row:
         name = _name_of(path)
@@ -292,7 +300,9 @@ class _Maker:
 
 
 def _keys(value: Any) -> list[str]:
-    return [str(key) for key in value] if isinstance(value, Mapping) else []
+    """Return the keys of a mapping; those that are no text are left to the YAML."""
+    mapping = value if isinstance(value, Mapping) else {}
+    return [key for key in mapping if isinstance(key, str)]
 
 
 def _name_of(path: Path) -> str:
@@ -450,6 +460,43 @@ def with_requirement(text: str, **typed: str) -> str:
     in_line = count and yaml.in_line(("requirements",))
     value = f"{{{', '.join(lines)}}}" if in_line else "\n".join(lines)
     return yaml.with_value(("requirements", count), value)
+
+
+def with_another(text: str, like: Path, name: str) -> str:
+    """Return the text with one more entry of a section.
+
+    Names of parts and springs must all differ: a body is added without its parts, and
+    the spring of an attachment is named after it.
+
+    Args:
+        text: of a case.
+        like: path to the entry that it is like.
+        name: of the new one.
+
+    Raises:
+        ValueError: there is no name, or there is one of that name.
+    """
+    yaml = YamlText(text)
+    path = (*like[:-1], name.strip())
+    if not name.strip():
+        raise InputError("name: must be given, got nothing")
+    if yaml.has(path):
+        raise InputError(f"name: {place_of(path)} is there already")
+    entry = {k: v for k, v in value_at(yaml.data, like).items() if k != "geometry"}
+    if isinstance(spring := entry.get("spring"), Mapping):
+        entry["spring"] = {**spring, "name": f"{name.strip()}_spring"}
+    return yaml.with_value(path, in_one_line(entry))
+
+
+def rows_of(text: str, table: str) -> dict[str, Path]:
+    """Return the paths to the rows of a table, by their names.
+
+    Args:
+        text: of a case.
+        table: its key.
+    """
+    [found] = [each for each in tables(YamlText(text)) if each.key == table]
+    return {row.name: row.path for row in found.rows}
 
 
 def parameters_left(case: "Case | None") -> list[str]:

@@ -1,5 +1,6 @@
 """The case in the header: its name, whether it is saved and right; open, save, undo."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -39,7 +40,9 @@ def build(workspace: Workspace) -> None:
 
 
 def _where(workspace: Workspace) -> str:
-    return "built in" if workspace.path is None else workspace.path.name
+    if workspace.path is None:
+        return "built in" if workspace.is_builtin else "new, not saved"
+    return workspace.path.name
 
 
 def _button(icon: str, words: str, action: Callable[[], None]) -> ui.button:
@@ -72,6 +75,7 @@ document.addEventListener("keydown", (e) => {
   const action = {s: "save", o: "open", z, y: "redo"}[key];
   if (!action || (typing && "zy".includes(key))) return;
   e.preventDefault();
+  if (document.querySelector(".q-dialog")) return;  // it is to be answered first
   document.activeElement?.blur?.();
   setTimeout(() => emitEvent("drakesep-key", action), 50);
 });
@@ -80,8 +84,7 @@ document.addEventListener("keydown", (e) => {
 
 def _open(workspace: Workspace) -> None:
     files = _files()
-    with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
-        ui.label("Open a case").classes("dialog-title")
+    with elements.dialog("Open a case") as dialog:
         if not workspace.is_saved:
             ui.label(
                 f"Changes to {workspace.name} that are not saved are lost."
@@ -92,7 +95,7 @@ def _open(workspace: Workspace) -> None:
         ).props("autofocus outlined dense")
 
         def go(source: str) -> None:
-            if elements.attempt(lambda: workspace.open(source)):
+            if elements.attempt(lambda: workspace.open(os.path.expanduser(source))):
                 dialog.close()
 
         chosen.on("keydown.enter", lambda: go(str(chosen.value)))
@@ -139,8 +142,7 @@ def _save(workspace: Workspace) -> None:
 
 
 def _save_as(workspace: Workspace) -> None:
-    with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
-        ui.label("Save the case as a file").classes("dialog-title")
+    with elements.dialog("Save the case as a file") as dialog:
         chosen = ui.input("file", value=f"{workspace.name}.yaml")
         chosen.props("autofocus outlined dense")
         ui.label(f"In {Path.cwd()}").classes("dialog-note")
@@ -165,8 +167,7 @@ def _save_as(workspace: Workspace) -> None:
 
 def _ask_to_replace(workspace: Workspace, path: Path, why: str) -> None:
     """Ask what to do with a file that somebody else has written."""
-    with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
-        ui.label("The file is another").classes("dialog-title")
+    with elements.dialog("The file is another") as dialog:
         ui.label(f"{why}. What is in it would be lost.")
 
         def replace() -> None:

@@ -78,8 +78,13 @@ def _yaml(workspace: Workspace) -> None:
     def look() -> None:
         editor.set_theme("githubDark" if workspace.dark else "githubLight")
 
-    # Typing sends each change; it is read when there is a pause.
-    pause = ui.timer(_LATER, lambda: workspace.change(editor.value), active=False)
+    # Typing sends each change; it is read when there is a pause, or at once when the
+    # editor is left: for a button that is pressed, or to be saved.
+    def read() -> None:
+        pause.deactivate()
+        workspace.change(editor.value)
+
+    pause = ui.timer(_LATER, read, active=False)
 
     def typed() -> None:
         pause.deactivate()
@@ -87,5 +92,6 @@ def _yaml(workspace: Workspace) -> None:
             pause.activate()
 
     editor.on_value_change(typed)
+    editor.on("focusout", read)
     elements.follow(workspace.changes, show)
     elements.follow(workspace.looks, look)

@@ -16,7 +16,8 @@ if TYPE_CHECKING:  # imports Drake
 COLOURS = ("#2b8cd6", "#e08a00", "#1fa67a", "#b06ad4")
 """Of the axes x, y and z, and of what has more."""
 _FIRST = (("rate", "deg/s"), ("angle", "deg"), ("relative velocity", "m/s"))
-_GREY, _LINE, _LIMIT = "#7d8892", "rgba(127,136,146,0.25)", "#d33c3c"
+GREY, LINE, LIMIT = "#7d8892", "rgba(127,136,146,0.25)", "#d33c3c"
+"""Of words and axes, of lines of the ground, of limits."""
 _SEEN = 0.2
 """Of a limit, from which on a curve goes to its side."""
 _MOST_POINTS = 400
@@ -60,10 +61,10 @@ def options(chart: Chart, flown: "Flown") -> dict[str, Any]:
         flown: the nominal run, which stands for the first that is shown, too.
     """
     axis = {
-        "nameTextStyle": {"color": _GREY, "fontSize": 11},
-        "axisLabel": {"color": _GREY, "fontSize": 11, "hideOverlap": True},
-        "axisLine": {"lineStyle": {"color": _GREY}},
-        "splitLine": {"lineStyle": {"color": _LINE}},
+        "nameTextStyle": {"color": GREY, "fontSize": 11},
+        "axisLabel": {"color": GREY, "fontSize": 11, "hideOverlap": True},
+        "axisLine": {"lineStyle": {"color": GREY}},
+        "splitLine": {"lineStyle": {"color": LINE}},
     }
     x = {
         "type": "value",
@@ -77,7 +78,7 @@ def options(chart: Chart, flown: "Flown") -> dict[str, Any]:
         "grid": {"left": 48, "right": 22, "top": 34, "bottom": 24},
         "title": {
             "text": chart.title,
-            "textStyle": {"color": _GREY, "fontSize": 12, "fontWeight": 500},
+            "textStyle": {"color": GREY, "fontSize": 12, "fontWeight": 500},
             "left": 4,
             "top": 4,
         },
@@ -85,7 +86,7 @@ def options(chart: Chart, flown: "Flown") -> dict[str, Any]:
             "data": [_named(axis) for axis in chart.axes]
             if len(chart.axes) > 1
             else [],
-            "textStyle": {"color": _GREY, "fontSize": 11},
+            "textStyle": {"color": GREY, "fontSize": 11},
             "right": 16,
             "top": 2,
             "itemWidth": 14,
@@ -127,7 +128,7 @@ def _series(chart: Chart, flown: "Flown") -> Iterator[dict[str, Any]]:
             **quiet,
             "id": f"nominal {s.axis}",
             "lineStyle": {"width": 1.3, "type": [5, 4], "opacity": 0.8},
-            "color": _GREY,
+            "color": GREY,
         }
         yield {
             **curve,
@@ -143,7 +144,7 @@ def _series(chart: Chart, flown: "Flown") -> Iterator[dict[str, Any]]:
                 "id": f"limit {s.axis} {k}",
                 "data": _line(limit, s),
                 "lineStyle": {"width": 1.4, "type": [7, 4]},
-                "color": _LIMIT,
+                "color": LIMIT,
                 "z": 1,
             }
 

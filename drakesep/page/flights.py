@@ -1,12 +1,14 @@
 """A process beside the page's, which flies what is asked for; the newest is flown.
 
 It is another process, so that the page answers while it flies, and stays where it ends.
-It ends when the page's does. What is asked while it flies waits; what is asked then
-takes the place of what waits, which nobody wants any more.
+It ends when the page's does. What is asked while it flies waits; what the same asker
+asks then takes the place of what waits, which nobody wants any more. Other askers keep
+their turn: two views, or two browsers on one page, do not take it from each other.
 """
 
+import asyncio
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Hashable, Mapping
 from concurrent.futures import BrokenExecutor, Executor, Future
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -33,7 +35,7 @@ class Flights:
         self._lock = threading.RLock()
         self._pool: Executor | None = None
         self._flies: _Asked | None = None
-        self._waits: _Asked | None = None
+        self._waits: dict[Hashable, _Asked] = {}
 
     def start(self) -> None:
         """Start the process, before it is needed."""
@@ -41,17 +43,24 @@ class Flights:
             self._started()
 
     def fly(
-        self, case: AnalysisCase, values: Mapping[str, float], *, measure: bool = False
+        self,
+        case: AnalysisCase,
+        values: Mapping[str, float],
+        *,
+        asker: Hashable = None,
+        measure: bool = False,
     ) -> "Future[Flown | None]":
         """Fly a case with some of its parameters changed.
 
         Args:
             case: in SI.
             values: by parameter name with unit.
+            asker: who wants the newest alone of what it asks for.
             measure: whether to measure how near parts come, where that is required.
 
         Returns:
-            What comes of it; None if something newer was asked for before it was flown.
+            What comes of it; None if its asker asked for something newer before it was
+            flown.
             Its errors: ValueError of values that cannot be flown, `FlightsEnded`.
         """
         asked = _Asked((case, dict(values), measure), Future())
@@ -60,10 +69,47 @@ class Flights:
             if self._flies is None:
                 self._begin(asked)
             else:
-                if self._waits is not None:
-                    self._waits.answer.set_result(None)
-                self._waits = asked
+                before = self._waits.get(asker)
+                self._waits[asker] = asked  # in the turn of what it asked before
+                if before is not None:
+                    before.answer.set_result(None)
         return asked.answer
+
+    async def newest(
+        self,
+        case: AnalysisCase,
+        values: Mapping[str, float],
+        *,
+        asker: Hashable,
+        restarts: Callable[[str], object],
+        measure: bool = False,
+    ) -> "Flown | None":
+        """Wait for a run; where the process ends, that is told, and it is flown anew.
+
+        Args:
+            case: in SI.
+            values: by parameter name with unit.
+            asker: who wants the newest alone of what it asks for.
+            restarts: told that the process has ended, and is started again.
+            measure: whether to measure how near parts come, where that is required.
+
+        Returns:
+            The run; None if its asker asked for something newer before it was flown.
+
+        Raises:
+            ValueError: the values cannot be flown.
+            FlightsEnded: the process ended twice.
+        """
+
+        async def flown() -> "Flown | None":
+            flying = self.fly(case, values, asker=asker, measure=measure)
+            return await asyncio.wrap_future(flying)
+
+        try:
+            return await flown()
+        except FlightsEnded as error:
+            restarts(f"{error}; it is started again")
+        return await flown()
 
     def end(self) -> None:
         """End the process, in the midst of a run if need be: nothing comes of it."""
@@ -71,11 +117,10 @@ class Flights:
 
         with self._lock:
             pool, self._pool = self._pool, None
-            asked = [self._flies, self._waits]
-            self._flies = self._waits = None
+            asked = [*filter(None, [self._flies]), *self._waits.values()]
+            self._flies, self._waits = None, {}
         for each in asked:
-            if each is not None:
-                each.answer.set_result(None)
+            each.answer.set_result(None)
         if pool is not None:
             end_processes(pool)
 
@@ -110,9 +155,9 @@ class Flights:
             if done is None or isinstance(error, BrokenExecutor):
                 self._pool = None
                 error = FlightsEnded("the process that flies has ended")
-            self._flies, waits, self._waits = None, self._waits, None
-            if waits is not None:
-                self._begin(waits)
+            self._flies = None
+            if self._waits:
+                self._begin(self._waits.pop(next(iter(self._waits))))
         if error is not None:
             asked.answer.set_exception(error)
         elif done is not None:

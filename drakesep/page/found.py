@@ -1,16 +1,70 @@
-"""What a study has found, read from its folder: worst cases, verdicts, evidence."""
+"""What a study has found, read from its folder: tables that answer, and worst cases.
 
-from collections.abc import Callable, Mapping
+The three answers to "how bad" stand side by side where a folder has them: the worst
+that was found, the statistical bound of a campaign, the proven bound.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, NamedTuple
 
 import pandas as pd
-from nicegui import run, ui
-
-from drakesep.page.frames import show_frame
-from drakesep.systems.checks import InputError
 
 
+if TYPE_CHECKING:  # imports Drake
+    from drakesep.results.reading import Results
+
+_LIMIT = {
+    **{"requirement": "requirement", "axis": "axis"},
+    **{"sense": "", "limit": "limit", "unit": ""},
+}
+_PROVEN = {
+    **{"proven_bound": "proven bound", "gap_percent": "gap, %", "proven": "proof"}
+}
+"""Of tables that have nothing to say there, where nothing was to be proven."""
+_GROWTH = "growth"
+"""Of all tolerances together, in words; a column that is made here."""
+_REQUIREMENTS = {
+    **_LIMIT,
+    "nominal": "nominal",
+    "worst": "worst found",
+    **_PROVEN,
+    "margin": "margin",
+    _GROWTH: "violated at tolerances times",
+    "verdict": "verdict",
+}
+_ANSWERS = {
+    **_LIMIT,
+    "worst_case_found": "worst found",
+    "bound": "statistical bound",
+    "bound_of": "of launches",
+    "at_confidence": "at confidence",
+    **_PROVEN,
+    "decided_by": "decided by",
+    "verdict": "verdict",
+}
+_PROOFS = {
+    **_LIMIT,
+    "objective": "objective",
+    "found": "worst found",
+    "found_by": "in",
+    "proven_bound": "proven bound",
+    "gap_percent": "gap, %",
+    "verdict": "proof",
+    "reason": "why no more",
+}
+_SHARES = {
+    **_LIMIT,
+    "share": "share required",
+    "share_shown": "share shown",
+    "failures": "beyond",
+    "allowed": "allowed",
+    "bound": "bound",
+    "margin": "margin",
+    "worst": "worst draw",
+    "verdict": "verdict",
+}
 _EVIDENCE = {
     "objective": "objective",
     "worst": "worst",
@@ -23,104 +77,119 @@ _EVIDENCE = {
     "optimality_residual": "residual",
     "local_maxima": "maxima (ascents)",
 }
-_REQUIREMENTS = {
-    "requirement": "requirement",
-    "axis": "axis",
-    "sense": "",
-    "limit": "limit",
-    "unit": "",
-    "nominal": "nominal",
-    "worst": "worst",
-    "margin": "margin",
-    "its_growth_factor": "tolerances may grow by",
-    "verdict": "verdict",
-}
 _FAILURES = {
-    "failure_case": "failure case",
-    "verdict": "verdict",
-    "requirement": "requirement",
-    "axis": "axis",
-    "limit": "limit",
-    "unit": "",
-    "worst": "worst",
-    "margin": "margin",
-    "message": "",
+    **{"failure_case": "failure case", "verdict": "verdict"},
+    **_LIMIT,
+    **{"worst": "worst", "margin": "margin", "message": ""},
 }
-_SHARES = {
-    "requirement": "requirement",
-    "axis": "axis",
-    "sense": "",
-    "limit": "limit",
-    "unit": "",
-    "share": "share required",
-    "share_shown": "share shown",
-    "failures": "beyond",
-    "allowed": "allowed",
-    "bound": "bound",
-    "margin": "margin",
-    "worst": "worst draw",
-    "verdict": "verdict",
-}
+EVIDENCE = "evidence.csv"
+_REMARKS = "remarks.csv"
 _PARTS = (
     ("requirements.csv", "Requirements", _REQUIREMENTS),
+    ("answers.csv", "Found, statistical and proven, side by side", _ANSWERS),
+    ("proofs.csv", "What is proven, and what is not", _PROOFS),
     ("campaign.csv", "Shares of launches", _SHARES),
-    ("evidence.csv", "Worst cases, and why to believe them", _EVIDENCE),
+    (EVIDENCE, "Worst cases, and why to believe them", _EVIDENCE),
     ("failure_requirements.csv", "Failure cases", _FAILURES),
     ("failure_cases.csv", "Failure cases by themselves", _FAILURES),
+    (_REMARKS, "Remarks", {"about": "about", "remark": "", "run": "in"}),
 )
-OnWorst = Callable[[str, Mapping[str, float]], Any]
-"""Called with a worst case's objective, and its parameters with units."""
+_MOST = 200
+"""Rows that are shown of a table."""
 
 
-async def show_found(folder: Path, on_worst: OnWorst | None = None) -> None:
-    """Show the tables that answer, of those that a folder has.
+class Part(NamedTuple):
+    """A table as it is shown."""
+
+    file: str
+    title: str
+    table: pd.DataFrame
+    columns: Mapping[str, str]
+    """That are shown, and how they are headed."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a study has found.
+
+    Attributes:
+        parts: tables that answer.
+        worst: parameters of worst cases with their units, by objective.
+        wrong: why the folder cannot be read; empty if it can.
+    """
+
+    parts: Sequence[Part] = ()
+    worst: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    wrong: str = ""
+
+
+def read_found(folder: Path) -> Found:
+    """Return the tables that answer, of those that a folder has.
+
+    Of a study that has none of these, all of its short ones.
 
     Args:
         folder: with results.
-        on_worst: called for a worst case whose run is to be shown.
     """
-    found = await run.io_bound(_read, folder)
-    if found is None:
-        return
-    tables, worst = found
-
-    def show_run(row: Mapping[str, Any]) -> Any:
-        assert on_worst is not None
-        return on_worst(row["objective"], worst[row["objective"]])
-
-    for name, title, columns in _PARTS:
-        if name not in tables:
-            continue
-        ui.label(title).classes("study-title")
-        of_worst = name == "evidence.csv" and on_worst is not None
-        show_frame(
-            tables[name],
-            columns,
-            on_row=show_run if of_worst else None,
-            button="Show run",
-        )
-
-
-_Found = tuple[dict[str, pd.DataFrame], dict[str, dict[str, float]]]
-
-
-def _read(folder: Path) -> _Found | None:
-    """Return the tables of a folder, and the parameters of its worst cases."""
     from drakesep.results.reading import read_results
-    from drakesep.units import with_unit
+    from drakesep.tables.growth_words import all_by
 
     try:
         results = read_results(folder)
-        there = {str(f["name"]) for f in results.record.files if "row" in f}
-        names = [name for name, *_ in _PARTS if name in there]
-        tables = {name: results.table(name) for name in names}
-        worst: dict[str, dict[str, float]] = {}
-        if "evidence.csv" in tables:
-            parameters = [with_unit(name) for name in results.case.box.names]
-            runs = results.table("worst_cases.csv").set_index("label")[parameters]
-            for objective in tables["evidence.csv"]["objective"]:
-                row = runs.loc[f"worst_{objective}"].to_numpy(float)
-                worst[objective] = dict(zip(parameters, map(float, row), strict=True))
-    except (InputError, OSError, KeyError):
-        return None
-    return tables, worst
+        tables = [f for f in results.record.files if "row" in f]
+        there = {str(file["name"]) for file in tables}
+        parts = [
+            Part(name, title, results.table(name), columns)
+            for name, title, columns in _PARTS
+            if name in there
+        ]
+        for part in parts:
+            if _GROWTH in part.columns:
+                rows = part.table.to_dict("records")
+                part.table[_GROWTH] = [*map(all_by, rows)]
+        if all(part.file == _REMARKS for part in parts):
+            parts = _all(results)
+        if "proofs.csv" not in there:
+            parts = [*map(_without_proofs, parts)]
+        elif "answers.csv" in there:  # where they stand beside what draws say
+            parts[:1] = [_without_proofs(parts[0])]
+        return Found(parts, _worst(results, parts))
+    except (OSError, KeyError, ValueError) as error:
+        return Found(wrong=f"{folder.name} cannot be read: {error}")
+
+
+def _without_proofs(part: Part) -> Part:
+    shown = {k: head for k, head in part.columns.items() if k not in _PROVEN}
+    return part._replace(columns=shown)
+
+
+def _all(results: "Results") -> list[Part]:
+    """Return the tables of a study as they stand, but for long ones of its runs."""
+    from drakesep.results.catalogue.files import FILES
+
+    long = {kind.row for kind in FILES if kind.is_long}
+    short = [f for f in results.record.files if "row" in f and f["row"] not in long]
+    parts = []
+    for file in short:
+        name = str(file["name"])
+        table = results.table(name).head(_MOST)
+        parts.append(
+            Part(name, str(file["what"]), table, {str(c): str(c) for c in table})
+        )
+    return parts
+
+
+def _worst(results: "Results", parts: Sequence[Part]) -> dict[str, dict[str, float]]:
+    """Return the parameters of the worst cases."""
+    from drakesep.units import with_unit
+
+    evidence = [part.table for part in parts if part.file == EVIDENCE]
+    if not evidence:
+        return {}
+    names = [with_unit(name) for name in results.case.box.names]
+    runs = results.table("worst_cases.csv").set_index("label")[names]
+    worst = {}
+    for objective in evidence[0]["objective"]:
+        row = runs.loc[f"worst_{objective}"].to_numpy(float)
+        worst[objective] = dict(zip(names, map(float, row), strict=True))
+    return worst

@@ -9,6 +9,11 @@ import pandas as pd
 from nicegui import ui
 
 
+_RIGHT = ("met", "proven met")
+_WRONG = ("not met", "failed", "not looked at", "contradicted")
+"""Verdicts. What is not proven or covered is neither: the worst case decides."""
+
+
 def show_frame(
     frame: pd.DataFrame,
     columns: Mapping[str, str],
@@ -52,8 +57,8 @@ def _button(
 
 def _cell(tag: str, content: str, *, number: bool = False, says: Any = "") -> None:
     classes = ["number"] if number else []
-    classes += ["wrong"] if says in ("not met", "failed", "not looked at") else []
-    classes += ["right"] if says == "met" else []
+    classes += ["wrong"] if says in _WRONG else []
+    classes += ["right"] if says in _RIGHT else []
     ui.html(content, sanitize=False, tag=tag).classes(" ".join(classes))
 
 

@@ -60,9 +60,9 @@ class PlayView:
             self._follows = ui.switch("Clearance", on_change=self._measure)
             self._follows.props("dense").tooltip("Measure how near parts come")
         self._sliders = Sliders(self._move)
-        self._more = ui.select(
-            [], label="another parameter", with_input=True, on_change=self._add
-        ).props("outlined dense clearable")
+        self._more = elements.chosen_by_typing(
+            [], "another parameter", on_change=self._add
+        ).props("clearable")
         self._more.classes("play-more")
 
     # What changes.
@@ -116,7 +116,7 @@ class PlayView:
     # What is flown.
 
     async def _fly_nominal(self) -> None:
-        flown = await self._ask(self._workspace.flights, {})
+        flown = await self._ask(self._workspace.flights, {}, "nominal")
         if flown is None:
             return
         self._nominal = flown
@@ -127,7 +127,7 @@ class PlayView:
 
     async def _fly(self) -> None:
         self._measured = {}
-        flown = await self._ask(self._workspace.flights, self._playing.values)
+        flown = await self._ask(self._workspace.flights, self._playing.values, "run")
         if flown is None:
             return
         self._say(flown.message and f"This run failed: {flown.message}")
@@ -139,32 +139,38 @@ class PlayView:
 
     async def _measure(self) -> None:
         """Measure clearances, if that is wanted."""
-        if not self._follows.value or self._workspace.case is None:
+        workspace = self._workspace
+        if not self._follows.value or workspace.case is None:
             return
-        values = dict(self._playing.values)
-        flown = await self._ask(self._workspace.measuring, values, measure=True)
-        if flown is not None and values == self._playing.values:
+        asked = workspace.revision, dict(self._playing.values)
+        flown = await self._ask(workspace.measuring, asked[1], "run", measure=True)
+        now = workspace.revision, self._playing.values
+        if flown is not None and asked == now:
             self._measured = {_key(each): each for each in flown.fares}
             self._show_fares(flown.fares)
 
     async def _ask(
-        self, flights: Flights, values: Mapping[str, float], *, measure: bool = False
+        self,
+        flights: Flights,
+        values: Mapping[str, float],
+        what: str,
+        *,
+        measure: bool = False,
     ) -> "Flown | None":
         """Return a run; None if something newer is flown, or it cannot be."""
-        for _ in range(2):
-            case = self._workspace.case
-            if case is None:
-                return None
-            try:
-                return await asyncio.wrap_future(
-                    flights.fly(case.in_si(), values, measure=measure)
-                )
-            except FlightsEnded as error:
-                ui.notify(f"{error}; it is started again", type="warning")
-            except ValueError as error:
-                self._say(f"This cannot be flown: {error}")
-                return None
-        return None
+        case = self._workspace.case
+        if case is None:
+            return None
+        try:
+            return await flights.newest(
+                *(case.in_si(), values),
+                asker=(id(self), what),
+                restarts=elements.warn,
+                measure=measure,
+            )
+        except (FlightsEnded, ValueError) as error:
+            self._say(f"This cannot be flown: {error}")
+            return None
 
     # What is shown.
 

@@ -1,12 +1,11 @@
 """The motion at a point of the tolerances, over the nominal and the limits."""
 
-import asyncio
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from nicegui import ui
 
-from drakesep.page import charts
+from drakesep.page import charts, elements
 from drakesep.page.flights import FlightsEnded
 from drakesep.page.workspace import Workspace
 
@@ -37,26 +36,32 @@ class Response:
             values: of parameters, by their names with units.
         """
         nominal = await self._of_nominal(case)
-        flown = await self._fly(case, values)
-        if nominal is None or flown is None:
+        if nominal is None:
             return
-        self._note.set_text(flown.message and f"This run failed: {flown.message}")
-        if flown.message:
+        flown = await self._fly(case, values, "run")
+        if flown is None:
             return
-        for chart, shown in self._built:
+        self._say(flown.message and f"This run failed: {flown.message}")
+        for chart, shown in self._built if not flown.message else ():
             options = charts.options(chart, nominal)
             changed = {each["id"]: each for each in charts.run_data(chart, flown)}
             for series in options["series"]:
                 series.update(changed.get(series["id"], {}))
-            shown.options.clear()
-            shown.options.update(options)
-            shown.update()
+            elements.redraw(shown, options)
+
+    def _say(self, wrong: str) -> None:
+        """Say what is wrong: what was shown before is not what is asked for then."""
+        self._note.set_text(wrong)
+        self._charts.classes(add="stale" * bool(wrong), remove="stale" * (not wrong))
 
     async def _of_nominal(self, case: "Case") -> "Flown | None":
         if self._nominal is not None and self._nominal[0] is case:
             return self._nominal[1]
-        flown = await self._fly(case, {})
-        if flown is None or flown.message:
+        flown = await self._fly(case, {}, "nominal")
+        if flown is None:
+            return None
+        if flown.message:
+            self._say(f"The nominal run failed: {flown.message}")
             return None
         self._nominal = case, flown
         self._charts.clear()
@@ -70,10 +75,14 @@ class Response:
         shown.props(f'role="img" aria-label="{chart.title}"')
         return shown
 
-    async def _fly(self, case: "Case", values: Mapping[str, float]) -> "Flown | None":
+    async def _fly(
+        self, case: "Case", values: Mapping[str, float], what: str
+    ) -> "Flown | None":
+        flights = self._workspace.flights
         try:
-            flying = self._workspace.flights.fly(case.in_si(), values)
-            return await asyncio.wrap_future(flying)
+            return await flights.newest(
+                *(case.in_si(), values), asker=(id(self), what), restarts=elements.warn
+            )
         except (FlightsEnded, ValueError) as error:
-            self._note.set_text(str(error))
+            self._say(f"This cannot be flown: {error}")
             return None

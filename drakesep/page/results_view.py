@@ -5,11 +5,11 @@ from typing import Any
 
 from nicegui import run, ui
 
-from drakesep.page import elements, jobs
-from drakesep.page.found import show_found
+from drakesep.page import elements
+from drakesep.page.found_view import FoundView, hand_on
 from drakesep.page.frames import facts, show_frame
 from drakesep.page.past_results import Past, past_results
-from drakesep.page.study_files import export
+from drakesep.page.study_files import from_here
 from drakesep.page.workspace import Workspace
 from drakesep.systems.checks import InputError
 
@@ -26,7 +26,6 @@ _COLUMNS = [
         ("verdict", "verdict"),
     )
 ]
-_ANIMATED = ("simulate", "clearance", "worst-case", "verify")
 _CHANGES = {
     "kind": "",
     "where": "where",
@@ -54,7 +53,7 @@ class ResultsView:
         self._all: dict[str, Past] = {}
         with ui.element("div").classes("study-main"):
             with ui.row().classes("study-pick"):
-                ui.label(f"Results in {workspace.results.absolute()}")
+                ui.label(f"Results in {from_here(workspace.results)}")
                 ui.space()
                 self._compare = ui.button("Compare two", on_click=self._compared)
                 self._compare.props("no-caps dense outline")
@@ -70,7 +69,9 @@ class ResultsView:
             ).props("dense flat bordered")
             self._table.classes("results-table")
             self._table.props('no-data-label="No results yet"')
+            self._table.on("row-click", self._row_clicked, [None, ["name"], None])
             self._below = ui.element("div").classes("study-tables")
+            self._found = FoundView()
         elements.follow(workspace.looks, self._looked)
 
     def _looked(self) -> None:
@@ -89,26 +90,30 @@ class ResultsView:
         self._table.selected = [row for row in rows if row["name"] in kept]
         self._compare.set_enabled(len(self._table.selected) == 2)
 
+    async def _row_clicked(self, event: Any) -> None:
+        """Open one: what was chosen before is so no more."""
+        name = event.args[1]["name"]
+        self._table.selected = [r for r in self._table.rows if r["name"] == name]
+        await self._chosen()
+
     async def _chosen(self) -> None:
+        await self._list()  # one that was under way has gone on
         chosen = [self._all[row["name"]] for row in self._table.selected]
-        self._compare.set_enabled(len(chosen) == 2)
         if len(chosen) == 1:
+            self._found.clear()
             self._below.clear()
             with self._below:
-                await self._open(chosen[0])
+                self._say(chosen[0])
+            if not chosen[0].unreadable:
+                await self._found.show(chosen[0].folder)
 
-    async def _open(self, one: Past) -> None:
+    def _say(self, one: Past) -> None:
+        """Say what a study is, and what can be handed on of it."""
         if one.unreadable:
             ui.label(one.unreadable).classes("wrong")
             return
         ui.label(one.name).classes("study-title")
-        with ui.row().classes("study-bar"):
-            _file_button("Report", ("report",), one.folder)
-            if one.study in _ANIMATED:
-                _file_button("Animation", ("animate",), one.folder)
-            quiet = ui.button("Export").props("flat dense no-caps")
-        says = ui.label().classes("study-command")
-        quiet.on_click(lambda: self._export(one.folder, says))
+        hand_on(one.folder, one.study)
         facts(
             [
                 ("case", one.case),
@@ -116,17 +121,6 @@ class ResultsView:
                 ("ended", " ".join(filter(None, (one.ended, one.verdict)))),
             ]
         )
-        await show_found(one.folder)
-
-    @staticmethod
-    def _export(folder: Path, says: ui.label) -> None:
-        target = folder.with_name(f"{folder.name}-export")
-        try:
-            command = export(folder, target)
-        except InputError as error:
-            elements.say_wrong(str(error))
-            return
-        says.set_text(f"cd {target} && {command}")
 
     async def _compared(self) -> None:
         """Say what changed between the two that are chosen, the older first."""
@@ -139,13 +133,17 @@ class ResultsView:
 
             return compare(first, second)
 
+        self._compare.props("loading")
         try:
             changes = await run.io_bound(compared)
         except InputError as error:
             elements.say_wrong(str(error))
             return
+        finally:
+            self._compare.props(remove="loading")
         if changes is None:  # the page is gone
             return
+        self._found.clear()
         self._below.clear()
         with self._below:
             ui.label(f"From {first.name} to {second.name}").classes("study-title")
@@ -158,13 +156,3 @@ class ResultsView:
 
 def _newest_first(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return sorted(rows, key=lambda row: row["begun"], reverse=True)
-
-
-def _file_button(words: str, command: tuple[str, ...], folder: Path) -> None:
-    file = folder.with_name(f"{folder.name}-{command[0]}.html")
-
-    async def make() -> None:
-        arguments = (*command, str(folder), "-o", str(file))
-        await jobs.open_page(button, arguments, file)
-
-    button = ui.button(words, on_click=make).props("flat dense no-caps")

@@ -6,7 +6,7 @@ from nicegui import run, ui
 
 from drakesep.page import elements
 from drakesep.page.study import SPARE
-from drakesep.page.study_files import case_argument, next_folder
+from drakesep.page.study_files import as_typed, case_argument, next_folder
 from drakesep.page.workspace import Workspace
 from drakesep.systems.checks import InputError
 
@@ -33,12 +33,17 @@ class SearchForm:
             self._kind = ui.toggle(
                 _KINDS, value="worst-case", on_change=self._kind_changed
             ).props("no-caps dense unelevated spread")
-            self._objectives = ui.select(
-                {}, label="objectives", multiple=True, with_input=True
-            ).props("outlined dense use-chips")
+            self._objectives = elements.chosen_by_typing(
+                {}, "objectives", multiple=True
+            ).props("use-chips")
             self._objectives.on_value_change(self.warm_soon)
             self._metric()
-            self._failures = ui.switch("Failure cases, too").props("dense")
+            with ui.element("div").classes("form-beside") as self._beside:
+                self._failures = ui.switch("Failure cases, too").props("dense")
+                self._proofs = ui.switch("Proven bounds, too").props("dense")
+                self._proofs.tooltip("What nothing within the tolerances is beyond")
+                self._draws = ui.number("launches drawn, too", min=1, step=1000)
+                self._draws.props("outlined dense clearable")
             self._searches = ui.select(
                 _SEARCHES,
                 label="searches; what suits if empty",
@@ -50,6 +55,7 @@ class SearchForm:
                     name: ui.number(name, min=0).props("outlined dense")
                     for name in _NUMBERS
                 }
+        self._beside.set_visibility(False)
         self._pause = ui.timer(_PAUSE, self._warm, active=False, once=False)
         elements.follow(workspace.changes, self._case_changed)
         elements.follow(workspace.looks, self._case_changed)
@@ -66,8 +72,9 @@ class SearchForm:
             with ui.element("div").classes("form-pair"):
                 self._sense = _select("sense", list(choice.SENSES), "highest")
                 self._axis = _select("axis", {a: a or "none" for a in choice.AXES}, "x")
-            self._quantity = _select("quantity", choice.quantities(), "rate")
-            self._quantity.props("use-input")
+            self._quantity = elements.chosen_by_typing(
+                choice.quantities(), "quantity", value="rate"
+            )
             with ui.element("div").classes("form-pair"):
                 self._window = _select("when", dict(choice.WINDOWS), "after_separation")
                 self._extreme = _select("of it", dict(choice.EXTREMES), "")
@@ -134,16 +141,27 @@ class SearchForm:
             words += ["--search", name]
         for name, number in self._numbers.items():
             if number.value is not None:
-                words += [f"--{name}", f"{number.value:g}"]
-        if self.kind == "verify" and self._failures.value:
-            words.append("--failures")
+                words += [f"--{name}", as_typed(number.value)]
+        if self.kind == "verify":
+            words += self._asked_beside()
         return (*words, "-o", str(next_folder(self._workspace, self.kind)))
+
+    def _asked_beside(self) -> list[str]:
+        """Return the options of what is verified beside the worst cases."""
+        words = []
+        if self._failures.value and self._failures.enabled:
+            words.append("--failures")
+        if self._proofs.value:
+            words.append("--prove")
+        if self._draws.value is not None:
+            words += ["--campaign", as_typed(self._draws.value)]
+        return words
 
     # What follows the case.
 
     def _kind_changed(self) -> None:
         verifies = self.kind == "verify"
-        self._failures.set_visibility(verifies)
+        self._beside.set_visibility(verifies)
         self._searches.set_value([] if verifies else ["sqp", "multistart"])
         label = "objectives beside these" if verifies else "objectives"
         self._objectives.props(f'label="{label}"')
@@ -171,10 +189,6 @@ class SearchForm:
         kept = {name: name for name in self._chosen()}
         self._objectives.set_options({**{name: name for name in own or ()}, **kept})
         self._failures.set_enabled(bool(case.failure_cases))
-        self._kind_changed_at_first()
-
-    def _kind_changed_at_first(self) -> None:
-        self._failures.set_visibility(self.kind == "verify")
         self.warm_soon()
 
     def warm_soon(self) -> None:
@@ -187,6 +201,9 @@ class SearchForm:
         self._pause.deactivate()
         workspace = self._workspace
         if workspace.case is None or workspace.tab != "Search":
+            return
+        study = workspace.studies.get("Search")
+        if study is not None and study.is_running:  # it has the machine for itself
             return
         with contextlib.suppress(OSError):
             verifies = self.kind == "verify"

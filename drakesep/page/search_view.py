@@ -2,23 +2,27 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 from nicegui import run, ui
 
 from drakesep.files import written
 from drakesep.page import elements, jobs
-from drakesep.page.found import show_found
+from drakesep.page.found_view import FoundView, hand_on
 from drakesep.page.response import Response
 from drakesep.page.search_form import SearchForm
 from drakesep.page.study import State, Study
 from drakesep.page.study_bar import StudyBar
-from drakesep.page.study_files import export
 from drakesep.page.workspace import Workspace
-from drakesep.systems.checks import InputError
 
 
+if TYPE_CHECKING:
+    from drakesep.case_file.case import Case
+    from drakesep.page import study_charts
+
+_BEGIN = "Choose objectives and start: every iterate is shown as it comes."
+_WAITS = "Programs are made; iterates are shown as soon as they come."
 _STYLE = Path(__file__).with_name("studies.css")
 
 
@@ -36,7 +40,7 @@ class SearchView:
 
         self._charts_of = study_charts
         self._workspace = workspace
-        self._bounds: study_charts.Bounds | None = None
+        self._bounds: tuple[Case, study_charts.Bounds] | None = None
         self._objective = ""
         self._chosen: Mapping[str, Any] | None = None
         self._follows = True
@@ -46,23 +50,14 @@ class SearchView:
             with ui.element("div").classes("study-side"):
                 self._form = SearchForm(workspace)
                 StudyBar(workspace, "Search", self._begin, self._show)
-                self._finish_buttons()
+                self._after = ui.element("div")
             with ui.element("div").classes("study-main"):
-                self._nothing = elements.placeholder(
-                    "Choose objectives and start: every iterate is shown as it comes."
-                )
+                self._nothing = elements.placeholder(_BEGIN)
                 self._seen = ui.element("div").classes("study-seen")
                 with self._seen:
                     self._looks()
-                self._tables = ui.element("div").classes("study-tables")
+                self._found = FoundView(self._show_worst)
         self._show(None)
-
-    def _finish_buttons(self) -> None:
-        with ui.row().classes("study-bar") as self._after:
-            _quiet("Export", "Its case, and the command that does it", self._export)
-            self._report = _quiet("Report", "One page to be read", self._open_report)
-            self._film = _quiet("Animation", "The runs, animated", self._animate)
-        self._exported = ui.label().classes("study-command")
 
     def _looks(self) -> None:
         """Build what shows iterates."""
@@ -81,6 +76,7 @@ class SearchView:
             self._film_one = ui.button(icon="movie", on_click=self._animate_chosen)
             self._film_one.props('flat dense round aria-label="Animate this iterate"')
             self._film_one.tooltip("Animate this iterate")
+            self._film_link = ui.element("span").classes("study-made")
         with ui.element("div").classes("study-pair"):
             self._iterates = ui.echart(
                 self._charts_of.iterates_options([], None), on_point_click=self._clicked
@@ -103,22 +99,25 @@ class SearchView:
 
     def _show(self, study: Study | None) -> None:
         """Show what the study has told so far."""
-        self._after.set_visibility(study is not None and study.state is State.ENDED)
-        self._nothing.set_visibility(study is None or not study.iterates)
+        waits = study is not None and study.is_running and not study.iterates
+        self._nothing.set_visibility(study is None or waits)
+        self._nothing.set_text(_WAITS if waits else _BEGIN)
         self._seen.set_visibility(study is not None and bool(study.iterates))
         if study is None:
             return
         if study is not self._told:
-            self._told, self._objective, self._bounds = study, "", None
-            self._tables.clear()
-            self._exported.set_text("")
+            self._told, self._objective = study, ""
+            self._found.clear()
+            self._after.clear()
         if study.iterates:
             self._show_iterates(study)
         if not study.is_running:
             self._form.warm_soon()  # for the next one, or for going on
         if study.state is State.ENDED and study is not self._ended:
             self._ended = study
-            ui.timer(0.0, lambda: self._show_found(study), once=True)
+            with self._after:
+                hand_on(study.folder, study.arguments[0])
+            ui.timer(0.0, lambda: self._found.show(study.folder), once=True)
 
     def _show_iterates(self, study: Study) -> None:
         names = [*dict.fromkeys(str(key[0]) for key in study.iterates)]
@@ -127,7 +126,7 @@ class SearchView:
         if self._objective not in names:
             self._objective = names[0]
             self._of.set_value(names[0])
-        rows = self._rows(study)
+        rows = study.rows_of(self._objective)
         ascended = {row["search"] for row in rows}
         swept = {
             search: best
@@ -137,20 +136,9 @@ class SearchView:
         self._best.set_text(
             ", ".join(f"{s}: {b['value']:.6g} {b['unit']}" for s, b in swept.items())
         )
-        if self._follows and rows:
-            self._choose(self._worst_of(study, rows))
+        if self._follows:
+            self._choose(study.worst_of(self._objective))
         self._draw(study)
-
-    def _rows(self, study: Study) -> list[Mapping[str, Any]]:
-        return [r for k, r in study.iterates.items() if k[0] == self._objective]
-
-    @staticmethod
-    def _worst_of(study: Study, rows: list[Mapping[str, Any]]) -> Mapping[str, Any]:
-        """Return the iterate that is worst so far: the objective goes up or down."""
-        first = rows[0]
-        mine = [r["value"] for r in rows if _ascent(r) == _ascent(first)]
-        down = mine[-1] < mine[0]
-        return (min if down else max)(rows, key=lambda r: r["value"])
 
     def _choose(self, row: Mapping[str, Any]) -> None:
         if row is self._chosen:
@@ -164,27 +152,30 @@ class SearchView:
 
     async def _fly_chosen(self) -> None:
         row, study = self._chosen, self._told
-        bounds = await self._known_bounds()
-        if row is None or bounds is None or study is None:
+        if row is None or study is None:
             return
-        self._set(self._in_bounds, self._charts_of.bounds_options(bounds, row))
+        bounds = await self._bounds_of(study)
+        if bounds is None or row is not self._chosen:  # another is, meanwhile
+            return
+        elements.redraw(self._in_bounds, self._charts_of.bounds_options(bounds, row))
         await self._response.show(study.case, {n: row[n] for n in bounds.nominal})
 
-    async def _known_bounds(self) -> Any:
-        if self._bounds is None and self._told is not None:
-            make, case = self._charts_of.Bounds.of, self._told.case
-            self._bounds = await run.io_bound(lambda: make(case.in_si()))
-        return self._bounds
+    async def _bounds_of(self, study: Study) -> "study_charts.Bounds | None":
+        """Return the bounds of a study's parameters; None: the page is gone."""
+        case = study.case
+        if self._bounds is None or self._bounds[0] is not case:
+            make = self._charts_of.Bounds.of
+            made = await run.io_bound(lambda: make(case.in_si()))
+            if made is None:
+                return None
+            self._bounds = case, made
+        return self._bounds[1]
 
     def _draw(self, study: Study) -> None:
-        options = self._charts_of.iterates_options(self._rows(study), self._chosen)
-        self._set(self._iterates, options)
-
-    @staticmethod
-    def _set(chart: ui.echart, options: Mapping[str, Any]) -> None:
-        chart.options.clear()
-        chart.options.update(options)
-        chart.update()
+        options = self._charts_of.iterates_options(
+            study.rows_of(self._objective), self._chosen
+        )
+        elements.redraw(self._iterates, options)
 
     # What is looked at.
 
@@ -199,7 +190,7 @@ class SearchView:
         study, value = self._told, event.value
         if study is None or not isinstance(value, list):
             return
-        for row in self._rows(study):
+        for row in study.rows_of(self._objective):
             named = f"{row['search']} {row['start']}" == event.series_name
             if named and [row["evaluations"], row["value"]] == value[:2]:
                 self._pick(row)
@@ -209,7 +200,9 @@ class SearchView:
         study = self._told
         if study is None or self._chosen is None:
             return
-        rows = sorted(self._rows(study), key=lambda r: (_ascent(r), r["iteration"]))
+        rows = sorted(
+            study.rows_of(self._objective), key=lambda r: (_ascent(r), r["iteration"])
+        )
         place = next((i for i, r in enumerate(rows) if r == self._chosen), 0)
         self._pick(rows[(place + step) % len(rows)])
 
@@ -221,68 +214,34 @@ class SearchView:
 
     # What is found.
 
-    async def _show_found(self, study: Study) -> None:
-        self._tables.clear()
-        with self._tables:
-            await show_found(study.folder, self._show_worst)
-
-    async def _show_worst(self, objective: str, values: Mapping[str, float]) -> None:
+    def _show_worst(self, objective: str, values: Mapping[str, float]) -> None:
+        """Show a worst case as an iterate is, ringed by none."""
         self._follows = False
         self._where.set_text(f"worst case of {objective}, in Drake")
-        self._chosen = {**values, "name": f"worst_{objective}"}
-        bounds = await self._known_bounds()
-        if bounds is not None:
-            options = self._charts_of.bounds_options(bounds, self._chosen)
-            self._set(self._in_bounds, options)
+        self._chosen = {**values}
+        ui.timer(0.0, self._fly_chosen, once=True)
         self._seen.run_method("scrollIntoView")
         if self._told is not None:
-            await self._response.show(self._told.case, values)
+            self._draw(self._told)
 
     async def _animate_chosen(self) -> None:
         """Animate the run that is shown, beside the nominal."""
-        bounds, study = await self._known_bounds(), self._told
-        if study is None or self._chosen is None or bounds is None:
+        study, chosen = self._told, self._chosen
+        if study is None or chosen is None:
+            return
+        bounds = await self._bounds_of(study)
+        if bounds is None:
             return
         folder = study.folder.with_name(f"{study.folder.name}-iterate")
-        row = {"label": "shown", **{n: self._chosen[n] for n in bounds.nominal}}
+        row = {"label": "shown", **{n: chosen[n] for n in bounds.nominal}}
         with written(folder.with_suffix(".csv")) as beside:
             pd.DataFrame([row]).to_csv(beside, index=False)
         table, file = folder.with_suffix(".csv"), folder.with_suffix(".html")
         case = study.arguments[1]
         words = ("animate", case, "--runs", str(table), "--run", "shown")
-        await jobs.open_page(self._film_one, (*words, "-o", str(file)), file)
-
-    async def _animate(self) -> None:
-        await _page_of(self._told, "animate", self._film)
-
-    async def _open_report(self) -> None:
-        await _page_of(self._told, "report", self._report)
-
-    def _export(self) -> None:
-        study = self._told
-        if study is None:
-            return
-        target = study.folder.with_name(f"{study.folder.name}-export")
-        try:
-            command = export(study.folder, target)
-        except InputError as error:
-            elements.say_wrong(str(error))
-            return
-        self._exported.set_text(f"cd {target} && {command}")
-
-
-async def _page_of(study: Study | None, command: str, button: ui.button) -> None:
-    if study is not None:
-        file = study.folder.with_name(f"{study.folder.name}-{command}.html")
-        words = (command, str(study.folder), "-o", str(file))
-        await jobs.open_page(button, words, file)
+        made = (*words, "-o", str(file))
+        await jobs.open_file(self._film_one, made, file, self._film_link)
 
 
 def _ascent(row: Mapping[str, Any]) -> tuple[str, int]:
     return row["search"], row["start"]
-
-
-def _quiet(words: str, tip: str, action: Any) -> ui.button:
-    button = ui.button(words, on_click=action)
-    button.props("flat dense no-caps").tooltip(tip)
-    return button

@@ -6,8 +6,6 @@ which is called when the tab is shown for the first time, within the element tha
 fills.
 """
 
-import itertools
-from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -24,7 +22,7 @@ from drakesep.page import (
     search_view,
 )
 from drakesep.page.workspace import Workspace
-from drakesep.systems.checks import InputError
+from drakesep.page.workspaces import Workspaces
 
 
 TABS: dict[str, Callable[[Workspace], None]] = {
@@ -48,49 +46,25 @@ def add_pages(case: str | None, results: Path) -> None:
         case: that a new page opens; a new one if None.
         results: folder with results.
     """
-    workspaces: dict[str, Workspace] = {}
-    shown: Counter[str] = Counter()
-    numbers = itertools.count(1)
+    workspaces = Workspaces(case, results)
 
     def begin() -> RedirectResponse:
-        key = str(next(numbers))
-        workspaces[key] = Workspace(results)
-        return RedirectResponse(f"/{key}", status_code=303)
+        return RedirectResponse(f"/{workspaces.begin()}", status_code=303)
 
     def show(key: str) -> RedirectResponse | None:
-        workspace = workspaces.get(key)
-        if workspace is None:
+        place = workspaces.get(key)
+        if place is None:
             return RedirectResponse("/", status_code=303)
-        if not workspace.text:
-            _start(workspace, case)
-        _build(workspace)
-        shown[key] += 1
-        context.client.on_delete(lambda: leave(key))
+        if wrong := place.open():
+            elements.say_wrong(wrong)
+        _build(place.workspace)
+        place.enter()
+        context.client.on_delete(lambda: workspaces.leave(key))
         return None
 
-    def leave(key: str) -> None:
-        shown[key] -= 1
-        if not shown[key]:
-            workspaces[key].rest()
-
-    def end() -> None:
-        for workspace in workspaces.values():
-            workspace.rest()
-
-    app.on_shutdown(end)
+    app.on_shutdown(workspaces.rest)
     ui.page("/")(begin)
     ui.page("/{key}")(show)
-
-
-def _start(workspace: Workspace, case: str | None) -> None:
-    if case is None:
-        workspace.begin()
-        return
-    try:
-        workspace.open(case)
-    except InputError as error:
-        workspace.begin()
-        elements.say_wrong(str(error))
 
 
 def _build(workspace: Workspace) -> None:
@@ -137,11 +111,9 @@ def _theme_button(workspace: Workspace, dark: ui.dark_mode) -> None:
         dark.set_value(is_dark)
         workspace.looks.tell()
 
-    async def ask() -> None:
-        turn(bool(await ui.run_javascript("Quasar.Dark.isActive")))
-
     if workspace.dark is None:
-        ui.timer(0.0, ask, once=True)
+        ui.on("drakesep-dark", lambda event: turn(bool(event.args)))
+        ui.run_javascript('emitEvent("drakesep-dark", Quasar.Dark.isActive)')
     button = ui.button(
         icon="contrast", color=None, on_click=lambda: turn(not workspace.dark)
     )

@@ -1,5 +1,7 @@
 // Sliders with a field each; where they are moved is told to the server, the newest of
 // each picture that the browser draws.
+import shown from "drakesep-page/shown.js";
+
 export default {
   template: `
 <div class="sliders">
@@ -15,18 +17,7 @@ export default {
   </div>
 </div>`,
   props: { sliders: Array },
-  directives: {
-    // A field's text: set where it becomes another, so that what is being typed stays
-    // when something else of the page is drawn anew.
-    shown: {
-      mounted(field, { value }) {
-        field.value = value;
-      },
-      updated(field, { value, oldValue }) {
-        if (value !== oldValue) field.value = value;
-      },
-    },
-  },
+  directives: { shown },
   data() {
     return { moving: {} };
   },

@@ -8,7 +8,9 @@ from nicegui.element import Element
 from drakesep.page.playing import Playing
 
 
-class Sliders(Element, component="sliders.js"):  # type: ignore[call-arg]
+class Sliders(  # type: ignore[call-arg]
+    Element, component="sliders.js", esm={"drakesep-page": "js"}
+):
     """A slider and a field for each parameter that is played with."""
 
     def __init__(self, move: Callable[[Mapping[str, float]], Any]):

@@ -21,6 +21,20 @@ _FROM = (-0.66, -0.74, 0.52)
 """Where the camera stands, for what has a radius of a metre, m."""
 _SHOWN, _HIDDEN = 15, 1
 """Pictures in a second."""
+_BEGIN = """(() => {
+  const view = getElement(%d);
+  view.renderer.setClearColor(0, 0);
+  new ResizeObserver(() => {
+    if (!view.$el.clientWidth) return;
+    view.resize();
+    view.camera.zoom = Math.min(1, view.camera.aspect);
+    view.camera.updateProjectionMatrix();
+  }).observe(view.$el);
+})()"""
+"""The ground of the page is seen through it. It is as large as its place, also after
+the window became another while another tab was shown; a narrow one shows all."""
+_BEFORE = "as it was before what is wrong now"
+_NONE_YET = "drawn once the case is right"
 
 
 class StackView:
@@ -53,8 +67,7 @@ class StackView:
         elements.follow(workspace.looks, self._pace)
 
     def _begin(self) -> None:
-        """Let the ground of the page be seen through."""
-        ui.run_javascript(f"getElement({self._scene.id}).renderer.setClearColor(0, 0)")
+        ui.run_javascript(_BEGIN % self._scene.id)
 
     def _pace(self) -> None:
         """Draw seldom while nobody looks."""
@@ -66,7 +79,7 @@ class StackView:
     def _draw(self) -> None:
         case = self._workspace.case
         if case is None:
-            self._note.set_text("as it was before what is wrong now")
+            self._note.set_text(_BEFORE if self._drawn else _NONE_YET)
             return
         self._note.set_text("")
         try:

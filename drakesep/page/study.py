@@ -4,16 +4,14 @@ It is a command in a process of its own. What is kept here is what is shown whil
 goes on; what came of it stands in its folder.
 """
 
+import contextlib
 import enum
-import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from weakref import WeakKeyDictionary
 
 from drakesep.page.study_process import StudyProcess
-from drakesep.page.workspace import Workspace
 
 
 if TYPE_CHECKING:
@@ -34,25 +32,22 @@ class Spare:
     """A process that is warm, for the next study of any page of this server."""
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()
         self._process: StudyProcess | None = None
 
     def ready(self) -> StudyProcess:
         """Return it, started if need be, for the next study to be prepared in it."""
-        with self._lock:
-            if self._process is None or not self._process.is_alive:
-                self._process = StudyProcess()
-            return self._process
+        if self._process is None or not self._process.is_alive:
+            self._process = StudyProcess()
+        return self._process
 
     def take(self) -> StudyProcess:
         """Return it for a study: it is nobody else's any more."""
-        process = self.ready()
-        with self._lock:
-            self._process = None
+        process, self._process = self.ready(), None
         return process
 
 
 SPARE = Spare()
+"""Of the thread that serves the page, as all that is of a page."""
 
 IterateKey = tuple[str, str, int, int]
 """Objective, search, start and iteration."""
@@ -74,6 +69,7 @@ class Study:
         seconds: until it ends, about; None if that is not known.
         best: the best value of each objective so far, with its unit, by search.
         iterates: rows of `iterates.csv` by what tells them apart, as they came.
+        falling: objectives whose values are worse the less they are.
         draws: what the draws of a campaign show, each time that was told.
         summary: what `--json` says of a study that has ended.
         exit_code: of one that has ended.
@@ -91,6 +87,7 @@ class Study:
     seconds: float | None = None
     best: dict[str, dict[str, Any]] = field(default_factory=dict)
     iterates: dict[IterateKey, Mapping[str, Any]] = field(default_factory=dict)
+    falling: set[str] = field(default_factory=set)
     draws: list[Mapping[str, Any]] = field(default_factory=list)
     summary: Mapping[str, Any] = field(default_factory=dict)
     exit_code: int | None = None
@@ -137,13 +134,26 @@ class Study:
         """Number of its process; None if that has ended."""
         return None if self._process is None else self._process.id
 
+    def rows_of(self, objective: str) -> list[Mapping[str, Any]]:
+        """Return the iterates of an objective."""
+        return [row for key, row in self.iterates.items() if key[0] == objective]
+
+    def worst_of(self, objective: str) -> Mapping[str, Any]:
+        """Return the iterate of an objective that is worst so far."""
+        worst = min if objective in self.falling else max
+        return worst(self.rows_of(objective), key=lambda row: row["value"])
+
     def stop(self) -> None:
         """Stop it; it can go on."""
         if self._process is not None:
             self._process.stop()
 
     def go_on(self) -> None:
-        """Go on from what is finished: what it tells again is the same."""
+        """Go on from what is finished: what it tells again is the same.
+
+        But for draws, which it tells of those that are flown from here on.
+        """
+        self.draws.clear()
         self._run(("--resume",))
 
     def hear(self) -> None:
@@ -168,6 +178,8 @@ class Study:
         row = event["row"]
         key = row["objective"], row["search"], row["start"], row["iteration"]
         self.iterates[key] = row
+        if event["falls"]:
+            self.falling.add(row["objective"])
 
     def _draws(self, event: Mapping[str, Any]) -> None:
         self.draws.append(event)
@@ -176,6 +188,9 @@ class Study:
         self.summary, self.exit_code = event["summary"], event["exit_code"]
         self.message = self.summary.get("error") or ""
         refused = self.exit_code in (2, 3)
+        if refused:  # its folder was made for it, and has nothing then
+            with contextlib.suppress(OSError):
+                self.folder.rmdir()
         self._over(State.REFUSED if refused else State.ENDED)
 
     def _stopped(self, event: Mapping[str, Any]) -> None:
@@ -188,11 +203,3 @@ class Study:
     def _over(self, state: State) -> None:
         self.state, self._process = state, None
         SPARE.ready()  # warm until it is wanted
-
-
-_STUDIES: "WeakKeyDictionary[Workspace, dict[str, Study]]" = WeakKeyDictionary()
-
-
-def studies_of(workspace: Workspace) -> dict[str, Study]:
-    """Return the last study of each tab: a page that is loaded again shows it."""
-    return _STUDIES.setdefault(workspace, {})

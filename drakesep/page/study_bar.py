@@ -1,14 +1,13 @@
 """What starts, stops and goes on with the study of a tab, and says how it stands."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 from nicegui import ui
 
 from drakesep.page import elements
-from drakesep.page.study import SPARE, State, Study, studies_of
+from drakesep.page.study import SPARE, State, Study
+from drakesep.page.study_files import from_here
 from drakesep.page.workspace import Workspace
-from drakesep.systems.checks import InputError
 
 
 _LOOK = 0.1
@@ -33,9 +32,9 @@ class StudyBar:
             begin: begins a study as it is asked for in the tab.
             show: called with the study when there is something new to be shown.
         """
-        self._studies, self._tab = studies_of(workspace), tab
+        self._studies, self._tab = workspace.studies, tab
         self._begin, self._show = begin, show
-        self._shown = -1
+        self._shown: tuple[Study | None, int] | None = None
         with ui.row().classes("study-bar"):
             self._start = ui.button("Start", icon="play_arrow", on_click=self._started)
             self._stop = ui.button("Stop", icon="stop", on_click=self._stopped)
@@ -56,11 +55,13 @@ class StudyBar:
         return self._studies.get(self._tab)
 
     def _started(self) -> None:
-        try:
+        if self.study is not None and self.study.is_running:
+            return  # a second click, before the button has gone
+
+        def begin() -> None:
             self._studies[self._tab] = self._begin()
-        except InputError as error:
-            elements.say_wrong(str(error))
-        self._shown = -1
+
+        elements.attempt(begin)
         self._look()
 
     def _stopped(self) -> None:
@@ -69,18 +70,17 @@ class StudyBar:
             self.study.stop()
 
     def _gone_on(self) -> None:
-        if self.study is not None:
+        if self.study is not None and self.study.can_go_on:
             self.study.go_on()
 
     def _look(self) -> None:
         study = self.study
-        version = 0
         if study is not None:
             study.hear()
-            version = study.version
-        if version == self._shown:
+        now = study, 0 if study is None else study.version
+        if now == self._shown:
             return
-        self._shown = version
+        self._shown = now
         running = study is not None and study.is_running
         self._start.set_visibility(not running)
         self._stop.set_visibility(running)
@@ -105,12 +105,7 @@ def words_of(study: Study) -> str:
     verdict = study.summary.get("verdict")
     words = f"Ended: {verdict}." if verdict else "Ended."
     told = f"{words} {study.message}".strip()
-    return f"{told} Results are in {_from_here(study.folder)}"
-
-
-def _from_here(folder: Path) -> Path:
-    here = Path.cwd()
-    return folder.relative_to(here) if folder.is_relative_to(here) else folder
+    return f"{told} Results are in {from_here(study.folder)}"
 
 
 def _in_time(seconds: float) -> str:

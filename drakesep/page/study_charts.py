@@ -6,20 +6,19 @@ from dataclasses import dataclass
 from typing import Any
 
 from drakesep.analysis.analysis_case import AnalysisCase
-from drakesep.page.charts import COLOURS
+from drakesep.page.charts import COLOURS, GREY, LIMIT, LINE
 from drakesep.tables.table_4 import MARK, MARKS
 from drakesep.units import unit_of, with_unit
 
 
-_GREY, _LINE, _LIMIT = "#7d8892", "rgba(127,136,146,0.25)", "#d33c3c"
 _OTHERS = "rgba(127,136,146,0.55)"
-_TEXT = {"color": _GREY, "fontSize": 11}
+_TEXT = {"color": GREY, "fontSize": 11}
 _AXIS = {
     "type": "value",
     "nameTextStyle": _TEXT,
     "axisLabel": {**_TEXT, "hideOverlap": True},
-    "axisLine": {"lineStyle": {"color": _GREY}},
-    "splitLine": {"lineStyle": {"color": _LINE}},
+    "axisLine": {"lineStyle": {"color": GREY}},
+    "splitLine": {"lineStyle": {"color": LINE}},
 }
 _TOOLTIP = {"confine": True, "textStyle": {"fontSize": 11}}
 
@@ -28,7 +27,7 @@ Row = Mapping[str, Any]
 
 
 def _title(text: str) -> dict[str, Any]:
-    style = {"color": _GREY, "fontSize": 12, "fontWeight": 500}
+    style = {"color": GREY, "fontSize": 12, "fontWeight": 500}
     return {"text": text, "textStyle": style, "left": 4, "top": 4}
 
 
@@ -37,7 +36,7 @@ def iterates_options(rows: Sequence[Row], chosen: Row | None) -> dict[str, Any]:
 
     Args:
         rows: of the objective.
-        chosen: the one that is looked at.
+        chosen: the one that is looked at, ringed if it is one of them.
     """
     ascents: dict[str, list[Row]] = {}
     for row in rows:
@@ -56,7 +55,7 @@ def iterates_options(rows: Sequence[Row], chosen: Row | None) -> dict[str, Any]:
         }
         for name, each in ascents.items()
     ]
-    ring = [] if chosen is None else [[chosen["evaluations"], chosen["value"]]]
+    ring = [[r["evaluations"], r["value"]] for r in rows if r is chosen]
     series.append(
         {
             "id": "chosen",
@@ -146,7 +145,7 @@ def bounds_options(bounds: Bounds, row: Row | None) -> dict[str, Any]:
                 "show": True,
                 "position": "right" if bounds.scaled(n, x) >= 0.0 else "left",
                 "formatter": f"{bounds.mark(n, x)}  {x:.6g}".strip(),
-                "color": _GREY,
+                "color": GREY,
                 "fontSize": 10,
             },
             "itemStyle": {"color": COLOURS[1] if bounds.mark(n, x) else COLOURS[0]},
@@ -185,7 +184,7 @@ def bounds_options(bounds: Bounds, row: Row | None) -> dict[str, Any]:
                     "silent": True,
                     "symbol": "none",
                     "label": {"show": False},
-                    "lineStyle": {"color": _LINE, "type": "solid"},
+                    "lineStyle": {"color": LINE, "type": "solid"},
                     "data": [{"xAxis": x} for x in (-1, 0, 1)],
                 },
             }
@@ -226,7 +225,7 @@ def histogram_options(told: Row) -> dict[str, Any]:
                     "silent": True,
                     "symbol": "none",
                     "label": {"show": False},
-                    "lineStyle": {"color": _LIMIT, "type": "dashed", "width": 1.6},
+                    "lineStyle": {"color": LIMIT, "type": "dashed", "width": 1.6},
                     "data": [{"xAxis": told["limit"]}],
                 },
             }
@@ -266,7 +265,7 @@ def shares_options(draws: Sequence[Row]) -> dict[str, Any]:
             "silent": True,
             "symbol": "none",
             "label": {"formatter": "required", "position": "insideEndTop", **_TEXT},
-            "lineStyle": {"color": _LIMIT, "type": "dashed", "width": 1.6},
+            "lineStyle": {"color": LIMIT, "type": "dashed", "width": 1.6},
             "data": [{"yAxis": y} for y in required],
         }
     return {

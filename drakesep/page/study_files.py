@@ -4,6 +4,7 @@ A study is asked for by a case file or the name of a built-in case. A case that 
 changed and not saved is written beside its results first: that is what was studied.
 """
 
+import contextlib
 import shlex
 import shutil
 from collections.abc import Mapping
@@ -25,7 +26,7 @@ def case_argument(workspace: Workspace) -> str:
     case = workspace.case
     if case is None:
         raise InputError("the case is not right: see the tab Case")
-    if case.source is not None:
+    if case.source is not None and workspace.is_on_disk:
         return str(case.source)
     if case.files:
         raise InputError(
@@ -35,9 +36,26 @@ def case_argument(workspace: Workspace) -> str:
     return str(file)
 
 
+def as_typed(number: float) -> str:
+    """Return a number of a field as a command line has it, to its last digit."""
+    return str(int(number)) if number == int(number) else repr(number)
+
+
 def next_folder(workspace: Workspace, study: str) -> Path:
-    """Return the folder of a new study: the first of its kind that is not there."""
-    return _first_free(_home(workspace), study, "")
+    """Make the folder of a new study, the first of its kind that is not there.
+
+    It is there from now on, so that no other page takes it.
+
+    Raises:
+        OSError: it cannot be made.
+    """
+    home = _home(workspace)
+    home.mkdir(parents=True, exist_ok=True)
+    while True:
+        with contextlib.suppress(FileExistsError):
+            folder = _first_free(home, study, "")
+            folder.mkdir()
+            return folder
 
 
 def _home(workspace: Workspace) -> Path:
@@ -48,7 +66,7 @@ def _kept(home: Path, name: str, text: str) -> Path:
     """Return the file of a case beside its results; one that has this text, or new."""
     home.mkdir(parents=True, exist_ok=True)
     for file in sorted(home.glob(f"{name}-*.yaml")):
-        if file.read_text(encoding="utf-8") == text:
+        if file.read_bytes() == text.encode():
             return file
     file = _first_free(home, name, ".yaml")
     write_text(file, text)
@@ -62,6 +80,12 @@ def _first_free(home: Path, name: str, ending: str) -> Path:
     return path
 
 
+def from_here(folder: Path) -> Path:
+    """Return a folder as seen from the working directory, if it is below that."""
+    here = Path.cwd()
+    return folder.relative_to(here) if folder.is_relative_to(here) else folder
+
+
 def export(folder: Path, target: Path) -> str:
     """Write what reproduces a study to the bit: its case, and the command.
 
@@ -73,11 +97,12 @@ def export(folder: Path, target: Path) -> str:
         target: new folder.
 
     Returns:
-        The command, to be run in the target.
+        What runs it in a shell, from any folder; of what has been exported before, too.
 
     Raises:
-        ValueError: the study was asked from Python or under way, files lie outside of
-            the case's folder, or the target is there.
+        ValueError: the study was asked from Python or has just begun, files lie outside
+            of the case's folder, or something else is where the target would be.
+        OSError: it cannot be written.
     """
     from drakesep.results.reading import read_results
 
@@ -85,8 +110,6 @@ def export(folder: Path, target: Path) -> str:
     text = record.case["text"]
     if text is None:
         raise InputError(f"{folder}: must be of a case file, got a case made in Python")
-    if target.exists():
-        raise InputError(f"{target}: is there already")
     name = f"{record.case['name']}.yaml"
     source = Path(record.case["source"] or "").parent
     words = [
@@ -95,16 +118,30 @@ def export(folder: Path, target: Path) -> str:
         *("-o", "again"),
     ]
     command = shlex.join(words)
-    target.mkdir(parents=True)
-    for file in record.named_files:
-        _copy(Path(file), source.absolute(), target)
-    write_text(target / name, text)
-    script = target / "command.sh"
-    write_text(script, f'#!/bin/sh\ncd "$(dirname "$0")"\n{command}\n')
-    script.chmod(0o755)
-    return command
+    script = f'#!/bin/sh\ncd "$(dirname "$0")"\n{command}\n'
+    if not _holds(target, {name: text, _SCRIPT: script}):
+        if target.exists():
+            raise InputError(f"{target}: is there already, and holds something else")
+        copies = [_copy_of(Path(f), source.absolute()) for f in record.named_files]
+        target.mkdir(parents=True)
+        for file, place in copies:
+            (target / place).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(file, target / place)
+        write_text(target / name, text)
+        write_text(target / _SCRIPT, script)
+        (target / _SCRIPT).chmod(0o755)
+    return f"cd {shlex.quote(str(target))} && {command}"
 
 
+def _holds(folder: Path, texts: Mapping[str, str]) -> bool:
+    """Return whether a folder has files with these texts."""
+    try:
+        return all((folder / k).read_bytes() == t.encode() for k, t in texts.items())
+    except OSError:
+        return False
+
+
+_SCRIPT = "command.sh"
 _COMMANDS: Mapping[str, tuple[str, ...]] = {
     "sensitivity": ("campaign", "sensitivity"),
     "rare-events": ("campaign", "rare-events"),
@@ -131,10 +168,9 @@ def _options(arguments: Mapping[str, Any], seed: int | None, study: str) -> list
     return words
 
 
-def _copy(file: Path, source: Path, target: Path) -> None:
+def _copy_of(file: Path, source: Path) -> tuple[Path, Path]:
+    """Return a file that a case names, and where it stands below the case's folder."""
     absolute = file if file.is_absolute() else source / file
     if not absolute.is_relative_to(source):
         raise InputError(f"{file}: must lie within {source}, to be exported")
-    copy = target / absolute.relative_to(source)
-    copy.parent.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(absolute, copy)
+    return absolute, absolute.relative_to(source)

@@ -1,5 +1,7 @@
 // Tables of a case whose cells are fields: what is typed is told to the server, which
 // answers with the tables as they are then, or with what is wrong with what was typed.
+import shown from "drakesep-page/shown.js";
+
 export default {
   template: `
 <div class="tables" @keydown="move">
@@ -20,7 +22,7 @@ export default {
         <tbody>
           <tr v-for="r in t.rows" :key="key(r.path)">
             <th scope="row" class="tables-name" :class="{wrong: r.problem}"
-              :title="r.problem">{{ r.name }}</th>
+              :title="r.problem || r.name">{{ r.name }}</th>
             <td v-for="(c, i) in r.cells" :key="i" :class="{number: t.columns[i].numeric}">
               <span v-if="!c.path" class="tables-told">{{ c.text }}</span>
               <input v-else v-shown="shown(c)" :style="{width: t.columns[i].width + 'ch'}"
@@ -41,18 +43,7 @@ export default {
   </section>
 </div>`,
   props: { tables: Array, refused: Object },
-  directives: {
-    // A field's text: set where it becomes another, so that what is being typed stays
-    // when something else of the page is drawn anew.
-    shown: {
-      mounted(field, { value }) {
-        field.value = value;
-      },
-      updated(field, { value, oldValue }) {
-        if (value !== oldValue) field.value = value;
-      },
-    },
-  },
+  directives: { shown },
   methods: {
     key(path) {
       return JSON.stringify(path);

@@ -16,7 +16,9 @@ _NARROWEST, _WIDEST = 5, 44
 """Fields, in digits."""
 
 
-class Tables(Element, component="tables.js"):  # type: ignore[call-arg]
+class Tables(  # type: ignore[call-arg]
+    Element, component="tables.js", esm={"drakesep-page": "js"}
+):
     """Tables whose cells can be changed, and whose rows can be added and removed."""
 
     def __init__(

@@ -18,6 +18,7 @@ from drakesep.systems.checks import InputError
 
 if TYPE_CHECKING:
     from drakesep.case_file.case import Case
+    from drakesep.page.study import Study
 
 
 _MOST_UNDONE = 200
@@ -75,11 +76,12 @@ class Workspace:
         looks: told when another tab is shown, and of light and dark.
         flights: flies what is played with.
         measuring: flies what is measured, which takes longer.
+        studies: the last of each tab, by its name: a page loaded again shows it.
     """
 
     def __init__(self, results: Path = Path("results")):
         """Begin without a case; see `open` and `begin`."""
-        self.results = results
+        self.results = results.absolute()
         self.text = ""
         self.case: Case | None = None
         self.problems: tuple[str, ...] = ()
@@ -94,6 +96,7 @@ class Workspace:
         self._before: list[str] = []
         self.flights = Flights()
         self.measuring = Flights()
+        self.studies: dict[str, Study] = {}
         self.changes = Listeners()
         self.looks = Listeners()
 
@@ -110,9 +113,37 @@ class Workspace:
         return None if self._opened is None else self._opened.path
 
     @property
+    def is_builtin(self) -> bool:
+        """Whether it is of drakesep."""
+        return self._builtin is not None
+
+    @property
     def is_saved(self) -> bool:
         """Whether the text is what was opened or saved last."""
         return self.text == self._saved
+
+    @property
+    def is_on_disk(self) -> bool:
+        """Whether its file holds the text: nobody else has changed or removed it."""
+        if self.is_builtin:
+            return self.is_saved
+        return (
+            self._opened is not None
+            and self.is_saved
+            and _digest_of(self._opened.path) == self._opened.digest
+        )
+
+    @property
+    def source(self) -> str | None:
+        """What opens the case again: its file or built-in name; None of a new one."""
+        return self._builtin if self.path is None else str(self.path)
+
+    @property
+    def is_elsewhere(self) -> bool:
+        """Whether nothing is lost without it: no text, and no study that is running."""
+        if any(study.is_running for study in self.studies.values()):
+            return False
+        return self.is_saved if self.path is None else self.is_on_disk
 
     @property
     def folder(self) -> Path:
@@ -140,6 +171,7 @@ class Workspace:
         self._builtin = source if builtin else None
         path = Path(source).absolute()
         self._opened = None if builtin else _Opened(path, _digest(text))
+        self.name = path.stem  # until it says another
         self._start(text)
 
     def begin(self, name: str = "new") -> None:
@@ -175,12 +207,9 @@ class Workspace:
         self._tell()
 
     def _check_unchanged(self, target: Path) -> None:
-        try:
-            found = hashlib.sha256(target.read_bytes()).hexdigest()
-        except FileNotFoundError:
+        found = _digest_of(target)
+        if found is None:
             return
-        except OSError as error:
-            raise InputError(f"{target}: {error.strerror}") from error
         if self._opened is None or target != self._opened.path:
             raise ChangedMeanwhile(f"{target}: is there already")
         if found != self._opened.digest:
@@ -234,11 +263,8 @@ class Workspace:
         from drakesep.case_file.errors import CaseError
         from drakesep.case_file.reader import read_case
 
-        source = None if self.path is None else str(self.path)
-        if not self.is_saved:  # what was changed here stands nowhere yet
-            source = None
-        elif self._builtin is not None:
-            source = self._builtin
+        # What was changed here stands nowhere yet.
+        source = self.source if self.is_saved else None
         try:
             self.case = read_case(self.text, folder=self.folder, source=source)
             self.problems = ()
@@ -250,6 +276,20 @@ class Workspace:
     def _tell(self) -> None:
         self.revision += 1
         self.changes.tell()
+
+
+def _digest_of(file: Path) -> str | None:
+    """Return that of a file; None if it is not there.
+
+    Raises:
+        ValueError: it cannot be read.
+    """
+    try:
+        return hashlib.sha256(file.read_bytes()).hexdigest()
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise InputError(f"{file}: {error.strerror}") from error
 
 
 def _digest(text: str) -> str:

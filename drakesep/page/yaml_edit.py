@@ -88,7 +88,15 @@ class YamlText:
         return self._inserted(path[:known], path[known:], value)
 
     def without(self, path: Path) -> str:
-        """Return the text without an entry, nor the mapping that had nothing else."""
+        """Return the text without an entry, nor the mapping that had nothing else.
+
+        Raises:
+            ValueError: it does not stand there itself.
+        """
+        if not self.has(path):  # a second click would take out what is beside it
+            if value_at(self.data, path) is None:
+                raise InputError(f"{path[-1]} is not there any more")
+            raise InputError(f"{path[-1]} is merged from elsewhere: change the YAML")
         parent = self._node(path[:-1])
         entries = [] if parent is None else _entries(parent)
         if len(entries) == 1 and len(path) > 1:

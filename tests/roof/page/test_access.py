@@ -46,12 +46,24 @@ def test_who_has_the_cookie_is_let_through(kind, host, origin):
     assert asked({**KNOWN, "host": host, **more}, kind=kind)[0]["status"] == 204
 
 
+@pytest.mark.parametrize(
+    "others", ['a={"b": 1, "c"}', "a b=\x01", "=;;", f"{COOKIE}=old", 'q="un', "é=1"]
+)
+def test_cookies_of_other_programs_do_not_hide_ours(others):
+    cookies = f"{others}; {COOKIE}={TOKEN}"
+    assert asked({"host": HERE, "cookie": cookies})[0]["status"] == 204
+
+
 REFUSED = {
     "no token": ({"host": HERE}, ""),
     "another token": ({"host": HERE}, "token=tole"),
     "another cookie": ({"host": HERE, "cookie": f"{COOKIE}=tole"}, ""),
     "a cookie of another server": ({"host": HERE, "cookie": f"drakesep={TOKEN}"}, ""),
     "broken cookies": ({"host": HERE, "cookie": f"{COOKIE}={TOKEN}\x01;;="}, ""),
+    "a cookie that ends like ours": (
+        {"host": HERE, "cookie": f"x{COOKIE}={TOKEN}"},
+        "",
+    ),
     "another host that leads here": ({**KNOWN, "host": "example.org:8123"}, ""),
     "a host that begins like ours": ({**KNOWN, "host": "127.0.0.1.example.org"}, ""),
     "no host": ({"cookie": KNOWN["cookie"]}, ""),

@@ -1,5 +1,7 @@
 """A case as tables: what stands in cells, where errors stand, what edits come to."""
 
+import dataclasses
+
 import pytest
 
 from drakesep.case_file.errors import CaseError
@@ -79,7 +81,7 @@ WRONG = {
         "4000",
         "must be positive definite",
     ),
-    "a quantity": (("requirements", 0, "quantity"), "rat", "must be 'rate_"),
+    "a quantity": (("requirements", 0, "quantity"), "rat", "unknown quantity"),
     "nothing": (
         ("attachments", "attachment_1", "spring", "force_max_N"),
         "",
@@ -145,6 +147,24 @@ def test_a_tolerance_and_a_requirement_are_added_and_removed(text):
     assert more == text
 
 
+def test_an_attachment_is_added_like_another_and_removed(text):
+    like = case_edit.rows_of(text, "attachments")["attachment_2"]
+    more = case_edit.with_another(text, like, " fifth ")
+    placed = {a.name: a for a in read_case(more, folder=FOLDER).separation.attachments}
+    second, fifth = placed["attachment_2"], placed["fifth"]
+    spring = dataclasses.replace(second.spring, name="fifth_spring")
+    assert fifth == dataclasses.replace(second, name="fifth", spring=spring)
+    assert case_edit.without(more, ("attachments", "fifth")) == text
+    for name, wrong in (("", "must be given"), ("attachment_1", "is there already")):
+        with pytest.raises(InputError, match=wrong):
+            case_edit.with_another(text, like, name)
+
+
+def test_what_is_merged_is_removed_in_the_yaml():
+    with pytest.raises(InputError, match="merged from elsewhere"):
+        case_edit.without("a: &a {j: 1, k: 2}\nb: {<<: *a, l: 3}\n", ("b", "j"))
+
+
 def test_what_has_no_tolerance_yet_may_have_one(vega):
     left = case_edit.parameters_left(vega)
     assert "launch_vehicle.mass_kg" in left and "payload.mass_kg" not in left
@@ -162,3 +182,6 @@ def test_tables_of_what_is_no_case():
     ]
     found = case_edit.tables(YamlText("bodies: [1]\nrequirements: 3\nrun: {a: }\n"))
     assert {t.key for t in found} == {"dispersions", "requirements", "settings"}
+    odd = "bodies: {1: {mass_kg: {3: 4}}, null: {}, b: {mass_kg: {3: 4}}}"
+    [bodies, *_] = case_edit.tables(YamlText(odd))
+    assert [row.name for row in bodies.rows] == ["b"]  # the others are no names

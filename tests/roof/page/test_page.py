@@ -147,6 +147,9 @@ def test_another_page_on_the_file_is_not_overwritten(page, folder):
     file.write_text(before + "# somebody else\n")
     page.click("[aria-label^='Save']")
     page.wait("document.body.innerText.includes('changed by somebody else')")
+    page.click_text("Save as another", ".q-dialog")
+    page.wait("document.body.innerText.includes('Save the case as a file')")
+    page.wait("document.querySelectorAll('.q-dialog').length === 1")
     page.press("Escape")
     assert file.read_text() == before + "# somebody else\n"
     file.write_text(before)

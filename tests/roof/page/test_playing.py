@@ -127,6 +127,7 @@ def test_the_newest_is_flown_and_a_killed_process_is_told_and_started_again(case
     flights, si = Flights(), case.in_si()
     try:
         asked = [flights.fly(si, {"upper.mass_kg": 1190.0 + i}) for i in range(5)]
+        beside = [flights.fly(si, {}, asker=who) for who in ("other", "third")]
         answers = [each.result(timeout=120) for each in asked]
         assert [answer is None for answer in answers] == [
             False,
@@ -138,6 +139,8 @@ def test_the_newest_is_flown_and_a_killed_process_is_told_and_started_again(case
         newest = fly(si, {"upper.mass_kg": 1194.0}, measure=False)
         for one, other in zip(answers[-1].signals, newest.signals, strict=True):
             np.testing.assert_array_equal(one.values, other.values)
+        # Each asker has its own turn.
+        assert all(one.result(timeout=120) is not None for one in beside)
         with pytest.raises(ValueError, match="mass must be > 0"):
             flights.fly(si, {"upper.mass_kg": -1.0}).result(timeout=120)
         [process] = flights._pool._processes

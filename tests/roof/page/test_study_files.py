@@ -8,7 +8,7 @@ from small_case import small_case, write_case
 
 import drakesep
 from drakesep.page.past_results import past_results
-from drakesep.page.study_files import case_argument, export, next_folder
+from drakesep.page.study_files import as_typed, case_argument, export, next_folder
 from drakesep.page.workspace import Workspace
 from drakesep.systems.checks import InputError
 
@@ -30,7 +30,13 @@ def test_what_is_saved_is_named_and_what_is_not_is_kept(workspace, tmp_path):
     assert case_argument(workspace) != kept
     assert drakesep.load_case(kept).in_si().separation.bodies[0].mass == 751.0
     workspace.save(tmp_path / "mine.yaml")
-    assert case_argument(workspace) == str(tmp_path / "mine.yaml")
+    file = tmp_path / "mine.yaml"
+    assert case_argument(workspace) == str(file)
+    for_it = workspace.text
+    file.write_text("name: another")  # beneath the page, which shows what was
+    assert drakesep.load_case(case_argument(workspace)).text == for_it
+    file.unlink()
+    assert drakesep.load_case(case_argument(workspace)).text == for_it
     workspace.change("bodies: 3")
     with pytest.raises(InputError, match="not right"):
         case_argument(workspace)
@@ -38,10 +44,17 @@ def test_what_is_saved_is_named_and_what_is_not_is_kept(workspace, tmp_path):
 
 def test_no_study_writes_over_another(workspace, tmp_path):
     first = next_folder(workspace, "verify")
-    first.mkdir(parents=True)
     assert first == tmp_path / "results" / "vega" / "verify-1"
     assert next_folder(workspace, "verify").name == "verify-2"
     assert next_folder(workspace, "campaign").name == "campaign-1"
+
+
+@pytest.mark.parametrize("number", [0.9986501, 1234567, 2.0, 0.1, 1e-7, 12345678.5])
+def test_a_number_of_a_field_loses_no_digit(number):
+    words = as_typed(number)
+    assert float(words) == number
+    if number == int(number):
+        assert int(words) == number  # as options of whole numbers are read
 
 
 def test_an_export_reproduces_every_byte(tmp_path, capsys, monkeypatch):
@@ -52,11 +65,13 @@ def test_an_export_reproduces_every_byte(tmp_path, capsys, monkeypatch):
     asked = ("worst-case", file, "--objective", "L2", "--search", "drake")
     code, *_ = run(capsys, monkeypatch, *asked, "--workers", 1, "-o", folder)
     assert code == 0
-    target = tmp_path / "handed"
+    target = tmp_path / "handed on"
     command = export(folder, target)
+    assert export(folder, target) == command  # once more: it is there
     file.unlink()
-    monkeypatch.chdir(target)
-    _, *words = shlex.split(command)
+    cd, _, line = command.partition(" && ")
+    monkeypatch.chdir(shlex.split(cd)[1])
+    _, *words = shlex.split(line)
     code, *_ = run(capsys, monkeypatch, *words)
     assert code == 0
     first, again = (
@@ -65,9 +80,9 @@ def test_an_export_reproduces_every_byte(tmp_path, capsys, monkeypatch):
     )
     assert first == again
     assert "iterates.csv" in first
-    assert command in (target / "command.sh").read_text()
+    assert line in (target / "command.sh").read_text()
     with pytest.raises(InputError, match="there already"):
-        export(folder, target)
+        export(folder, folder)
     (folder.parent / "broken").mkdir()
     (folder.parent / "broken" / "study.json").write_text("{")
     listed = {one.name: one for one in past_results(tmp_path / "results")}

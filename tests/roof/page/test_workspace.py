@@ -1,9 +1,12 @@
 """What a page works on: texts, what they say, undo, and files that nobody spoils."""
 
+from types import SimpleNamespace
+
 import pytest
 from small_case import small_case, write_case
 
 from drakesep.page.workspace import ChangedMeanwhile, Workspace
+from drakesep.page.workspaces import Workspaces
 from drakesep.systems.checks import InputError
 
 
@@ -115,3 +118,73 @@ def test_what_cannot_be_read_leaves_what_is_open(file, tmp_path):
     with pytest.raises(InputError, match="readable case file"):
         workspace.open(str(tmp_path / "nowhere.yaml"))
     assert workspace.path == file and workspace.case is not None
+
+
+HOUR = 3600.0
+
+
+@pytest.fixture
+def hours(tmp_path):
+    """Workspaces of a server, and a clock that is put on by hand."""
+    clock = SimpleNamespace(now=0.0)
+    clock.all = Workspaces(None, tmp_path, lambda: clock.now)
+    return clock
+
+
+def left_open(hours, file):
+    """The address of a page that has shown a file, and is gone."""
+    key = hours.all.begin()
+    place = hours.all.get(key)
+    assert place.open() == ""
+    place.enter()
+    place.workspace.open(str(file))
+    hours.all.leave(key)
+    return key
+
+
+def dropped(hours, key):
+    """Whether another page that begins has it dropped."""
+    before = hours.all.get(key).workspace
+    hours.all.begin()
+    return hours.all.get(key).workspace is not before
+
+
+def test_what_nobody_looks_at_is_dropped_and_opened_again(hours, file):
+    key = left_open(hours, file)
+    hours.now = 0.9 * HOUR
+    assert not dropped(hours, key)
+    hours.now = 1.1 * HOUR
+    assert dropped(hours, key)
+    file.write_text(file.read_text() + "# meanwhile\n")
+    assert hours.all.get(key).open() == ""
+    assert hours.all.get(key).workspace.text == file.read_text()
+    file.unlink()
+    hours.now = 3.0 * HOUR
+    assert not dropped(hours, key)  # its text is nowhere else now
+
+
+KEPT = {
+    "a page shows it": lambda place, file: place.enter(),
+    "it is not saved": lambda place, file: place.workspace.change("a: 1"),
+    "its file is another": lambda place, file: file.write_text("a: 1"),
+    "a study runs": lambda place, file: place.workspace.studies.update(
+        Search=SimpleNamespace(is_running=True)
+    ),
+}
+
+
+@pytest.mark.parametrize("happens", KEPT.values(), ids=KEPT)
+def test_what_would_be_lost_is_kept(hours, file, happens):
+    key = left_open(hours, file)
+    happens(hours.all.get(key), file)
+    hours.now = 5.0 * HOUR
+    assert not dropped(hours, key)
+
+
+def test_what_cannot_be_opened_again_is_told(hours, file):
+    key = left_open(hours, file)
+    hours.now = 2.0 * HOUR
+    assert dropped(hours, key)
+    file.unlink()
+    assert "readable case file" in hours.all.get(key).open()
+    assert hours.all.get(key).workspace.case is not None  # a new one

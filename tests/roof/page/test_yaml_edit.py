@@ -201,3 +201,10 @@ def test_what_is_typed_is_yaml_that_can_stand_anywhere(typed, value):
 def test_a_number_stays_as_it_was_typed():
     assert typed_in("1.50e3") == "1.50e3"
     assert in_one_line({"b": 1, "a": "x"}) == "{b: 1, a: x}"
+
+
+@pytest.mark.parametrize("path", [("b",), ("a", 3), ("c", "d"), ("e", "g")])
+def test_what_is_not_there_cannot_be_taken_out(path):
+    """Nor is what stands alone beside it."""
+    with pytest.raises(InputError, match="is not there"):
+        YamlText("a: [1, 2]\nc: {}\ne: {f: 1}\n").without(path)
