@@ -397,12 +397,15 @@ class _Search:
         """Move a box to faces, look at some choices at a time, or cut it."""
         asked = _asked([node], known.choice)[0]
         open_ = asked & known.live & (known.bounds > self._aim)
-        slopes = known.slopes(open_)
-        faces = _faces(node, slopes)
         choices = np.unique(known.choice[open_])
+        # Of a choice that is looked at all that live count, also what is bounded by its
+        # mean value: a certificate leaves out whole choices.
+        counted = asked & known.live & np.isin(known.choice, choices)
+        slopes = known.slopes(counted)
+        faces = _faces(node, slopes)
         if faces or len(choices) == 1:
             # What is bounded by its mean value would hide what the others' slopes are.
-            if (asked & known.live & ~open_).any():
+            if (asked & known.live & ~counted).any():
                 [node] = self._split(node, [choices], known)
             self._branch(node, faces, slopes)
             return
