@@ -8,10 +8,12 @@ from flint import arb
 
 from .certificate import Claim, Term
 from .intervals import (
+    NONE,
     ONE,
     ZERO,
     Interval,
     Jet,
+    Matrix,
     NotVerified,
     Vector,
     dot,
@@ -19,10 +21,10 @@ from .intervals import (
     inverse,
     jet_minus,
     jet_negative,
-    jet_product,
     jet_square,
     jet_sum,
     magnitude,
+    minus,
     plus,
     product,
     scaled,
@@ -232,14 +234,18 @@ def _of_law(term: Term, x: Vector, motion: Motion) -> Jet:
     if term.law == "length_squared":
         return jet_sum(*(jet_square(jet) for jet in x))
     assert term.vector is not None
-    vector = motion.constants.constant(term.vector)
-    along = dot(vector, x)
     if term.law == "along":
-        return along
-    across = [
-        jet_minus(a, jet_product(along, v)) for a, v in zip(x, vector, strict=True)
-    ]
+        return dot(motion.constants.constant(term.vector), x)
+    across = scaled(_across(term.vector), x)
     return jet_sum(*(jet_square(jet) for jet in across))
+
+
+def _across(v: list[Interval]) -> Matrix:
+    """Return 1 - v v^T: where an axis is exact, the part along it is left out."""
+    return [
+        [minus(ONE if a == b else NONE, product(v[a], v[b])) for b in range(3)]
+        for a in range(3)
+    ]
 
 
 def _angles(b: int, motion: Motion) -> list[Vector]:
