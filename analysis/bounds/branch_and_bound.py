@@ -551,7 +551,7 @@ def _halves(
 
     Of all such the one after which least is unknown of how the quantity grows.
     """
-    of_term = np.array(np.unravel_index(choices, known.shape))
+    of_term = np.array(np.unravel_index(choices.astype(int), known.shape))
 
     def unknown(group: Array) -> float:
         slopes = known.slopes(open_ & np.isin(known.choice, group))

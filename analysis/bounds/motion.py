@@ -566,7 +566,7 @@ class Enclosure:
         return self._solved(b, torque)
 
     def relative_acceleration(self, j: int) -> list[Jet]:
-        """Return the derivative of a pair's relative rate by time, without springs."""
+        """Return the derivative of a pair's relative rate by time: (19), too."""
         pair, R_BA = self.problem.pairs[j], transposed(self._mated[j].R0)
         Q, u = self.state.Q[j], self.changes(self.state)
         changes = self.accelerations()

@@ -79,8 +79,12 @@ def _all_checked(read: Certificate, path: Path, processes: int) -> list[Outcome]
     count = len(read.claims)
     if min(processes, count) <= 1:
         return _checked(read, range(count))
+    # The longest first, so that none is left to one process at the end.
+    order = sorted(range(count), key=lambda c: -len(read.claims[c].tree))
     with ProcessPoolExecutor(min(processes, count)) as pool:
-        return list(pool.map(_outcome, [str(path)] * count, range(count)))
+        outcomes = pool.map(_outcome, [str(path)] * count, order)
+        by_claim = dict(zip(order, outcomes, strict=True))
+    return [by_claim[c] for c in range(count)]
 
 
 def _checked(read: Certificate, claims: Iterable[int]) -> list[Outcome]:

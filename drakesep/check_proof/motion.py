@@ -618,7 +618,7 @@ class Motion:
         return [self.bodies[b].change_of_rate(torque) for torque in torques]
 
     def change_of_relative_rate(self, j: int) -> list[Vector]:
-        """Return the derivative of Omega by time, where no spring pushes (22)."""
+        """Return the derivative of Omega by time, where no spring pushes (19)."""
         pushing = self.pushing[j]
         a, b = pushing.pair.carrier, pushing.pair.leaver
         R0T, out = pushing.R0T, []

@@ -267,6 +267,17 @@ def test_vegas_requirements_are_proven_to_half_a_per_cent():
 
 
 @pytest.mark.slow
+def test_vegas_objectives_are_proven_to_three_per_cent():
+    case = drakesep.load_case("vega").in_si()
+    asked = [(name, "highest") for name in ("G_L1", "G_L2", "G_Linf")]
+    bounds = prove_bounds(case, asked, ProofSettings(seconds=600.0))
+    assert not bounds.not_covered
+    for bound in bounds.proven.values():
+        assert bound.proof.finished
+        assert bound.gap < 0.03
+
+
+@pytest.mark.slow
 def test_another_vehicle_is_proven():
     """Six springs, products of inertia, tolerances 1.5 times as large as VEGA's."""
     case = six_springs_case()
