@@ -80,7 +80,7 @@ def push(bound: float) -> dict[str, Any]:
                 }
             ],
             "attitude": [hexadecimal(x) for x in (1, 0, 0, 0, 1, 0, 0, 0, 1)],
-            "rate": [hexadecimal(0)] * 3,
+            "rate": [value(0.0)] * 3,
             "gravity": None,
         },
         "grid": {"times": [hexadecimal(t) for t in times], "push": 4},

@@ -134,8 +134,8 @@ class Boxes:
         slopes = {self.rows[i]: scale} if i in self.rows else {}
         return Affine(Interval(number.value) + scale * s, slopes)
 
-    def place(self, numbers: Sequence[Number]) -> AffineVector:
-        """Return a point."""
+    def vector(self, numbers: Sequence[Number]) -> AffineVector:
+        """Return a vector of numbers of the problem."""
         return [self.affine(number) for number in numbers]
 
     def law(self, spring: BoundSpring) -> Law:
@@ -146,7 +146,7 @@ class Boxes:
     def pad_in_B(self, spring: BoundSpring) -> AffineVector:
         """Return where the pad of a spring is in the body that it pushes."""
         mated = mating(self.problem, self.problem.pairs[spring.pair])
-        pad = self.place(spring.place)
+        pad = self.vector(spring.place)
         apart = [
             p if is_zero(o) else p - Affine(o)
             for p, o in zip(pad, mated.place, strict=True)

@@ -4,8 +4,10 @@ A claim F <= U is shown box by box. Where F grows one way with a parameter over 
 box, only that face is looked at; else the box is cut.
 """
 
+import dataclasses
 import heapq
 import itertools
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -19,8 +21,15 @@ from drakesep.analysis.bounds.gravity import disturbance
 from drakesep.analysis.bounds.grid import stroke_ends
 from drakesep.analysis.bounds.intervals import Interval, up
 from drakesep.analysis.bounds.motion import Enclosure, Grid, NominalKernels
+from drakesep.analysis.bounds.options import Options
 from drakesep.analysis.bounds.problem import BoundProblem
-from drakesep.analysis.bounds.quantities import Options, Quantity, Term, options
+from drakesep.analysis.bounds.quantities import (
+    Quantity,
+    Term,
+    least,
+    means,
+    options,
+)
 from drakesep.systems.arrays import Array
 
 
@@ -43,10 +52,10 @@ class Node:
     """The coordinate along which it is cut, and where."""
     centre: Array | None = None
     """Of what is bounded there: the point of its mean value."""
-    choice: int | None = None
-    """The choice of signs that is looked at; all if None."""
+    chosen: NDArray[np.bool_] | None = None
+    """(choices,) those that are looked at; all if None."""
     split: bool = False
-    """Whether choices of signs are looked at one by one from here."""
+    """Whether each child looks at some of the choices on the same box."""
     children: list["Node"] = field(default_factory=list)
     parent: "Node | None" = field(default=None, repr=False)
 
@@ -59,6 +68,16 @@ class Node:
     def close(self) -> None:
         """Be a leaf."""
         self.children, self.faces, self.cut, self.split = [], {}, None, False
+
+
+class Look(NamedTuple):
+    """What is known of a quantity over boxes."""
+
+    options: Options
+    least: Array
+    """(boxes,) what the quantity surely is, all over a box."""
+    proven: NDArray[np.bool_]
+    """(boxes,) whether it is; else nothing is known."""
 
 
 class Progress(NamedTuple):
@@ -117,14 +136,14 @@ class Prover:
         self._gravity = disturbance(problem)
         self.enclosed = 0
 
-    def options(
+    def look(
         self,
         quantity: Quantity,
         lower: Array,
         upper: Array,
         slopes: NDArray[np.bool_],
-    ) -> tuple[Options, NDArray[np.bool_]]:
-        """Return the options of a quantity over boxes, and where they are proven.
+    ) -> Look:
+        """Return what is known of a quantity over boxes.
 
         Args:
             quantity: in question.
@@ -133,17 +152,59 @@ class Prover:
             slopes: (n,) by which parameters derivatives are taken; others' are zero.
         """
         chosen = np.flatnonzero(slopes).tolist()
-        enclosure = Enclosure(
-            Boxes(self.problem, lower, upper, chosen),
+        enclosure = self._enclosure(quantity, lower, upper, chosen)
+        found = options(enclosure, self.grid, quantity)
+        every = np.zeros((2, len(slopes), *found.value.lo.shape))
+        every[:, chosen] = found.slopes.lo, found.slopes.hi
+        return Look(
+            found._replace(slopes=Interval(*every)),
+            least(enclosure, self.grid, quantity, found),
+            enclosure.proven,
+        )
+
+    def _enclosure(
+        self, quantity: Quantity, lower: Array, upper: Array, slopes: Sequence[int] = ()
+    ) -> Enclosure:
+        return Enclosure(
+            Boxes(self.problem, lower, upper, slopes),
             self.grid,
             self._kernels,
             self._gravity,
             attitudes=quantity.attitudes,
         )
-        value, by, choice = options(enclosure, self.grid, quantity)
-        every = np.zeros((2, len(slopes), *value.lo.shape))
-        every[:, chosen] = by.lo, by.hi
-        return Options(value, Interval(*every), choice), enclosure.proven
+
+    def with_choices(self, quantity: Quantity) -> Quantity:
+        """Return a quantity whose integrals are looked at as a whole after the push.
+
+        It stays as it is where little is lost by pieces of time, such as of what turns
+        far after the push.
+        """
+        coast = self.grid.push
+        if not quantity.may_coast or coast + 1 >= len(self.grid.times):
+            return quantity
+        whole = whole_box(self.problem)
+        over = self._enclosure(quantity, whole.lower, whole.upper)
+
+        def coasting(term: Term) -> Term:
+            levels: tuple[float, ...] = ()
+            if quantity.kind == "integral_of_square" and over.proven[0]:
+                mean = means(over, self.grid, term, coast)
+                ends = np.linspace(mean.lo[0, 0], mean.hi[0, 0], _CELLS + 1)
+                levels = tuple(sorted({float(x) for x in ends[1:-1]}))
+            return dataclasses.replace(term, coast=coast, levels=levels)
+
+        new = dataclasses.replace(
+            quantity, terms=tuple(coasting(term) for term in quantity.terms)
+        )
+        some = np.concatenate([whole.lower, 0.5 * (whole.lower + whole.upper)])
+        some = np.concatenate([some, whole.upper])
+        nothing = np.zeros(some.shape[1], dtype=bool)
+        before, after = (self.look(q, some, some, nothing) for q in (quantity, new))
+        most = [
+            np.where(x.proven, x.options.value.hi.max(-1), -np.inf).max()
+            for x in (before, after)
+        ]
+        return new if most[1] <= most[0] * (1.0 + _LOST) else quantity
 
     def prove(
         self,
@@ -160,7 +221,14 @@ class Prover:
             starts: points (n,) of s where it may be large.
             on_progress: called as it goes on; what it raises ends it.
         """
+        quantity = self.with_choices(quantity)
         return _Search(self, quantity, effort or Effort(), starts, on_progress).run()
+
+
+_CELLS = 8
+"""In which the mean of a signal may lie."""
+_LOST = 0.02
+"""Part of what an integral is at a point, that looking at it as a whole may lose."""
 
 
 class _Search:
@@ -222,28 +290,28 @@ class _Search:
 
     # ------------------------------------------------------------ what is attained
 
-    def _attained(
-        self, points: Array, value: Interval, proven: NDArray[np.bool_]
-    ) -> None:
-        """Take note of values that are attained at points."""
-        least = np.where(proven, self._least(points, value), -np.inf)
+    def _attained(self, points: Array, look: Look, known: NDArray[np.bool_]) -> None:
+        """Take note of values that are attained at points, of which some are known."""
+        value = look.options.value
+        least = np.where(known, self._least(points, look), -np.inf)
         best = int(np.argmax(least))
         if least[best] > self._found:
             self._found, self._at = float(least[best]), points[best].copy()
         if self._found == -np.inf:
             return
         # Pieces of time are as they are: no box with a point is below what that is.
-        most = np.where(proven, value.hi.max(-1), -np.inf).max()
+        most = np.where(known, value.hi.max(-1), -np.inf).max()
         room = self._effort.gap * abs(self._found)
         wanted = max(self._found + room, float(most) + _LEAST_ROOM * room)
         # What is shown of a lower aim holds for a higher one.
         self._aim = max(self._aim, wanted - 2.0 * SLACK * abs(wanted))
 
-    def _least(self, points: Array, value: Interval) -> Array:
-        """Return what the quantity surely is at points, from its options there."""
+    def _least(self, points: Array, look: Look) -> Array:
+        """Return what the quantity surely is at points."""
         if self._quantity.kind != "peak" or len(self._quantity.terms) > 1:
-            return np.asarray(value.lo.max(-1))
+            return look.least
         [term] = self._quantity.terms
+        value = look.options.value
         boxes = Boxes(self._prover.problem, points, points)
         may, does = _sure(term, boxes, self._prover.grid)
         by_sign = value.lo.reshape(len(points), len(term.signs), -1)
@@ -267,9 +335,10 @@ class _Search:
             if not new:
                 break
             at = np.array(new[: self._effort.batch])
-            found, proven = self._prover.options(self._quantity, at, at, self._all)
+            look = self._prover.look(self._quantity, at, at, self._all)
+            found = look.options
             self._boxes += len(at)
-            self._attained(at, found.value, proven)
+            self._attained(at, look, look.proven)
             points = []
             for b in range(len(at)):
                 best = int(np.argmax(found.value.hi[b]))
@@ -280,10 +349,11 @@ class _Search:
         """Return corners to which the options grow from the middle, the best first."""
         lower, upper = self._root.lower, self._root.upper
         middle = 0.5 * (lower + upper)[None]
-        found, proven = self._prover.options(self._quantity, middle, middle, self._all)
-        if not proven[0]:
+        look = self._prover.look(self._quantity, middle, middle, self._all)
+        if not look.proven[0]:
             return []
-        self._attained(middle, found.value, proven)
+        self._attained(middle, look, look.proven)
+        found = look.options
         slopes = 0.5 * (found.slopes.lo + found.slopes.hi)[:, 0]
         value = found.value.hi[0] + np.abs(slopes).T @ (0.5 * (upper - lower))
         corners = []
@@ -300,7 +370,7 @@ class _Search:
         lower = np.array([node.lower for node in nodes])
         upper = np.array([node.upper for node in nodes])
         varying = np.asarray((upper > lower).any(axis=0))
-        found, proven = self._prover.options(self._quantity, lower, upper, varying)
+        found, _, proven = self._prover.look(self._quantity, lower, upper, varying)
         self._boxes += len(nodes)
         known = proven & np.isfinite(found.value.hi).all(-1)
         known &= np.isfinite(found.slopes.hi - found.slopes.lo).all((0, 2))
@@ -308,10 +378,12 @@ class _Search:
         live = asked & (found.value.hi > self._aim)
         hull = _hull(found.slopes, live)
         centres = _centres(hull, lower, upper)
-        at, sound = self._prover.options(self._quantity, centres, centres, ~self._all)
-        self._attained(centres, at.value, sound & known)
-        by_mean = up(at.value.hi + _beyond(found.slopes, lower, upper, centres))
-        by_mean = np.where(sound[:, None] & np.isfinite(by_mean), by_mean, np.inf)
+        at = self._prover.look(self._quantity, centres, centres, ~self._all)
+        self._attained(centres, at, at.proven & known)
+        by_mean = at.options.value.hi + _beyond(found.slopes, lower, upper, centres)
+        by_mean = np.where(
+            at.proven[:, None] & np.isfinite(by_mean), up(by_mean), np.inf
+        )
         bounds = np.where(asked, np.minimum(found.value.hi, by_mean), -np.inf)
         for b, node in enumerate(nodes):
             if not known[b]:
@@ -320,60 +392,60 @@ class _Search:
             node.bound = min(node.bound, float(bounds[b].max()))
             node.centre = centres[b]
             if node.bound > self._aim:
-                self._split(node, bounds[b], live[b], found.slopes[:, b], found.choice)
+                self._divide(node, _Known(bounds[b], live[b], found, b))
+
+    def _divide(self, node: Node, known: "_Known") -> None:
+        """Move a box to faces, look at some choices at a time, or cut it."""
+        asked = _asked([node], known.choice)[0]
+        open_ = asked & known.live & (known.bounds > self._aim)
+        choices = np.unique(known.choice[open_])
+        # Of a choice that is looked at all that live count, also what is bounded by its
+        # mean value: a certificate leaves out whole choices.
+        counted = asked & known.live & np.isin(known.choice, choices)
+        slopes = known.slopes(counted)
+        faces = _faces(node, slopes)
+        if faces or len(choices) == 1:
+            # What is bounded by its mean value would hide what the others' slopes are.
+            if (asked & known.live & ~counted).any():
+                [node] = self._split(node, [choices], known)
+            self._branch(node, faces, slopes)
+            return
+        for child in self._split(node, _halves(node, choices, open_, known), known):
+            self._divide(child, known)
 
     def _split(
-        self,
-        node: Node,
-        bounds: Array,
-        live: NDArray[np.bool_],
-        slopes: Interval,
-        choice: Array,
-    ) -> None:
-        """Look at choices of signs one by one, and move to faces or cut.
-
-        Args:
-            node: with the box.
-            bounds: (options,) of its options.
-            live: (options,) those whose upper ends are above the aim.
-            slopes: (n, options) their derivatives.
-            choice: (options,) of signs, to which they belong.
-        """
-        branches = [node]
-        if node.choice is None and len(set(choice.tolist())) > 1:
-            node.split = True
-            branches = [
+        self, node: Node, groups: Sequence[Array], known: "_Known"
+    ) -> list[Node]:
+        """Return nodes that look at groups of choices, on the same box."""
+        node.split = True
+        children = []
+        for group in groups:
+            chosen = np.isin(np.arange(math.prod(known.shape)), group)
+            bound = float(known.bounds[chosen[known.choice]].max())
+            children.append(
                 Node(
                     node.lower,
                     node.upper,
-                    float(bounds[choice == c].max()),
+                    bound,
                     centre=node.centre,
-                    choice=c,
+                    chosen=chosen,
                 )
-                for c in sorted(set(choice[bounds > self._aim].tolist()))
-            ]
-            node.grow(branches)
-        for branch in branches:
-            mine = live if branch is node else live & (choice == branch.choice)
-            self._branch(branch, _hull(slopes, mine))
-
-    def _branch(self, node: Node, slopes: Interval) -> None:
-        """Move a box to faces, or cut it."""
-        clear = SLACK * slopes.magnitude().max()
-        wide = node.upper > node.lower
-        grows, falls = wide & (slopes.lo > clear), wide & (slopes.hi < -clear)
-        if grows.any() or falls.any():
-            node.faces = {int(i): bool(grows[i]) for i in np.flatnonzero(grows | falls)}
-            child = Node(
-                np.where(grows, node.upper, node.lower),
-                np.where(falls, node.lower, node.upper),
-                node.bound,
-                choice=node.choice,
             )
-            node.grow([child])
-            self._push(child)
+        node.grow(children)
+        return children
+
+    def _branch(self, node: Node, faces: dict[int, bool], slopes: Interval) -> None:
+        """Move a box to faces, or cut it if there are none."""
+        if not faces:
+            self._cut(node, slopes.magnitude() * (node.upper - node.lower))
             return
-        self._cut(node, slopes.magnitude() * (node.upper - node.lower))
+        node.faces = faces
+        lower, upper = node.lower.copy(), node.upper.copy()
+        for i, rises in faces.items():
+            lower[i] = upper[i] = node.upper[i] if rises else node.lower[i]
+        child = Node(lower, upper, node.bound, chosen=node.chosen)
+        node.grow([child])
+        self._push(child)
 
     def _cut(self, node: Node, effect: Array) -> None:
         i = int(np.argmax(effect))
@@ -385,8 +457,8 @@ class _Search:
         node.cut = (i, x)
         node.grow(
             [
-                Node(node.lower, below, node.bound, choice=node.choice),
-                Node(above, node.upper, node.bound, choice=node.choice),
+                Node(node.lower, below, node.bound, chosen=node.chosen),
+                Node(above, node.upper, node.bound, chosen=node.chosen),
             ]
         )
         for child in node.children:
@@ -433,10 +505,66 @@ def _asked(nodes: Sequence[Node], choice: Array) -> NDArray[np.bool_]:
     """Return which options (nodes, options) nodes look at."""
     return np.array(
         [
-            np.full(len(choice), True) if node.choice is None else choice == node.choice
+            np.full(len(choice), True) if node.chosen is None else node.chosen[choice]
             for node in nodes
         ]
     )
+
+
+class _Known(NamedTuple):
+    """What is known on one box."""
+
+    bounds: Array
+    """(options,) of each option."""
+    live: NDArray[np.bool_]
+    """(options,) those whose upper ends are above the aim."""
+    found: Options
+    box: int
+    """Which of their boxes it is."""
+
+    @property
+    def choice(self) -> Array:
+        """(options,) to which options belong."""
+        return self.found.choice
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """How many choices there are of each term."""
+        return self.found.shape
+
+    def slopes(self, options: NDArray[np.bool_]) -> Interval:
+        """Return the hull (n,) of the derivatives of some options."""
+        return _hull(self.found.slopes[:, self.box], options)
+
+
+def _faces(node: Node, slopes: Interval) -> dict[int, bool]:
+    """Return the coordinates that a quantity grows with, and whether upward."""
+    clear = SLACK * slopes.magnitude().max()
+    wide = node.upper > node.lower
+    grows, falls = wide & (slopes.lo > clear), wide & (slopes.hi < -clear)
+    return {int(i): bool(grows[i]) for i in np.flatnonzero(grows | falls)}
+
+
+def _halves(
+    node: Node, choices: Array, open_: NDArray[np.bool_], known: _Known
+) -> list[Array]:
+    """Return choices in two groups, by those of one term.
+
+    Of all such the one after which least is unknown of how the quantity grows.
+    """
+    of_term = np.array(np.unravel_index(choices.astype(int), known.shape))
+
+    def unknown(group: Array) -> float:
+        slopes = known.slopes(open_ & np.isin(known.choice, group))
+        both = np.minimum(np.maximum(slopes.hi, 0.0), np.maximum(-slopes.lo, 0.0))
+        return float((both * (node.upper - node.lower)).sum())
+
+    ways = [
+        [choices[term < begin], choices[term >= begin]]
+        for term in of_term
+        for begin in np.unique(term)[1:]
+    ]
+    return min(ways, key=lambda groups: sum(unknown(group) for group in groups))
 
 
 def _hull(slopes: Interval, live: NDArray[np.bool_]) -> Interval:

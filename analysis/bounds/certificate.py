@@ -108,6 +108,8 @@ def _quantity(quantity: Quantity) -> dict[str, Any]:
                 "signs": list(term.signs),
                 "pieces": [term.first, term.last],
                 "blocks": list(term.blocks),
+                "coast": term.coast,
+                "levels": _plain(term.levels),
             }
             for term in quantity.terms
         ],
@@ -129,8 +131,7 @@ def nodes_of(tree: Node | Sequence[Any]) -> list[Any]:
         pending.extend(reversed(node.children))
         centre = None if node.centre is None else _plain(node.centre.tolist())
         if node.split:
-            choices = [child.choice for child in node.children]
-            nodes.append(["split", choices, centre])
+            nodes.append(["split", [_chosen(child) for child in node.children], centre])
         elif node.cut is not None:
             nodes.append(["cut", node.cut[0], node.cut[1].hex()])
         elif node.faces:
@@ -139,6 +140,12 @@ def nodes_of(tree: Node | Sequence[Any]) -> list[Any]:
         else:
             nodes.append(["leaf", centre])
     return nodes
+
+
+def _chosen(node: Node) -> list[int]:
+    """Return the choices that a node looks at."""
+    assert node.chosen is not None
+    return [int(c) for c in np.flatnonzero(node.chosen)]
 
 
 def _plain(value: Any) -> Any:

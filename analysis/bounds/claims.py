@@ -144,7 +144,7 @@ def claim_of(
         ValueError: there is no such metric.
     """
     metric = metric_named(name)
-    _check(metric, name)
+    _check(metric, name, problem)
     assert metric.signal is not None
     body = metric.pair or separation.B
     B = [b.name for b in problem.bodies].index(body)
@@ -160,6 +160,8 @@ def claim_of(
     window = _window(metric, problem, grid, pair, at_once=at_once)
     if kind != "peak" and window != (0, len(grid.times) - 2):
         raise NotCovered(f"{name}: bounds cover integrals over whole runs")
+    of_sum = kind == "peak" and len(signals) > 1
+    blocks = _blocks(window, grid) if of_sum else ()
     return Claim(
         metric=name,
         side=side,
@@ -171,7 +173,7 @@ def claim_of(
                     signs=signs,
                     first=window[0],
                     last=window[1],
-                    blocks=_blocks(window, grid) if len(signals) > 1 else (),
+                    blocks=blocks,
                     since="separation" if _since_separation(metric) else "first",
                     moment=not isinstance(metric.when, Window),
                 )
@@ -187,12 +189,14 @@ def claim_of(
 _OTHER: dict[Side, Side] = {"highest": "lowest", "lowest": "highest"}
 
 
-def _check(metric: Metric, name: str) -> None:
+def _check(metric: Metric, name: str, problem: BoundProblem) -> None:
     signal = metric.signal
     if signal is None or metric.functional is Functional.TIME_WITHIN:
         raise NotCovered(f"{name}: bounds do not cover times")
     if signal.summed or signal.jumps or signal.quantity not in (*_FIELDS, "angle"):
         raise NotCovered(f"{name}: bounds do not cover the {signal.words}")
+    if signal.quantity == "angle" and problem.attitude is None:
+        raise NotCovered(f"{name}: bounds of angles cover no tolerance of attitudes")
     if metric.combined is Combined.SMALLEST:
         raise NotCovered(f"{name}: bounds do not cover the smallest of components")
 

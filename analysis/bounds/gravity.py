@@ -5,8 +5,6 @@ Numbers in brackets are those of docs/proof.md.
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from drakesep.analysis.bounds.box import (
     Boxes,
     Matrix,
@@ -94,8 +92,7 @@ def _start_and_speed(boxes: Boxes, b: int) -> tuple[Interval, Interval]:
     problem = boxes.problem
     start = _in_stack(boxes, b)
     from_A = [x - y for x, y in zip(start, _in_stack(boxes, 0), strict=True)]
-    turning = Interval(np.array(problem.rate))
-    w = _length([turning[i] for i in range(3)])
+    w = _length([x.value for x in boxes.vector(problem.rate)])
     given = [
         boxes.law(spring).amplitude
         for spring in problem.springs
@@ -111,7 +108,7 @@ def _in_stack(boxes: Boxes, b: int) -> list[Interval]:
     """Return where a body's CG is in the stack."""
     body = boxes.problem.bodies[b]
     R: Matrix = matrix(body.orientation)
-    cg = turned(R, boxes.place(body.cg))
+    cg = turned(R, boxes.vector(body.cg))
     return [
         (x + Affine(Interval(o))).value for x, o in zip(cg, body.place, strict=True)
     ]

@@ -5,7 +5,7 @@ boxes, then pieces of time. What depends on few parameters, and not on time, is 
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Self
+from typing import Self, TypeVar
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from drakesep.systems.arrays import Array
 
 
 class Affine:
-    """A number that changes linearly with a few parameters: value and slopes."""
+    """A number that changes with a few parameters alone: value and slopes."""
 
     __array_ufunc__ = None
     __slots__ = ("slopes", "value")
@@ -49,7 +49,12 @@ class Affine:
     def __sub__(self, other: "Affine") -> "Affine":
         return self + -other
 
-    def __mul__(self, factor: "float | Interval") -> "Affine":
+    def __mul__(self, factor: "float | Interval | Affine") -> "Affine":
+        if isinstance(factor, Affine):
+            # Not affine any more: what its slopes are over the boxes.
+            return self * factor.value + Affine(
+                Interval(0.0), (factor * self.value).slopes
+            )
         slopes = {i: x * factor for i, x in self.slopes.items()}
         return Affine(self.value * factor, slopes)
 
@@ -168,8 +173,11 @@ def _wide(low: Array, high: Array, b: Jet) -> tuple[Array, Array]:
     return low, high
 
 
-def cross(a: Sequence[Jet], b: Sequence[Jet | Affine]) -> list[Jet]:
-    """Return a x b, of jets with jets or affine numbers."""
+_X = TypeVar("_X", Jet, Affine)
+
+
+def cross(a: Sequence[_X], b: Sequence["_X | Affine"]) -> list[_X]:
+    """Return a x b, of jets or affine numbers with such or affine ones."""
     return [a[i] * b[j] - a[j] * b[i] for i, j in ((1, 2), (2, 0), (0, 1))]
 
 

@@ -160,7 +160,7 @@ class Enclosure:
         self._mated = [mating(problem, pair) for pair in problem.pairs]
         self._inertia = [[boxes.affine(x) for x in b.inertia] for b in problem.bodies]
         self._G = [inverse([x.value for x in entries]) for entries in self._inertia]
-        rate = [Affine(Interval(x)) for x in problem.rate]
+        rate = boxes.vector(problem.rate)
         self.rate0 = [
             turned(transposed(matrix(b.orientation)), rate) for b in problem.bodies
         ]
@@ -199,7 +199,7 @@ class Enclosure:
         pad_B = boxes.pad_in_B(spring)
         axis = [entry(x) for x in spring.axis]
         pad, cg_A, cg_B = (
-            boxes.place(x)
+            boxes.vector(x)
             for x in (
                 spring.place,
                 self.problem.bodies[pair.A].cg,
@@ -305,7 +305,7 @@ class Enclosure:
         self._velocity0: list[AffineVector] = []
         for pair, mated in zip(self.problem.pairs, self._mated, strict=True):
             cg_A, cg_B = (
-                self._boxes.place(self.problem.bodies[b].cg) for b in (pair.A, pair.B)
+                self._boxes.vector(self.problem.bodies[b].cg) for b in (pair.A, pair.B)
             )
             point = [Affine(Interval(x)) for x in pair.reference]
             start, reference = (
@@ -322,9 +322,7 @@ class Enclosure:
             self._reference_arm.append(
                 [x - y for x, y in zip(point, cg_B, strict=True)]
             )
-            rate = [x.value for x in self.rate0[pair.A]]
-            back = affine_cross(start, rate)
-            self._velocity0.append([-x for x in back])
+            self._velocity0.append(cross(self.rate0[pair.A], start))
 
     # ----------------------------------------------------------- the right sides
 
@@ -552,6 +550,36 @@ class Enclosure:
             U - a + b for U, a, b in zip(state.U[j], with_A, with_stack, strict=True)
         ]
 
+    def accelerations(self) -> list[list[Jet]]:
+        """Return the derivative of the rate of each body by time, without springs.
+
+        It is the motion's after the push.
+        """
+        w = self.rates(self.state)
+        return [self._acceleration(b, w[b]) for b in range(len(w))]
+
+    def _acceleration(self, b: int, w: list[Jet]) -> list[Jet]:
+        torque = []
+        gyro = self._gyroscopic(b, w, self.state.S[b])
+        for x, most in zip(gyro, self._gravity.torque[b], strict=True):
+            torque.append(-x + Interval(-most, most))
+        return self._solved(b, torque)
+
+    def relative_acceleration(self, j: int) -> list[Jet]:
+        """Return the derivative of a pair's relative rate by time: (19), too."""
+        pair, R_BA = self.problem.pairs[j], transposed(self._mated[j].R0)
+        Q, u = self.state.Q[j], self.changes(self.state)
+        changes = self.accelerations()
+        of_A = rotated(R_BA, changes[pair.A])
+        rate = rotated(R_BA, self.rates(self.state)[pair.A])
+        turning = _turning(Q, self.relative_rate(self.state, u, j))
+        return [
+            changes[pair.B][a]
+            - of_A[a]
+            - total([turning[b][a] * rate[b] + Q[b][a] * of_A[b] for b in range(3)])
+            for a in range(3)
+        ]
+
     # ------------------------------------------------------------- the inclusion
 
     def _zero(self) -> Jet:
@@ -630,11 +658,10 @@ def _weighted(weights: Sequence[Interval], terms: Sequence[_Terms]) -> _Terms:
 
 
 def _applied(entries: Sequence[Affine], w: AffineVector) -> AffineVector:
-    """Return I w of an inertia by its entries and a constant rate."""
+    """Return I w of an inertia by its entries."""
     xx, yy, zz, xy, xz, yz = entries
-    rate = [x.value for x in w]
     return [
-        total([x * y for x, y in zip(row, rate, strict=True)])
+        total([x * y for x, y in zip(row, w, strict=True)])
         for row in ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
     ]
 

@@ -15,8 +15,9 @@ from drakesep.systems.checks import InputError, Vector3
 from drakesep.systems.equations.mated_stack import nominal_place
 from drakesep.systems.equations.pushers import push_axis, push_place
 from drakesep.systems.model.orbit import Orbit
+from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW
 from drakesep.systems.model.parameters import parameters, places_of_parts
-from drakesep.systems.model.separation import Attachment, Body, Separation
+from drakesep.systems.model.separation import STACK, Attachment, Body, Separation
 from drakesep.systems.model.springs import Spring
 from drakesep.systems.vectors import Rotation, quaternion, rotation_matrix
 
@@ -34,7 +35,7 @@ class Number(NamedTuple):
     """Its place among the parameters."""
 
 
-Place: TypeAlias = tuple[Number, Number, Number]
+Vector: TypeAlias = tuple[Number, Number, Number]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +57,7 @@ class BoundBody:
 
     name: str
     mass: Number
-    cg: Place
+    cg: Vector
     """From its origin, in its axes."""
     inertia: tuple[Number, ...]
     """About the CG, entries xx, yy, zz, xy, xz, yz."""
@@ -85,7 +86,7 @@ class BoundSpring:
     force_max: Number
     stroke: Number
     design_mass: Number
-    place: Place
+    place: Vector
     """Of its pad in A."""
     axis: Vector3
     """Along which it pushes, in A; rounded, as `BoundBody.orientation`."""
@@ -111,9 +112,10 @@ class BoundProblem:
     pairs: tuple[BoundPair, ...]
     """The first is that of the separation."""
     springs: tuple[BoundSpring, ...]
-    attitude: Rotation
-    """Of the stack in W, row by row; rounded, as `BoundBody.orientation`."""
-    rate: Vector3
+    attitude: Rotation | None
+    """Of the stack in W, row by row; rounded, as `BoundBody.orientation`. None where
+    it varies: nothing but angles in W depends on it."""
+    rate: Vector
     """Of the stack, in its axes."""
     gravity: Gravity | None
 
@@ -125,7 +127,8 @@ def problem_of(separation: Separation, box: ToleranceBox) -> BoundProblem:
         NotCovered: something of it is.
     """
     _check_separation(separation)
-    still = places_of_parts(separation)
+    attitude = {f"{STACK}.attitude_{axis}" for axis in ROLL_PITCH_YAW}
+    still = {*places_of_parts(separation), *attitude}
     moving = [d for d in box.dispersions if d.name not in still]
     indices = {d.name: i for i, d in enumerate(moving)}
     read = _read(separation)
@@ -166,13 +169,15 @@ def problem_of(separation: Separation, box: ToleranceBox) -> BoundProblem:
                 force_max=number(f"{s.name}.force_max"),
                 stroke=number(f"{s.name}.stroke"),
                 design_mass=number(f"{s.name}.design_mass"),
-                place=_place(number, f"{a.name}.position"),
+                place=_vector(number, f"{a.name}.position"),
                 axis=push_axis(s.axis_A, s.tilt_y, s.tilt_z, math),
             )
             for a, s in pushing
         ),
-        attitude=rotation_matrix(quaternion(separation.initial.rpy_WA, math)),
-        rate=separation.initial.w_WA_A,
+        attitude=None
+        if attitude.intersection(box.names)
+        else rotation_matrix(quaternion(separation.initial.rpy_WA, math)),
+        rate=_vector(number, f"{STACK}.rate"),
         gravity=_gravity(separation.orbit),
     )
     _check_forces(problem)
@@ -185,7 +190,7 @@ def _number(
     return Number(values[name], indices.get(name))
 
 
-def _place(number: functools.partial[Number], stem: str) -> Place:
+def _vector(number: functools.partial[Number], stem: str) -> Vector:
     return number(f"{stem}_x"), number(f"{stem}_y"), number(f"{stem}_z")
 
 
@@ -195,7 +200,7 @@ def _body(body: Body, number: functools.partial[Number]) -> BoundBody:
     return BoundBody(
         name=body.name,
         mass=number(f"{body.name}.mass"),
-        cg=_place(number, f"{body.name}.cg"),
+        cg=_vector(number, f"{body.name}.cg"),
         inertia=tuple(number(f"{body.name}.inertia_{e}") for e in entries),
         orientation=rotation_matrix(place.q_SB),
         place=place.p_SBo,
@@ -224,6 +229,7 @@ def _read(separation: Separation) -> set[str]:
     owned: dict[str, tuple[str, ...]] = {body.name: _BODY for body in separation.bodies}
     owned |= {spring.name: _SPRING for spring in separation.springs}
     owned |= {a.name: ("position_",) for a in separation.attachments}
+    owned[STACK] = ("rate_",)
     found = set()
     for name in parameters(separation):
         owner, _, quantity = name.rpartition(".")

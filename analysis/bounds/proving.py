@@ -189,7 +189,6 @@ def _proven(
     box = case.box
     columns = [box.names.index(p.name) for p in problem.parameters]
     points = [box.clipped(box.scaled(values))[columns] for values in starts]
-    effort = Effort(gap=settings.gap, seconds=settings.seconds)
     proven: dict[str, Bound] = {}
     not_covered: dict[str, str] = {}
     for metric, side in asked:
@@ -205,6 +204,9 @@ def _proven(
             proof = known[name]
         else:
             told = functools.partial(on_progress, name)
+            # A root's gap is half of that of what it is of.
+            gap = settings.gap * (2.0 if claim.squared else 1.0)
+            effort = Effort(gap=gap, seconds=settings.seconds)
             proof = prover.prove(claim.quantity, effort, points, told)
             on_proof(name, proof)
         if not math.isfinite(proof.bound):

@@ -1,21 +1,31 @@
 """What bounds are proven of: signals of the enclosed motion, and what is made of them.
 
 Each comes with its derivatives, over boxes and pieces of time: section 6 of
-docs/proof.md.
+docs/proof.md. What is made of them is the largest of some options: section 7.
 """
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 
 from drakesep.analysis.bounds.box import Matrix, entry, matrix, product, transposed
-from drakesep.analysis.bounds.intervals import TINY, Interval, arcsin, arctan2, total
+from drakesep.analysis.bounds.integrals import (
+    by_mean,
+    by_sign,
+    mean,
+    of_magnitude,
+    of_square,
+    sign_of,
+)
+from drakesep.analysis.bounds.intervals import Interval, arcsin, arctan2, total
 from drakesep.analysis.bounds.jets import Jet, combined, rotated
 from drakesep.analysis.bounds.motion import Enclosure, Grid
+from drakesep.analysis.bounds.options import Options, beside, option, summed
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import Vector3
 
@@ -61,6 +71,11 @@ class Term:
     and the end of the last block."""
     moment: bool = False
     """Whether it looks at one moment alone, that with which it begins."""
+    coast: int | None = None
+    """Of an integral: the piece from which on its signal is looked at as a whole, by
+    its sign or by its mean; None: nowhere."""
+    levels: tuple[float, ...] = ()
+    """Of an integral of a square: between them its signal's mean lies, from there."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,41 +90,79 @@ class Quantity:
         """Whether it takes orientations in W."""
         return any(term.signal.field == "angle" for term in self.terms)
 
-
-class Options(NamedTuple):
-    """Numbers of which a quantity is the largest, and their derivatives."""
-
-    value: Interval
-    """(boxes, options)."""
-    slopes: Interval
-    """(parameters, boxes, options)."""
-    choice: Array
-    """(options,) to which choice of signs each belongs, from 0."""
+    @property
+    def may_coast(self) -> bool:
+        """Whether all of it can be looked at as a whole after the push."""
+        return self.kind != "peak" and all(
+            term.signal.law == "component"
+            and term.signal.field in ("rate", "relative_rate")
+            for term in self.terms
+        )
 
 
 def options(enclosure: Enclosure, grid: Grid, quantity: Quantity) -> Options:
     """Return the options of a quantity.
 
     Of one peak each piece of time with each sign; of a sum of peaks each choice of
-    signs and blocks of time, with the largest in these; of integrals the quantity
-    itself.
+    signs and blocks of time, with the largest in these; of integrals each choice of
+    signs, or of cells in which means lie.
     """
-    signals = [_signal(enclosure, term) for term in quantity.terms]
+    terms = quantity.terms
+    signals = [_signal(enclosure, term) for term in terms]
     if quantity.kind != "peak":
-        return _summed([_integral(x, grid, quantity.kind) for x in signals])
-    if len(signals) == 1:
-        return _beside(
-            [_with_sign(signals[0], sign) for sign in quantity.terms[0].signs]
+        return summed(
+            [
+                _integral(enclosure, grid, quantity.kind, term, x)
+                for term, x in zip(terms, signals, strict=True)
+            ]
         )
-    each = [
+    if len(terms) == 1:
+        return beside([_with_sign(signals[0], sign) for sign in terms[0].signs])
+    return summed(
         [
-            _largest(_with_sign(x[..., start:stop], sign))
-            for sign in term.signs
-            for start, stop in itertools.pairwise(term.blocks)
+            beside(
+                [
+                    _largest(_with_sign(x[..., start:stop], sign))
+                    for sign in term.signs
+                    for start, stop in itertools.pairwise(term.blocks)
+                ]
+            )
+            for x, term in zip(signals, terms, strict=True)
         ]
-        for x, term in zip(signals, quantity.terms, strict=True)
-    ]
-    return _beside([_summed(chosen) for chosen in itertools.product(*each)])
+    )
+
+
+def least(
+    enclosure: Enclosure, grid: Grid, quantity: Quantity, found: Options
+) -> Array:
+    """Return what a quantity surely is (boxes,) over all of boxes, from its options.
+
+    Of one peak it is so if the whole of its window is looked at.
+    """
+    if quantity.kind == "peak":
+        return np.asarray(found.value.lo.max(-1))
+    plain = [dataclasses.replace(term, coast=None) for term in quantity.terms]
+    whole = dataclasses.replace(quantity, terms=tuple(plain))
+    return np.asarray(options(enclosure, grid, whole).value.lo[..., 0])
+
+
+def means(enclosure: Enclosure, grid: Grid, term: Term, coast: int) -> Interval:
+    """Return the mean (boxes, 1) of a term's signal from a piece on."""
+    return mean(_signal(enclosure, term), grid, coast)
+
+
+def _integral(
+    enclosure: Enclosure, grid: Grid, kind: Kind, term: Term, x: Jet
+) -> Options:
+    """Return the options of an integral over all pieces."""
+    if kind == "integral_of_magnitude":
+        if term.coast is None:
+            return of_magnitude(x, grid.lengths)
+        return by_sign(x, grid, term.coast)
+    if term.coast is None:
+        return of_square(x, grid.lengths)
+    change = _change(enclosure, term)
+    return by_mean(x, change, grid, term.coast, term.levels)
 
 
 def _signal(enclosure: Enclosure, term: Term) -> Jet:
@@ -128,6 +181,17 @@ def _signal(enclosure: Enclosure, term: Term) -> Jet:
         case "across_squared":
             across = rotated(_across(constants), vector)
             return total([x.squared() for x in across])
+
+
+def _change(enclosure: Enclosure, term: Term) -> Jet:
+    """Return the derivative by time of a component of a rate, without springs."""
+    signal = term.signal
+    assert signal.law == "component"
+    if signal.field == "rate":
+        pair = enclosure.problem.pairs[signal.pair]
+        return enclosure.accelerations()[pair.B][signal.component]
+    assert signal.field == "relative_rate"
+    return enclosure.relative_acceleration(signal.pair)[signal.component]
 
 
 def _across(v: Sequence[Interval]) -> Matrix:
@@ -161,6 +225,7 @@ def _field(enclosure: Enclosure, signal: Signal) -> list[Jet]:
 def _angles(enclosure: Enclosure, j: int) -> list[Jet]:
     """Return roll, pitch and yaw from the mated attitude in the nominal stack."""
     problem = enclosure.problem
+    assert problem.attitude is not None
     R_SB = matrix(problem.bodies[problem.pairs[j].B].orientation)
     start = product(transposed(R_SB), product(matrix(problem.attitude), R_SB))
     P = enclosure.state.P[j]
@@ -198,73 +263,26 @@ def _jet(value: Interval, slopes: Interval) -> Jet:
     )
 
 
-def _beside(parts: Sequence[Options]) -> Options:
-    """Return options that there are together."""
-    counts = [part.value.lo.shape[-1] for part in parts]
-    return Options(
-        Interval(*(_side_by_side([part.value for part in parts]))),
-        Interval(*(_side_by_side([part.slopes for part in parts]))),
-        np.repeat(np.arange(len(parts)), counts),
-    )
-
-
-def _side_by_side(parts: Sequence[Interval]) -> tuple[Array, Array]:
-    lo, hi = ([getattr(x, end) for x in parts] for end in ("lo", "hi"))
-    return np.concatenate(lo, -1), np.concatenate(hi, -1)
-
-
 def _with_sign(x: Jet, sign: int) -> Options:
     if sign == 1:
-        return _options(x.value, x.slopes)
+        return option(x.value, x.slopes)
     if sign == -1:
-        return _options(-x.value, -x.slopes)
-    return _options(-x.value.abs(), -(x.slopes * _sign(x.value)))
-
-
-def _options(value: Interval, slopes: Interval) -> Options:
-    """Return options of one choice of signs."""
-    return Options(value, slopes, np.zeros(value.lo.shape[-1], dtype=int))
-
-
-def _sign(x: Interval) -> Interval:
-    return Interval(np.where(x.lo > 0.0, 1.0, -1.0), np.where(x.hi < 0.0, -1.0, 1.0))
+        return option(-x.value, -x.slopes)
+    return option(-x.value.abs(), -(x.slopes * sign_of(x.value)))
 
 
 def _largest(peak: Options) -> Options:
     """Return the largest option, whichever that may be, as one."""
-    value, slopes, _ = peak
-    least = value.lo.max(-1, keepdims=True)
-    active = value.hi >= least
-    return _options(
-        Interval(least, value.hi.max(-1, keepdims=True)),
+    value, slopes = peak.value, peak.slopes
+    low = value.lo.max(-1, keepdims=True)
+    active = value.hi >= low
+    return option(
+        Interval(low, value.hi.max(-1, keepdims=True)),
         Interval(
             np.where(active, slopes.lo, np.inf).min(-1, keepdims=True),
             np.where(active, slopes.hi, -np.inf).max(-1, keepdims=True),
         ),
     )
-
-
-def _summed(parts: Sequence[Options]) -> Options:
-    return _options(
-        total([part.value for part in parts]), total([part.slopes for part in parts])
-    )
-
-
-def _integral(x: Jet, grid: Grid, kind: Kind) -> Options:
-    """Return an integral over all pieces."""
-    if kind == "integral_of_square":
-        value, slopes = x.value.square(), x.slopes * x.value * 2.0
-    else:
-        value, slopes = x.value.abs(), x.slopes * _sign(x.value)
-    return _options(_over_time(value, grid), _over_time(slopes, grid))
-
-
-def _over_time(x: Interval, grid: Grid) -> Interval:
-    """Return the sum over pieces of time."""
-    lo, hi = x.lo * grid.lengths, x.hi * grid.lengths
-    size = np.maximum(np.abs(lo), np.abs(hi)).sum(-1, keepdims=True)
-    wide = size * ((len(grid.lengths) + 6) * 2.0**-52) + TINY * len(grid.lengths)
-    return Interval(lo.sum(-1, keepdims=True) - wide, hi.sum(-1, keepdims=True) + wide)
 
 
 def root(bound: float) -> float:

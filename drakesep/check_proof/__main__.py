@@ -12,7 +12,7 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from .certificate import Certificate, Claim, Unreadable
-from .checking import outcomes, read_certificate
+from .checking import longest_first, outcomes, read_certificate
 from .tree import Outcome
 from .words import in_words
 
@@ -66,7 +66,9 @@ def _all_checked(read: Certificate, path: Path, processes: int) -> Iterator[Outc
         yield from outcomes(read, range(count))
         return
     with ProcessPoolExecutor(min(processes, count)) as pool:
-        yield from pool.map(_outcome, [str(path)] * count, range(count))
+        begun = {c: pool.submit(_outcome, str(path), c) for c in longest_first(read)}
+        for c in range(count):
+            yield begun[c].result()
 
 
 def _outcome(path: str, c: int) -> Outcome:

@@ -198,8 +198,8 @@ class Problem:
     bodies: list[Body]
     pairs: list[Pair]
     springs: list[Spring]
-    R_W: Matrix
-    rate: list[float]
+    R_W: Matrix | None
+    rate: list[Value]
     gravity: Gravity | None
     grid: list[float]
 
@@ -222,13 +222,6 @@ class Problem:
             law = tuple(value.value for value in spring.law)
             alike.setdefault((spring.pair, axis, law), []).append(k)
         return list(alike.values())
-
-    @cached_property
-    def rates(self) -> Matrix:
-        """The rate of the mated stack in each body's axes."""
-        rate_S = [[point(x)] for x in self.rate]
-        rates = [scaled(transposed(body.R_S), rate_S) for body in self.bodies]
-        return [[jet[0] for jet in rate] for rate in rates]
 
     @property
     def root(self) -> "Box":
@@ -275,6 +268,8 @@ class Term:
     signs: list[int]
     pieces: range
     blocks: list[range]  # of pieces, from the first of the window on
+    coast: int | None  # piece from which on an integral is looked at as a whole
+    levels: list[float]  # between which the mean of what is squared lies
 
 
 @dataclass(frozen=True)
@@ -299,6 +294,7 @@ class Certificate:
 
 
 FIELDS = ("rate", "relative_rate", "relative_velocity", "relative_position", "angle")
+RATES = ("rate", "relative_rate")
 LAWS = ("component", "along", "length_squared", "across_squared")
 KINDS = ("peak", "integral_of_magnitude", "integral_of_square")
 
@@ -349,7 +345,7 @@ def _problem(record: object, grid: list[float]) -> Problem:
         _spring(s, f"problem.springs[{k}]", parameters, len(pairs))
         for k, s in enumerate(items(top["springs"], "problem.springs"))
     ]
-    rate = [number(x, "problem.rate") for x in items(top["rate"], "problem.rate", 3)]
+    rate = _values(top["rate"], "problem.rate", parameters, 3)
     gravity = None
     if top["gravity"] is not None:
         g = keys(top["gravity"], "problem.gravity", "mu least_radius")
@@ -357,7 +353,9 @@ def _problem(record: object, grid: list[float]) -> Problem:
             positive(g["mu"], "problem.gravity.mu"),
             positive(g["least_radius"], "problem.gravity.least_radius"),
         )
-    R_W = rotation(top["attitude"], "problem.attitude")
+    R_W = None
+    if top["attitude"] is not None:
+        R_W = rotation(top["attitude"], "problem.attitude")
     problem = Problem(parameters, bodies, pairs, springs, R_W, rate, gravity, grid)
     _check_pairs(problem)
     return problem
@@ -508,10 +506,17 @@ def _claim(record: object, name: str, problem: Problem) -> Claim:
 
 
 def _term(record: object, name: str, problem: Problem, kind: str) -> Term:
-    t = keys(record, name, "field pair law", "vector component signs pieces blocks")
+    t = keys(
+        record,
+        name,
+        "field pair law",
+        "vector component signs pieces blocks coast levels",
+    )
     for key, allowed in (("field", FIELDS), ("law", LAWS)):
         if t[key] not in allowed:
             raise Unreadable(f"{name}.{key}: wanted one of {allowed}, got {t[key]!r}")
+    if t["field"] == "angle" and problem.R_W is None:
+        raise Unreadable(f"{name}.field: of angles, problem.attitude is wanted")
     component, vector = None, None
     if t["law"] == "component":
         component = index(t.get("component"), f"{name}.component", 3)
@@ -533,6 +538,7 @@ def _term(record: object, name: str, problem: Problem, kind: str) -> Term:
     pieces = range(first, last + 1)
     if kind != "peak" and len(pieces) < problem.pieces:
         raise Unreadable(f"{name}.pieces: an integral is over the whole time")
+    coast, levels = _coast(t, name, problem, kind)
     return Term(
         t["field"],
         index(t["pair"], f"{name}.pair", len(problem.pairs)),
@@ -542,7 +548,31 @@ def _term(record: object, name: str, problem: Problem, kind: str) -> Term:
         signs,
         pieces,
         _blocks(t.get("blocks"), f"{name}.blocks", len(pieces)),
+        coast,
+        levels,
     )
+
+
+def _coast(
+    t: dict[str, Any], name: str, problem: Problem, kind: str
+) -> tuple[int | None, list[float]]:
+    """Return from which piece on an integral is looked at as a whole, and levels."""
+    coast = t.get("coast")
+    levels = [
+        number(x, f"{name}.levels")
+        for x in items(t.get("levels") or [], f"{name}.levels")
+    ]
+    if any(b <= a for a, b in pairwise(levels)):
+        raise Unreadable(f"{name}.levels: must grow")
+    if coast is None and not levels:
+        return None, []
+    if kind == "peak" or (levels and kind != "integral_of_square"):
+        raise Unreadable(f"{name}: {kind} has no coast, or no levels")
+    if kind == "integral_of_square" and (
+        t["law"] != "component" or t["field"] not in RATES
+    ):
+        raise Unreadable(f"{name}.coast: squares have one of components of rates alone")
+    return index(coast, f"{name}.coast", problem.pieces), levels
 
 
 def _blocks(bounds: object, name: str, count: int) -> list[range]:

@@ -80,8 +80,7 @@ def _moved(b: int, problem: Problem, constants: Constants, duration: arb) -> arb
     assert problem.gravity is not None
     body, first = problem.bodies[b], problem.bodies[0]
     place, at_rest = (_place(x, constants) for x in (body, first))
-    rate_S = [[point(x)] for x in problem.rate]
-    velocity = cross(rate_S, vector_minus(place, at_rest))
+    velocity = cross(constants.vector(problem.rate), vector_minus(place, at_rest))
     impulse = ZERO
     for spring in problem.springs:
         pair = problem.pairs[spring.pair]

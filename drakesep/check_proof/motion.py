@@ -168,7 +168,8 @@ class MovingBody:
         slope = negative(square(inverse_mass))
         self.inverse_mass: Jet = [inverse_mass, *times(slope, mass[1:])]
         self.cg = constants.vector(body.cg)
-        self.mated_rate = constants.constant(constants.problem.rates[b])
+        rate_S = constants.vector(constants.problem.rate)
+        self.mated_rate = scaled(transposed(body.R_S), rate_S)
         self.mated_momentum = by_vector(self.inertia, self.mated_rate)
 
     def change_of_rate(self, S: Vector) -> Vector:
@@ -547,6 +548,10 @@ class Motion:
         self, b: int, S: list[Vector], w: list[Vector]
     ) -> list[Vector]:
         """Return the integral of the torques but for those of springs."""
+        return integral(self._torques(b, S, w), self.lengths)
+
+    def _torques(self, b: int, S: list[Vector], w: list[Vector]) -> list[Vector]:
+        """Return the torques on a body, but for springs, less w x I w."""
         body = self.bodies[b]
         torque = [symmetric(x) for x in self.setting.disturbance.torque[b]]
         torques = []
@@ -558,7 +563,7 @@ class Motion:
                     for t, jet in zip(torque, gyroscopic, strict=True)
                 ]
             )
-        return integral(torques, self.lengths)
+        return torques
 
     def _velocity(self, j: int, x: State, k: Kinematics) -> list[Vector]:
         """Eq. 9."""
@@ -605,6 +610,27 @@ class Motion:
                 cross(self.kinematics.u[a][n], place), cross(mated, way)
             )
             out.append(vector_minus(self.state.U[j][n], carried))
+        return out
+
+    def change_of_rate(self, b: int) -> list[Vector]:
+        """Return the derivative of a body's rate by time, where no spring pushes."""
+        torques = self._torques(b, self.state.S[b], self.kinematics.w[b])
+        return [self.bodies[b].change_of_rate(torque) for torque in torques]
+
+    def change_of_relative_rate(self, j: int) -> list[Vector]:
+        """Return the derivative of Omega by time, where no spring pushes (19)."""
+        pushing = self.pushing[j]
+        a, b = pushing.pair.carrier, pushing.pair.leaver
+        R0T, out = pushing.R0T, []
+        for n, (of_A, of_B) in enumerate(
+            zip(self.change_of_rate(a), self.change_of_rate(b), strict=True)
+        ):
+            Q = self.state.Q[j][n]
+            X = turned(Q, self.kinematics.relative[j][n])
+            seen = by_vector(transposed(X), scaled(R0T, self.kinematics.w[a][n]))
+            of_A = scaled(R0T, of_A)
+            by_A = vector_sum(of_A, seen, by_vector(transposed(Q), of_A))
+            out.append(vector_minus(of_B, by_A))
         return out
 
     def orientation(self, b: int) -> list[Rows]:

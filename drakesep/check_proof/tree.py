@@ -8,7 +8,7 @@ from flint import arb
 from .certificate import Box, Claim, Problem, Unreadable, index, items, number
 from .intervals import ZERO, Interval, Jet, NotVerified, hull
 from .motion import Motion, Setting
-from .quantities import choices, options
+from .quantities import Alternatives, alternatives, choices, enclosed, options
 
 
 @dataclass(frozen=True)
@@ -62,6 +62,7 @@ class Walk:
         self.bound = arb(claim.bound)
         self.nodes = iter(claim.tree)
         self.count = 0
+        self._of_terms = lru_cache(maxsize=6)(self._alternatives)
 
     def verify(self) -> None:
         """Raise NotVerified at the first node that does not hold."""
@@ -108,8 +109,10 @@ class Walk:
         raise Unreadable(f"wanted leaf, collapse, split or cut, got {node!r:.60}")
 
     def _options(self, place: Place, with_slopes: bool) -> list[Jet]:
-        motion = self.motions.on(place.box, with_slopes)
-        return options(self.claim, motion, place.chosen)
+        return options(self._of_terms(place.box, with_slopes), place.chosen)
+
+    def _alternatives(self, box: Box, with_slopes: bool) -> list[Alternatives]:
+        return alternatives(self.claim, self.motions.on(box, with_slopes))
 
     def _holds(self, place: Place, star: tuple[float, ...]) -> None:
         """Raise NotVerified unless all options looked at are at most the bound."""
@@ -130,16 +133,20 @@ class Walk:
     def _split(
         self, place: Place, listed: object, star: tuple[float, ...]
     ) -> list[Place]:
-        """Return places for each listed choice alone; the others must hold."""
+        """Return places for each listed group of choices; the others must hold."""
         count = choices(self.claim)
-        apart = [index(c, "choice", count) for c in items(listed, "choices")]
-        rest = tuple(c for c in place.chosen if c not in set(apart))
+        groups = [
+            tuple(index(c, "choice", count) for c in items(group, "group of choices"))
+            for group in items(listed, "groups of choices")
+        ]
+        apart = {c for group in groups for c in group}
+        rest = tuple(c for c in place.chosen if c not in apart)
         if rest:
             self._holds(replace(place, chosen=rest), star)
         out = []
-        for c in reversed(apart):
-            below = place.below(f"choice {c}", place.box)
-            out.append(replace(below, chosen=(c,)))
+        for group in reversed(groups):
+            below = place.below(f"choices {_few(group)}", place.box)
+            out.append(replace(below, chosen=group))
         return out
 
     def _star(self, box: Box, point: object) -> tuple[float, ...]:
@@ -205,6 +212,10 @@ class Walk:
         return slopes
 
 
+def _few(group: tuple[int, ...]) -> str:
+    return ", ".join(str(c) for c in group[:3]) + (", ..." if len(group) > 3 else "")
+
+
 def most(values: list[arb]) -> arb:
     """Return the largest."""
     first = values[0]
@@ -225,12 +236,12 @@ def checked(claim: Claim, motions: Motions) -> Outcome:
     least = float("-inf")
     try:
         at = Box(tuple(claim.at), tuple(claim.at))
-        there = options(claim, motions.on(at, False), range(choices(claim)))
-        least = float(most([jet[0][0] for jet in there]).lower())
-        if largest(there) < claim.found:
+        low, high = enclosed(claim, motions.on(at, False))
+        least = float(low.lower())
+        if high < claim.found:
             raise NotVerified(
                 f"what is said to be found, {claim.found:.10g}, is not reached at its"
-                f" point: at most {float(largest(there)):.10g}"
+                f" point: at most {float(high):.10g}"
             )
         walk.verify()
     except NotVerified as error:

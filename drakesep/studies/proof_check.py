@@ -190,10 +190,9 @@ def _outcomes(
     path: Path, read: "Certificate", workers: int
 ) -> Iterator[tuple[int, "Outcome"]]:
     """Yield what comes of claims, by their numbers, in whichever order they end."""
-    from drakesep.check_proof.checking import outcomes
+    from drakesep.check_proof.checking import longest_first, outcomes
 
-    # The largest first: none is left to one process at last.
-    order = sorted(range(len(read.claims)), key=lambda c: -len(read.claims[c].tree))
+    order = longest_first(read)
     if min(workers, len(order)) <= 1:
         yield from zip(order, outcomes(read, order), strict=True)
         return

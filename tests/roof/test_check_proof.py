@@ -9,7 +9,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from certificates import LARGEST, MASS_B, TIGHT, body, hexadecimal, push, value
+from certificates import (
+    LARGEST,
+    MASS_B,
+    TIGHT,
+    body,
+    hexadecimal,
+    parameter,
+    push,
+    value,
+)
 
 import drakesep.check_proof
 from drakesep.check_proof.__main__ import main
@@ -40,19 +49,81 @@ def test_nothing_below_the_supremum_is_verified(tmp_path, capsys):
 def test_a_free_top_keeps_its_rate(tmp_path, capsys):
     """Torque-free about an axis of symmetry: w_x stays what it is, exactly."""
     record = push(TIGHT)
-    record["problem"]["rate"] = [hexadecimal(x) for x in (0.02, 0.01, 0.0)]
+    record["problem"]["parameters"].append(parameter("rate", 0.015, 0.005))
+    record["problem"]["rate"] = [value(0.015, 2), value(0.01), value(0.0)]
     record["problem"]["bodies"][1] = body(
         "B", value(MASS_B, 1), (700, 3100, 3100, 0, 0, 0)
     )
     claim = record["claims"][0]
     [term] = claim["quantity"]["terms"]
     term |= {"field": "rate", "pieces": [0, 4]}
-    claim |= {"bound": hexadecimal(0.02 * (1 + 1e-12)), "found": hexadecimal(0.02)}
-    claim["tree"] = [["leaf", [hexadecimal(0)] * 2]]
+    claim |= {
+        "bound": hexadecimal(0.02 * (1 + 1e-12)),
+        "found": hexadecimal(0.02 * (1 - 1e-12)),
+    }
+    claim |= {"at": [hexadecimal(x) for x in (0, 0, 1)]}
+    claim["tree"] = [["leaf", None]]
     status, said = outcome(record, tmp_path, capsys)
     assert status == 0, said
     claim |= {"bound": hexadecimal(0.0199), "found": hexadecimal(0.0198)}
     assert outcome(record, tmp_path, capsys)[0] == 1
+
+
+def _square_of_a_constant_rate() -> dict[str, Any]:
+    """Of a top that is free after the push: the integral of w_x^2 over 1 s."""
+    record = push(TIGHT)
+    record["problem"]["rate"] = [value(x) for x in (0.02, 0.01, 0.0)]
+    record["problem"]["bodies"][1] = body(
+        "B", value(MASS_B, 1), (700, 3100, 3100, 0, 0, 0)
+    )
+    [claim] = record["claims"]
+    claim["quantity"]["kind"] = "integral_of_square"
+    [term] = claim["quantity"]["terms"]
+    levels = [hexadecimal(x) for x in (-0.01, 0.01)]
+    term |= {"field": "rate", "pieces": [0, 4], "coast": 4, "levels": levels}
+    claim |= {
+        "bound": hexadecimal(0.0004 * (1 + 1e-9)),
+        "found": hexadecimal(0.0004 * (1 - 1e-9)),
+    }
+    leaf = ["leaf", [hexadecimal(0)] * 2]
+    # The top choice is looked at alone, then the others together.
+    claim["tree"] = [["split", [[2], [0, 1]], None], leaf, leaf]
+    return record
+
+
+def test_an_integral_that_is_looked_at_as_a_whole_is_verified(tmp_path, capsys):
+    status, said = outcome(_square_of_a_constant_rate(), tmp_path, capsys)
+    assert status == 0, said
+
+
+WHOLE_FAULTS: dict[str, tuple[dict[str, Any], int, str]] = {
+    "during the push": ({"coast": 3}, 1, "springs may push"),
+    "of no piece": ({"coast": 5}, 2, "coast: wanted a whole number below 5"),
+    "levels fall": (
+        {"levels": [hexadecimal(0.01), hexadecimal(-0.01)]},
+        2,
+        "levels: must grow",
+    ),
+    "of a velocity": ({"field": "relative_velocity"}, 2, "rates alone"),
+}
+
+
+@pytest.mark.parametrize("fault", WHOLE_FAULTS)
+def test_a_coast_that_is_none_is_refused(fault, tmp_path, capsys):
+    change, wanted, reason = WHOLE_FAULTS[fault]
+    record = _square_of_a_constant_rate()
+    record["claims"][0]["quantity"]["terms"][0] |= change
+    status, said = outcome(record, tmp_path, capsys)
+    assert (status, reason in said) == (wanted, True), said
+
+
+def test_a_choice_that_is_left_out_must_hold(tmp_path, capsys):
+    record = _square_of_a_constant_rate()
+    [claim] = record["claims"]
+    claim |= {"bound": hexadecimal(0.00035), "found": hexadecimal(0.0003)}
+    claim["tree"] = [["split", [[0, 1]], None], ["leaf", None]]
+    status, said = outcome(record, tmp_path, capsys)
+    assert status == 1 and "above what is claimed" in said, said
 
 
 Record = dict[str, Any]
@@ -132,6 +203,11 @@ FAULTS: dict[str, tuple[Callable[[Record], Any], int, str]] = {
         lambda r: _problem(r)["attitude"].__setitem__(1, hexadecimal(1e-6)),
         2,
         "attitude",
+    ),
+    "angle without attitude": (
+        lambda r: (_problem(r).update(attitude=None), _term(r).update(field="angle")),
+        2,
+        "problem.attitude is wanted",
     ),
     "axis of a spring altered": (
         lambda r: _problem(r)["springs"][0]["axis"].__setitem__(1, hexadecimal(1e-3)),
