@@ -28,15 +28,15 @@ class Motions:
         self._values = lru_cache(maxsize=200)(self._with_values)
         self._slopes = lru_cache(maxsize=6)(self._with_slopes)
 
-    def on(self, box: Box, with_slopes: bool) -> Motion:
-        """Return the motion on a box, with its derivatives or without."""
-        return self._slopes(box) if with_slopes else self._values(box)
+    def on(self, box: Box, by: tuple[int, ...] = ()) -> Motion:
+        """Return the motion on a box, with its derivatives by some coordinates."""
+        return self._slopes(box, by) if by else self._values(box)
 
     def _with_values(self, box: Box) -> Motion:
         return Motion(self.setting, box, [])
 
-    def _with_slopes(self, box: Box) -> Motion:
-        return Motion(self.setting, box, box.live, start=self.on(box, False))
+    def _with_slopes(self, box: Box, by: tuple[int, ...]) -> Motion:
+        return Motion(self.setting, box, [*by], start=self.on(box))
 
 
 @dataclass(frozen=True)
@@ -108,20 +108,20 @@ class Walk:
             ]
         raise Unreadable(f"wanted leaf, collapse, split or cut, got {node!r:.60}")
 
-    def _options(self, place: Place, with_slopes: bool) -> list[Jet]:
-        return options(self._of_terms(place.box, with_slopes), place.chosen)
+    def _options(self, place: Place, by: tuple[int, ...] = ()) -> list[Jet]:
+        return options(self._of_terms(place.box, by), place.chosen)
 
-    def _alternatives(self, box: Box, with_slopes: bool) -> list[Alternatives]:
-        return alternatives(self.claim, self.motions.on(box, with_slopes))
+    def _alternatives(self, box: Box, by: tuple[int, ...]) -> list[Alternatives]:
+        return alternatives(self.claim, self.motions.on(box, by))
 
     def _holds(self, place: Place, star: tuple[float, ...]) -> None:
         """Raise NotVerified unless all options looked at are at most the bound."""
-        reached = largest(self._options(place, False))
+        reached = largest(self._options(place))
         if reached <= self.bound:
             return
         if place.box.live:
-            there = self._options(replace(place, box=Box(star, star)), False)
-            on = self._options(place, True)
+            there = self._options(replace(place, box=Box(star, star)))
+            on = self._options(place, tuple(place.box.live))
             reached = self._mean_value(place.box, star, there, on)
             if reached <= self.bound:
                 return
@@ -179,17 +179,18 @@ class Walk:
         """Look whether the quantity grows to the given faces; return what is left."""
         if not isinstance(faces, dict) or not faces:
             raise Unreadable(f"wanted faces by coordinate, got {faces!r:.60}")
-        slopes = self._slopes_above_bound(place)
         child = box = place.box
-        for key, face in faces.items():
-            i = int(key) if isinstance(key, str) and key.isdecimal() else -1
+        moved = tuple(int(key) if key.isdecimal() else -1 for key in faces)
+        for key, i in zip(faces, moved, strict=True):
             if i not in box.live:
                 raise NotVerified(f"coordinate {key} does not vary in the box")
+        slopes = self._slopes_above_bound(place, moved)
+        for k, (i, face) in enumerate(zip(moved, faces.values(), strict=True)):
             name = self.problem.parameters[i].name
             if face not in ("lower", "upper"):
                 raise Unreadable(f"face of {name}: wanted lower or upper, got {face!r}")
             if slopes is not None:
-                low, high = slopes[box.live.index(i)]
+                low, high = slopes[k]
                 if not (low > ZERO if face == "upper" else high < ZERO):
                     raise NotVerified(
                         f"the quantity may not grow to the {face} face of {name}: its"
@@ -199,11 +200,11 @@ class Walk:
             child = child.replaced(i, s, s)
         return child
 
-    def _slopes_above_bound(self, place: Place) -> list[Interval] | None:
+    def _slopes_above_bound(
+        self, place: Place, by: tuple[int, ...]
+    ) -> list[Interval] | None:
         """Return the derivatives of max(F, U); None if F is nowhere above U."""
-        alive = [
-            jet for jet in self._options(place, True) if not jet[0][1] <= self.bound
-        ]
+        alive = [jet for jet in self._options(place, by) if not jet[0][1] <= self.bound]
         if not alive:
             return None
         slopes = alive[0][1:]
@@ -236,7 +237,7 @@ def checked(claim: Claim, motions: Motions) -> Outcome:
     least = float("-inf")
     try:
         at = Box(tuple(claim.at), tuple(claim.at))
-        low, high = enclosed(claim, motions.on(at, False))
+        low, high = enclosed(claim, motions.on(at))
         least = float(low.lower())
         if high < claim.found:
             raise NotVerified(
