@@ -1,7 +1,6 @@
 """What is required in failure cases beside the design: nominal, worst and limits."""
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +18,8 @@ _ACROSS, _MOST = 3, 9
 """Panels beside each other, and in all."""
 _CELL = 4.2
 """Width of a panel, in."""
+TITLE = 0.9
+"""What titles take of a figure, in."""
 _ROW = 0.22
 """Height of a failure case, in."""
 
@@ -46,12 +47,11 @@ def failure_figure(
         most_across: panels beside each other, at most.
         cell: width of a panel, in.
     """
-    groups = _panels(requirements)
+    groups = panels_of(requirements)
     shown = sorted(sorted(groups, key=_least_margin)[:_MOST], key=lambda g: g.index[0])
     across = min(len(shown), most_across)
     down = math.ceil(len(shown) / across)
-    cases = requirements[CASE].nunique()
-    height = (_ROW * cases + 1.1) * down + 0.9
+    height = row_height(requirements) * down + TITLE
     figure = Figure(figsize=(cell * across + 1.2, height), layout="constrained")
     grid = figure.subplots(down, across, squeeze=False, sharey=True)
     for axes, mine in zip(grid.flat, shown, strict=False):
@@ -67,24 +67,12 @@ def failure_figure(
     return figure
 
 
-def panels_within(
-    requirements: pd.DataFrame, height: float, *, across: int
-) -> Iterator[pd.DataFrame]:
-    """Yield rows of requirements whose panels are not higher than that together.
-
-    Args:
-        requirements: as failure_requirements.csv has them.
-        height: of a figure, in.
-        across: panels beside each other.
-    """
-    groups = _panels(requirements)
-    row = _ROW * requirements[CASE].nunique() + 1.1
-    most = across * max(1, int((height - 0.9) / row))
-    for k in range(0, len(groups), most):
-        yield pd.concat(groups[k : k + most])
+def row_height(requirements: pd.DataFrame) -> float:
+    """Return the height of a row of panels, in."""
+    return _ROW * requirements[CASE].nunique() + 1.1
 
 
-def _panels(requirements: pd.DataFrame) -> list[pd.DataFrame]:
+def panels_of(requirements: pd.DataFrame) -> list[pd.DataFrame]:
     """Return the rows of each requirement."""
     keys = ["requirement", "axis", "pair", "sense", "limit", "unit", "id"]
     return [mine for _, mine in requirements.groupby(keys, sort=False, dropna=False)]

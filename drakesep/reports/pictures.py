@@ -51,13 +51,14 @@ def picture_of(figure: "Figure", alternative: str, caption: str) -> Picture:
     return Picture(f"data:image/svg+xml;base64,{text}", alternative, caption)
 
 
-def panels_in_height(row: float) -> int:
-    """Return how many panels a picture of a page has.
+def panels_in_height(row: float, title: float = _TITLE) -> int:
+    """Return how many panels a picture of a page has: a row of them at least.
 
     Args:
         row: height of a row of them, in.
+        title: what titles take, in.
     """
-    return ACROSS * int((HEIGHT - _TITLE) / row)
+    return ACROSS * max(1, int((HEIGHT - title) / row))
 
 
 def parts(whole: Sequence[T], most: int) -> Iterator[Sequence[T]]:
@@ -130,12 +131,13 @@ def proof_pictures(study: Study) -> Iterator[Picture]:
 
 def failure_pictures(study: Study) -> Iterator[Picture]:
     """Yield what is required in failure cases beside the design, a page at a time."""
-    from drakesep.plots.failure_cases import failure_figure, panels_within
+    from drakesep.plots import failure_cases as plots
 
     table = table_of_study(study, "failure_requirements.csv", "axis", "pair", "id")
-    for some in panels_within(table, HEIGHT, across=ACROSS):
+    most = panels_in_height(plots.row_height(table), title=plots.TITLE)
+    for some in parts(plots.panels_of(table), most):
         yield picture_of(
-            failure_figure(some, most_across=ACROSS, cell=CELL),
+            plots.failure_figure(pd.concat(some), most_across=ACROSS, cell=CELL),
             "A panel for each requirement, with a row for the design and each failure "
             "case: nominal, worst and limit, as in the table of failure cases.",
             "Failure cases against each limit.",
