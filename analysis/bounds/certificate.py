@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from drakesep.analysis.bounds.branch_and_bound import Node, Proof
-from drakesep.analysis.bounds.motion import SWEEPS, TRIES, Grid
+from drakesep.analysis.bounds.grid import Grid
+from drakesep.analysis.bounds.motion import SWEEPS, TRIES
 from drakesep.analysis.bounds.problem import BoundProblem, Number
 from drakesep.analysis.bounds.quantities import Quantity
 

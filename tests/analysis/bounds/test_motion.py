@@ -14,8 +14,9 @@ from drakesep.analysis.bounds.branch_and_bound import Prover
 from drakesep.analysis.bounds.claims import claim_of
 from drakesep.analysis.bounds.gravity import disturbance
 from drakesep.analysis.bounds.grid import make_grid, pieces_between
-from drakesep.analysis.bounds.motion import Enclosure, NominalKernels
+from drakesep.analysis.bounds.motion import Enclosure
 from drakesep.analysis.bounds.problem import BoundProblem, problem_of
+from drakesep.analysis.bounds.pushes import NominalKernels
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.model.orbit import Orbit
 from drakesep.systems.model.parameters import with_values
