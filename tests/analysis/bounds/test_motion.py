@@ -2,11 +2,13 @@
 
 import dataclasses
 import itertools
+from typing import NamedTuple
 
 import free_bodies
 import numpy as np
 import oracle
 import pytest
+from separations import FREE as FREE_JOINT
 from separations import generic_pair
 
 from drakesep.analysis.bounds.box import Boxes
@@ -18,8 +20,10 @@ from drakesep.analysis.bounds.motion import Enclosure
 from drakesep.analysis.bounds.problem import BoundProblem, problem_of
 from drakesep.analysis.bounds.pushes import NominalKernels
 from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.systems.model.joints import Joint
 from drakesep.systems.model.orbit import Orbit
 from drakesep.systems.model.parameters import with_values
+from drakesep.systems.model.separation import Separation
 
 
 TOLERANCES = {
@@ -45,10 +49,81 @@ TOLERANCES = {
     "attachment_3.position_x": 0.01,
 }
 PAIR = generic_pair(orbit=Orbit(radius=7.0e6), duration=0.8)
-BOX = ToleranceBox.around(PAIR, TOLERANCES)
-PROBLEM = problem_of(PAIR, BOX)
+OF_STACK = {
+    "upper.mated_offset_x": 0.004,
+    "upper.mated_offset_y": 0.003,
+    "upper.mated_offset_z": 0.002,
+    "upper.mated_misalignment_roll": 0.01,
+    "upper.mated_misalignment_pitch": 0.015,
+    "upper.mated_misalignment_yaw": 0.01,
+    "upper.spin": 0.1,
+    "upper.cg_x": 0.02,
+    "before_separation.rate_y": 0.01,
+    "attachment_1.position_y": 0.004,
+    "attachment_2.position_z": 0.004,
+    "spring_1.tilt_y": 0.03,
+    "spring_1.tilt_z": 0.02,
+    "spring_2.tilt_z": 0.03,
+    "spring_2.force_max": 30.0,
+    "spring_3.lost_stroke": 0.05,
+    "spring_3.stroke": 0.002,
+    "spring_3.tilt_y": 0.02,
+    "spring_4.lost_stroke": 0.1,
+    "spring_4.design_mass": 2.0,
+}
+
+
+def turned_pair() -> Separation:
+    """Springs along any axes, some stuck, push a body that is turned, and spins."""
+    axes = ((0.8, 0.6, 0.0), (0.6, 0.0, 0.8), (0.36, 0.48, -0.8), (1.0, 0.0, 0.0))
+    lost, tilts = (0.0, 0.0, 0.3, 0.15), (0.05, 0.0, -0.1, 0.0)
+    hinge = Joint(
+        type="revolute", rigid=True, x_axis_A=(0.6, 0.0, -0.8), y_axis_A=(0.0, 1.0, 0.0)
+    )
+    attachments = tuple(
+        dataclasses.replace(
+            a,
+            joint=FREE_JOINT if i else hinge,
+            spring=dataclasses.replace(
+                a.spring, axis_A=axes[i], lost_stroke=lost[i], tilt_y=tilts[i]
+            ),
+        )
+        for i, a in enumerate(PAIR.attachments)
+    )
+    lower, upper = PAIR.bodies
+    upper = dataclasses.replace(
+        upper,
+        p_ABo=(0.1, 0.03, -0.05),
+        rpy_AB=(0.3, -0.2, 0.4),
+        mated_offset=(0.002, -0.001, 0.003),
+        mated_misalignment=(0.02, -0.01, 0.03),
+        spin=0.4,
+    )
+    return dataclasses.replace(PAIR, bodies=(lower, upper), attachments=attachments)
+
+
+class Varied(NamedTuple):
+    """A separation, and what of it varies."""
+
+    separation: Separation
+    box: ToleranceBox
+
+    @property
+    def problem(self) -> BoundProblem:
+        return problem_of(self.separation, self.box)
+
+    def flown(self, s: np.ndarray) -> oracle.LabelledRun:
+        return oracle.fly(with_values(self.separation, self.box.values(s)), TIMES)
+
+
+TURNED = turned_pair()
+CASES = {
+    "plain": Varied(PAIR, ToleranceBox.around(PAIR, TOLERANCES)),
+    "turned": Varied(TURNED, ToleranceBox.around(TURNED, OF_STACK)),
+}
 N = len(TOLERANCES)
-GRID = make_grid(PROBLEM, 12, 4)
+assert len(OF_STACK) == N
+each_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES.keys())
 TIMES = np.linspace(0.0, 0.8, 33)
 
 
@@ -68,10 +143,6 @@ def enclosed(problem: BoundProblem, grid, lower, upper, slopes=()) -> dict:
     }
 
 
-def flown(s: np.ndarray) -> oracle.LabelledRun:
-    return oracle.fly(with_values(PAIR, BOX.values(s)), TIMES)
-
-
 ERROR = 1e-8
 """Of the oracle, in SI, above that of its integration."""
 
@@ -82,14 +153,16 @@ def boxes_around(rng, count: int):
     return np.clip(middle - half, -1, 1), np.clip(middle + half, -1, 1)
 
 
-def test_enclosures_hold_runs_of_their_boxes():
+@each_case
+def test_enclosures_hold_runs_of_their_boxes(case):
     rng = np.random.default_rng(5)
     lower, upper = boxes_around(rng, 8)
-    found = enclosed(PROBLEM, GRID, lower, upper)
+    grid = make_grid(case.problem, 12, 4)
+    found = enclosed(case.problem, grid, lower, upper)
     for b in range(len(lower)):
-        run = flown(lower[b] + (upper[b] - lower[b]) * rng.integers(0, 2, N))
+        run = case.flown(lower[b] + (upper[b] - lower[b]) * rng.integers(0, 2, N))
         for n, t in enumerate(TIMES):
-            first, last = pieces_between(GRID, t, t)
+            first, last = pieces_between(grid, t, t)
             for name, c in itertools.product(found, range(3)):
                 x, value = found[name][c], getattr(run, name)[n, c]
                 for piece in {first, last}:
@@ -97,14 +170,16 @@ def test_enclosures_hold_runs_of_their_boxes():
                     assert value <= x.hi[0, b, piece] + ERROR, (name, c, t)
 
 
-def test_enclosures_hold_derivatives():
+@each_case
+def test_enclosures_hold_derivatives(case):
     s, h = np.full(N, 0.3), 1e-3
-    found = enclosed(PROBLEM, GRID, s[None] - h, s[None] + h, range(N))
-    for i in range(0, N, 3):
+    grid = make_grid(case.problem, 12, 4)
+    found = enclosed(case.problem, grid, s[None] - h, s[None] + h, range(N))
+    for i in range(0, N, 3) if case.separation is PAIR else range(N):
         step = h * (np.arange(N) == i)
-        ahead, behind = flown(s + step), flown(s - step)
+        ahead, behind = case.flown(s + step), case.flown(s - step)
         for n, t in enumerate(TIMES[::8]):
-            piece = pieces_between(GRID, t, t)[0]
+            piece = pieces_between(grid, t, t)[0]
             for name, c in itertools.product(found, range(3)):
                 x = found[name][c]
                 ends = (getattr(run, name)[8 * n, c] for run in (ahead, behind))
@@ -114,11 +189,12 @@ def test_enclosures_hold_derivatives():
                 assert slope <= x.hi[1 + i, 0, piece] + ERROR / h, (name, c, i, t)
 
 
-def test_enclosures_of_points_close_with_the_pieces_of_time():
+@each_case
+def test_enclosures_of_points_close_with_the_pieces_of_time(case):
     s = np.zeros((1, N))
-    run = flown(s[0])
+    run = case.flown(s[0])
     coarse, fine = (
-        enclosed(PROBLEM, make_grid(PROBLEM, push, push // 4), s, s)
+        enclosed(case.problem, make_grid(case.problem, push, push // 4), s, s)
         for push in (12, 48)
     )
     for name, c in itertools.product(fine, range(3)):
