@@ -79,22 +79,21 @@ def _integrate(
         r_body = R.T @ r
         return field, 3 * orbit.mu / distance**5 * np.cross(r_body, inertia @ r_body)
 
-    def derivative(t, y):
+    def derivative(t, y, pushing):
         x_A, v_A, q_A, w_A, x_B, v_B, q_B, w_B, _, _ = np.split(y, _PARTS)
         R_A = Rotation.from_quat(q_A).as_matrix()
         R_B = Rotation.from_quat(q_B).as_matrix()
         a_A, T_A = gravity(t, x_A, R_A, I_A)
         a_B, T_B = gravity(t, x_B, R_B, I_B)
         dp, dL = np.zeros(3), np.zeros(3)
-        for i in range(len(F)):
-            if t < ends[i]:
-                force = F[i] * np.cos(w[i] * t) * R_A @ axes[i]
-                pad = x_B + R_B @ (pads_B[i] - c_B)
-                a_A, a_B = a_A - force / A.mass, a_B + force / B.mass
-                T_A = T_A + R_A.T @ np.cross(pad - x_A, -force)
-                T_B = T_B + R_B.T @ np.cross(pad - x_B, force)
-                dp = dp + R_B.T @ force
-                dL = dL + np.cross(pads_B[i] - c_B, R_B.T @ force)
+        for i in pushing:
+            force = F[i] * np.cos(w[i] * t) * R_A @ axes[i]
+            pad = x_B + R_B @ (pads_B[i] - c_B)
+            a_A, a_B = a_A - force / A.mass, a_B + force / B.mass
+            T_A = T_A + R_A.T @ np.cross(pad - x_A, -force)
+            T_B = T_B + R_B.T @ np.cross(pad - x_B, force)
+            dp = dp + R_B.T @ force
+            dL = dL + np.cross(pads_B[i] - c_B, R_B.T @ force)
         dw_A = np.linalg.solve(I_A, T_A - np.cross(w_A, I_A @ w_A))
         dw_B = np.linalg.solve(I_B, T_B - np.cross(w_B, I_B @ w_B))
         return np.concatenate(
@@ -110,7 +109,7 @@ def _integrate(
     x_A, x_B, v_B = (R0.apply(x) for x in (c_A, cg_B, v_B))
     q_A, q_B = R0.as_quat(), (R0 * R_AB).as_quat()
     y = np.concatenate([x_A, np.zeros(3), q_A, rate, x_B, v_B, q_B, w_B, np.zeros(6)])
-    # Each end of a push is a kink: a new start for the integrator.
+    # Each end of a push is a kink or a jump: a new start for the integrator.
     stops = [0.0, *sorted(set(ends)), times[-1]]
     rows = []
     for t0, t1 in itertools.pairwise(stops):
@@ -119,6 +118,7 @@ def _integrate(
             derivative,
             (t0, t1),
             y,
+            args=(np.flatnonzero(ends > t0),),
             method="DOP853",
             rtol=1e-12,
             atol=1e-14,
