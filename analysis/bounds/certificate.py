@@ -21,7 +21,7 @@ from drakesep.analysis.bounds.problem import BoundProblem, Number
 from drakesep.analysis.bounds.quantities import Quantity
 
 
-FORMAT = "drakesep proof 1"
+FORMAT = "drakesep proof 2"
 MOST = 50_000_000
 """Bytes of a certificate: what reads and checks it holds all of it."""
 
