@@ -9,6 +9,7 @@ either side.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drakesep.analysis.bounds.intervals import HALF_PI, Interval, arcsin, cos, sin
 from drakesep.systems.arrays import Array
@@ -88,7 +89,7 @@ def impulse(law: Law, times: Interval) -> Impulse:
     )
 
 
-def _chosen(where: Array, this: Interval, other: Interval) -> Interval:
+def _chosen(where: NDArray[np.bool_], this: Interval, other: Interval) -> Interval:
     return Interval(
         np.where(where, this.lo, other.lo), np.where(where, this.hi, other.hi)
     )

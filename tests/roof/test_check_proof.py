@@ -23,7 +23,7 @@ from certificates import (
 )
 
 import drakesep.check_proof
-from drakesep.check_proof.__main__ import main
+from drakesep.check_proof.command import main
 
 
 def outcome(
@@ -361,7 +361,7 @@ def test_it_stands_alone(tmp_path):
         (tmp_path / "check_proof" / path.name).write_text(path.read_text())
     (tmp_path / "proof.json").write_text(json.dumps(push(TIGHT)))
     code = (
-        "import sys\nfrom check_proof.__main__ import main\n"
+        "import sys\nfrom check_proof.command import main\n"
         "status = main(['proof.json'])\n"
         "roots = {name.partition('.')[0] for name in sys.modules}\n"
         "alien = roots - set(sys.stdlib_module_names) - {'check_proof', 'flint'}\n"
@@ -371,3 +371,13 @@ def test_it_stands_alone(tmp_path):
         [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True
     )
     assert ran.stdout.splitlines()[-1] == "0 []", ran.stdout + ran.stderr
+
+
+def test_without_flint_it_says_what_it_needs(tmp_path):
+    hidden = "import sys, runpy; sys.modules['flint'] = None; sys.argv = ['x', 'y'];"
+    run = f"{hidden} runpy.run_module('drakesep.check_proof', run_name='__main__')"
+    told = subprocess.run(
+        [sys.executable, "-c", run], capture_output=True, text=True, check=False
+    )
+    assert told.returncode == 2
+    assert told.stderr == "check_proof needs python-flint: pip install python-flint\n"
