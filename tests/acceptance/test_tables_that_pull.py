@@ -64,7 +64,7 @@ def test_bodies_that_it_keeps_together():
 
 
 def test_one_run_of_it_is_a_result(tmp_path):
-    """It comes twice as far as where the force is zero, and back, and has all tables."""
+    """It comes twice as far as where the force is zero, and back: with all tables."""
     case = drakesep.AnalysisCase(separation=on_one_spring(KEPT))
     study = drakesep.simulate(case, output=tmp_path)
     assert study.completed and study.summary["status"].tolist() == ["completed"]

@@ -52,8 +52,8 @@ def test_ellipsoid_of_one_is_a_tolerance(case):
 @pytest.mark.parametrize(
     ("name", "values", "message"),
     [
-        ("a b", {"spring_1.force_max": 1.0}, "name must be made of letters"),
-        ("design", {"spring_1.force_max": 1.0}, "name must not be 'design'"),
+        ("a b", {"spring_1.force_max": 1.0}, "failure case must be made of letters"),
+        ("design", {"spring_1.force_max": 1.0}, "failure case must not be 'design'"),
         ("x", {}, "x: must change a parameter, got none"),
         ("x", {"spring_9.force_max": 1.0}, "x: unknown parameter 'spring_9.force_max'"),
         ("x", {"payload.mass": -1.0}, "x: .*mass must be"),

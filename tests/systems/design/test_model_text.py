@@ -224,7 +224,7 @@ def test_an_sdf_whose_inertia_follows_from_its_shapes(tmp_path):
     file.write_text(
         '<sdf version="1.11"><model name="m"><link name="bus"><inertial auto="true">'
         '<density>10</density></inertial><collision name="c"><pose>1 0 0 0 0 0</pose>'
-        "<geometry><box><size>1 2 3</size></box></geometry><surface><friction/></surface>"
+        "<geometry><box><size>1 2 3</size></box></geometry><surface/>"
         '</collision></link><link name="wing"><inertial><mass>20</mass></inertial>'
         '<collision name="c"><geometry><mesh><uri>no.dae</uri></mesh></geometry>'
         "</collision></link></model></sdf>"
