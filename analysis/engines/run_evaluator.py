@@ -90,9 +90,9 @@ class RunEvaluator:
     def one(self, rows: Array, which: Sequence[int]) -> Evaluated:
         """Return one objective at each row: the which[i]-th at row i."""
         failures = {}
+        self._flown.update(which)
         told = {i: self._known(k, rows[i]) for i, k in enumerate(which)}
         asked = [i for i, about in told.items() if about is None]
-        self._flown.update(which[i] for i in asked)
         for i, run in zip(asked, self._fly(rows[asked]) if asked else (), strict=True):
             if why := _why_not(run):
                 failures[i] = why
@@ -110,7 +110,8 @@ class RunEvaluator:
         values = np.full(len(rows), np.nan)
         about = self._known(k, rows[0])
         first = 0 if about is None else 1
-        runs = self.runs(rows[first:], k)
+        self._flown[k] += len(rows)
+        runs = self._fly(rows[first:])
         failures = {
             i: why for i, run in enumerate(runs, first) if (why := _why_not(run))
         }
@@ -132,7 +133,11 @@ class RunEvaluator:
         return self._fly(rows)
 
     def run_by_run(self, k: int) -> int:
-        """Return how many runs were flown until now to tell an objective."""
+        """Return how many runs were flown until now to tell an objective.
+
+        Those that are known count again: how many are, a search that goes on with
+        others' does not know.
+        """
         return self._flown[k]
 
     def _tell(self, k: int, run: Run, row: Array) -> float:
