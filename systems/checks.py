@@ -28,10 +28,15 @@ class DrakesepWarning(UserWarning):
 def check_finite(name: str, *values: float) -> None:
     """Raise InputError if a value is no number, NaN or infinite."""
     for value in values:
-        if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        # All but all are plain floats, which are soonest told.
+        if type(value) is not float and not _is_real(value):
             raise InputError(f"{name} must be a number, got {value!r}")
         if not math.isfinite(value):
             raise InputError(f"{name} must be finite, got {value}")
+
+
+def _is_real(value: object) -> bool:
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
 
 
 def check_positive(name: str, value: float) -> None:

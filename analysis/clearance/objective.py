@@ -185,7 +185,8 @@ class LowestClearance(LargestOfParts):
 
         def second_from_first(other: Run) -> np.ndarray:
             time = self.end(other) if ends_there else found.time
-            pose = RelativePath(other.completed_trajectory, A, B).at(time)
+            nearby = other.completed_trajectory.around(time)
+            pose = RelativePath(nearby, A, B).at(time)
             first, second = _carried(points, run, other)
             return np.asarray(pose.p_AoBo_A + pose.R_AB @ second - first)
 

@@ -89,18 +89,18 @@ class RunEvaluator:
 
     def one(self, rows: Array, which: Sequence[int]) -> Evaluated:
         """Return one objective at each row: the which[i]-th at row i."""
-        values = np.full(len(rows), np.nan)
-        failures, unended = {}, set()
+        failures = {}
         self._flown.update(which)
-        for i, run in enumerate(self._fly(rows)):
+        told = {i: self._known(k, rows[i]) for i, k in enumerate(which)}
+        asked = [i for i, about in told.items() if about is None]
+        for i, run in zip(asked, self._fly(rows[asked]) if asked else (), strict=True):
             if why := _why_not(run):
                 failures[i] = why
-                continue
-            about = self._about(which[i], run, rows[i])
-            values[i] = about.value
-            if not about.ended:
-                unended.add(i)
-        return Evaluated(values, failures, frozenset(unended))
+            else:
+                told[i] = self._about(which[i], run, rows[i])
+        values = [np.nan if about is None else about.value for about in told.values()]
+        unended = {i for i, about in told.items() if about and not about.ended}
+        return Evaluated(np.array(values), failures, frozenset(unended))
 
     def near(self, rows: Array, k: int) -> Evaluated:
         """Return an objective at the first row, and about it at the others."""
@@ -108,11 +108,17 @@ class RunEvaluator:
         if key in self._last_near:
             return self._last_near[key]
         values = np.full(len(rows), np.nan)
-        runs = self.runs(rows, k)
-        failures = {i: why for i, run in enumerate(runs) if (why := _why_not(run))}
+        about = self._known(k, rows[0])
+        first = 0 if about is None else 1
+        self._flown[k] += len(rows)
+        runs = self._fly(rows[first:])
+        failures = {
+            i: why for i, run in enumerate(runs, first) if (why := _why_not(run))
+        }
         if not failures:
-            about = self._about(k, runs[0], rows[0])
-            values[:] = [about.value, *map(about.near, runs[1:])]
+            if about is None:
+                about = self._about(k, runs.pop(0), rows[0])
+            values[:] = [about.value, *map(about.near, runs)]
         told = Evaluated(values, failures)
         _keep(self._last_near, key, told)
         return told
@@ -127,18 +133,24 @@ class RunEvaluator:
         return self._fly(rows)
 
     def run_by_run(self, k: int) -> int:
-        """Return how many runs were flown until now to tell an objective."""
+        """Return how many runs were flown until now to tell an objective.
+
+        Those that are known count again: how many are, a search that goes on with
+        others' does not know.
+        """
         return self._flown[k]
 
     def _tell(self, k: int, run: Run, row: Array) -> float:
         return self._about(k, run, row).value
 
+    def _known(self, k: int, row: Array) -> About | None:
+        return self._last.get((k, row.tobytes()))
+
     def _about(self, k: int, run: Run, row: Array) -> About:
-        objective = self.objectives[k]
-        key = k, row.tobytes()
-        known = self._last.get(key)
+        known = self._known(k, row)
         if known is not None:
             return known
+        objective = self.objectives[k]
         point = ", ".join(
             f"{name} = {x:.9g}" for name, x in zip(self.names, row, strict=True)
         )
@@ -162,7 +174,7 @@ class RunEvaluator:
                 "a low one if the run is harmless"
             )
         if objective.expensive:
-            _keep(self._last, key, about)
+            _keep(self._last, (k, row.tobytes()), about)
         return about
 
     def _at_least(self, k: int, run: Run) -> float:

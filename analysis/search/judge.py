@@ -169,7 +169,12 @@ def judge(problem: Problem, done: Sequence[Searched]) -> list[WorstCase]:
     """
     winners = [_winner(problem, done, k) for k in problem.asked]
     points = [
-        Start(objective=c.objective, tolerances=problem.tolerances, u=np.array(c.u))
+        Start(
+            objective=c.objective,
+            tolerances=problem.tolerances,
+            u=np.array(c.u),
+            value=c.value,
+        )
         for c in winners
     ]
     slopes = slopes_at(points, problem.evaluator)

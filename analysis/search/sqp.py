@@ -79,6 +79,8 @@ class Start:
     tolerances: ToleranceSet
     u: Array
     """(n,) scaled."""
+    value: float = math.nan
+    """Of the objective there, in SI; NaN if it is not known, and to be flown."""
 
 
 @typed
@@ -293,6 +295,8 @@ class _Sqp:
         self._slopes: tuple[Array, Array] | None = None
         self._best: tuple[Array, float] | None = None
         self._history: list[Iteration] = []
+        if math.isfinite(start.value):
+            self._keep(start.u, self._set.draw_back(start.u), start.value)
 
     def run(self) -> Ascent:
         u0, box = np.array(self._start.u, dtype=float), self._set.box

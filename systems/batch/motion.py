@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
+from jax import lax
 from numpy.typing import NDArray
 
 from drakesep.systems.arrays import Array
@@ -17,6 +18,10 @@ from drakesep.systems.equations.motion_of_run import relative_motion_of
 from drakesep.systems.model.run import Motion, Trajectory
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import Vector
+
+
+_WINDOW = 32
+"""Times that are looked at together."""
 
 
 class Samples(NamedTuple):
@@ -68,9 +73,7 @@ class MotionFold:
         # Round-off of the step's end is within it.
         inside = (step.length > 0.0) & (xi >= -1.0) & (xi <= 1.0 + 1e-9)
         c = jnp.tensordot(lobatto.COEFFICIENTS, values, 1)
-        at_times = polynomial(c[:, None], xi[:, None])
-        signals = jnp.where(inside[:, None], at_times, samples.signals)
-        return Samples(signals, momentum[-1])
+        return Samples(_put(samples.signals, c, xi, inside), momentum[-1])
 
     def _at_nodes(self, params: BatchParameters, step: Step) -> tuple[Lanes, Lanes]:
         """Return (8, 3 p, n) accelerations, (8, 6 p, n) rates of momenta, at nodes."""
@@ -92,6 +95,35 @@ class MotionFold:
             accelerations.append(motion_laws.cg_acceleration(B, p_BoBcm_B, alpha, a_Bo))
             rates += motion_laws.momentum_rate(B, p_BoBcm_B, pick(springs, b))
         return _stack(accelerations), _stack(rates)
+
+
+def _put(signals: Lanes, c: Lanes, xi: Lanes, inside: Lanes) -> Lanes:
+    """Return signals (T, s, n) with those of a step where it has some.
+
+    Of the few times that a step has, a window after the other is looked at: all of them
+    at every step would take several times as long as the flight.
+
+    Args:
+        signals: as far as they are known.
+        c: (8, s, n) coefficients of the step's.
+        xi: (T, n) where times are in it.
+        inside: (T, n) whether they are.
+    """
+    count, some = len(xi), inside.any(axis=1)
+    width = min(_WINDOW, count)
+    end = jnp.where(some.any(), count - jnp.argmax(some[::-1]), 0)
+
+    def put(on: tuple[Lanes, Lanes]) -> tuple[Lanes, Lanes]:
+        first, signals = on
+        mine, within, before = (
+            lax.dynamic_slice_in_dim(x, first, width) for x in (xi, inside, signals)
+        )
+        told = jnp.where(within[:, None], polynomial(c[:, None], mine[:, None]), before)
+        put = lax.dynamic_update_slice_in_dim(signals, told, first, 0)
+        return first + width, put
+
+    _, told = lax.while_loop(lambda on: on[0] < end, put, (jnp.argmax(some), signals))
+    return told
 
 
 def _vector(x: Lanes) -> Vector:

@@ -56,6 +56,10 @@ class LatchingSystem(LeafSystem):
     def _is_waiting(self, latched: list[float]) -> bool:
         """Return whether anything can still become due, after what is latched."""
 
+    def _is_due(self, context: Context, latched: list[float], t: float) -> bool:
+        """Return whether something is due at a time, s, at which a step is to end."""
+        return self._due(context, latched, t) != latched
+
     def _needs_age(self, context: Context) -> bool:
         """Return whether something can be due at the start of a step, unlatched.
 
@@ -111,8 +115,7 @@ class LatchingSystem(LeafSystem):
             if now - start <= _STEP_MIN:
                 return False
         just_before = min(now - 2.0 * ROUND_OFF, math.nextafter(now, -math.inf))
-        latched = self._get_latched(context)
-        return self._due(context, latched, just_before) != latched
+        return self._is_due(context, self._get_latched(context), just_before)
 
     def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
         """Return one for all, while something can become due.

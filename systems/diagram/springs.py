@@ -61,14 +61,6 @@ class _Push(NamedTuple):
     """Whether it is one by time that ends in a jump."""
     now: Pushing
 
-    def is_over(self, bodies: BodyStates, t: float) -> bool:
-        """Return whether its stroke has been reached."""
-        at = 0.0
-        if not self.law.by_time:
-            A, B = bodies[self.a], bodies[self.b]
-            at, _ = push_progress(self.law, self.now, A, B, t)
-        return bool(is_push_over(self.law, self.now, at, t))
-
     def force(self, bodies: BodyStates, t: float) -> float:
         """Return its force, N; nothing from the end of its stroke on."""
         A, B = bodies[self.a], bodies[self.b]
@@ -83,18 +75,24 @@ class _Pushes(NamedTuple):
     springs: list[_Push]
     now: tuple[Pushing, ...]
     line: Callable[..., tuple[Wrench, Wrench]]
+    over: Callable[..., tuple[bool, ...]]
 
     @classmethod
     def of(cls, a: int, b: int, springs: list[_Push]) -> "_Pushes":
         """Return them together."""
         kinds = tuple((s.law, s.jumps, s.now.axis_A is None) for s in springs)
         line = line_if_straight(_pushed, kinds, LINE_OPS)
-        return cls(a, b, springs, tuple(s.now for s in springs), line)
+        over = line_if_straight(_over, kinds)
+        return cls(a, b, springs, tuple(s.now for s in springs), line, over)
 
     def __call__(self, bodies: BodyStates, t: float, total: WrenchSum) -> None:
         on_A, on_B = self.line(bodies[self.a], bodies[self.b], t, self.now)
         total.add(self.a, on_A)
         total.add(self.b, on_B)
+
+    def are_over(self, bodies: BodyStates, t: float) -> tuple[bool, ...]:
+        """Return whether the stroke of each has been reached."""
+        return self.over(bodies[self.a], bodies[self.b], t, self.now)
 
 
 _Kinds: TypeAlias = tuple[tuple[PushLaw, bool, bool], ...]
@@ -114,6 +112,15 @@ def _pushed(
         for (law, jumps, _), push in zip(kinds, pushes, strict=True)
     ]
     return push_wrenches(A, B, forces)
+
+
+def _over(
+    kinds: _Kinds, A: BodyState, B: BodyState, t: float, pushes: Sequence[Pushing]
+) -> tuple[bool, ...]:
+    return tuple(
+        is_push_over(law, push, push_progress(law, push, A, B, t)[0], t)
+        for (law, _, _), push in zip(kinds, pushes, strict=True)
+    )
 
 
 class Springs(LatchingSystem):
@@ -219,12 +226,21 @@ class Springs(LatchingSystem):
         return not all(latched)
 
     def _needs_age(self, context: Context) -> bool:
-        # Force that is left at the end of a stroke is a jump, at which a step ends.
-        rows = self._rows.read(context)
-        return any(
-            law.ends_in_jump(row.values)
-            for law, row in zip(self._laws, rows, strict=True)
-        )
+        return bool(self._jumping(context))
+
+    def _jumping(self, context: Context) -> list[int]:
+        """Return which springs will end with force left: a step ends at that jump."""
+        rows, spent = self._rows.read(context), self._get_latched(context)
+        return [
+            k
+            for k, (law, row) in enumerate(zip(self._laws, rows, strict=True))
+            if not spent[k] and law.ends_in_jump(row.values)
+        ]
+
+    def _is_due(self, context: Context, latched: list[float], t: float) -> bool:
+        """Return whether a spring has ended in a jump: no other end ends a step."""
+        due = self._due(context, latched, t)
+        return any(due[k] != latched[k] for k in self._jumping(context))
 
     def DoGetWitnessFunctions(self, context: Context) -> list[WitnessFunction]:
         """Return that of strokes, if one of them ends in a jump."""
@@ -233,10 +249,11 @@ class Springs(LatchingSystem):
 
     def _due(self, context: Context, latched: list[float], t: float) -> list[float]:
         """Return 1 for each spring whose stroke has been reached."""
-        spent = [*latched]
-        pushing, bodies = self._pushing(context)
-        for push in pushing:
-            spent[push.number] = float(push.is_over(bodies, t))
+        spent, bodies = [*latched], self._forces.read_bodies(context)
+        for pushes in self._forces.eval(context):
+            over = pushes.are_over(bodies, t)
+            for push, it in zip(pushes.springs, over, strict=True):
+                spent[push.number] = float(it)
         return spent
 
     def _calc_forces(self, context: Context, output: BasicVector) -> None:

@@ -5,6 +5,7 @@ a run that is sampled as these are (see `drakesep.systems.sampling`) far finer t
 clearance.
 """
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -95,16 +96,7 @@ class RelativePath:
             self.time, np.stack([*q, *p], axis=1), np.stack([*q_dot, *v], axis=1)
         )
         self._derivative = self._spline.derivative()
-        # Second derivatives are linear on an interval: they peak at its ends.
-        second = self._spline.derivative(2)
-        steps = np.diff(self.time)
-        ends = np.stack([second.c[-1], second.c[-1] + second.c[0] * steps[:, None]])
-        self._bending = np.linalg.norm(ends[..., :4], axis=2).max(axis=0)
-        self._acceleration = np.linalg.norm(ends[..., 4:], axis=2).max(axis=0)
-        speeds = np.linalg.norm(np.stack(q_dot), axis=0)
-        self._turning = (
-            np.maximum(speeds[:-1], speeds[1:]) + 0.5 * steps * self._bending
-        )
+        self._speeds = np.linalg.norm(np.stack(q_dot), axis=0)
 
     def at(self, t: float) -> Pose:
         """Return pose and velocity of B in A at a time, s."""
@@ -158,15 +150,27 @@ class RelativePath:
         """Return bounds on the motion between two times, s."""
         i = int(np.searchsorted(self.time, start, side="right")) - 1
         j = int(np.searchsorted(self.time, end, side="left"))
-        i = min(max(i, 0), len(self._turning) - 1)
+        i = min(max(i, 0), len(self.time) - 2)
         mine = slice(i, max(j, i + 1))
-        turning = float(self._turning[mine].max())
-        bending = float(self._bending[mine].max())
+        turning, bending, acceleration = (x[mine].max() for x in self._fastest)
         return MotionBounds(
-            2.0 * turning,
-            float(self._acceleration[mine].max()),
-            2.0 * (bending + turning**2),  # R is of second degree in the quaternion
+            float(2.0 * turning),
+            float(acceleration),
+            # R is of second degree in the quaternion.
+            float(2.0 * (bending + turning**2)),
         )
+
+    @functools.cached_property
+    def _fastest(self) -> tuple[Array, Array, Array]:
+        """(n - 1,) on each interval: how fast q turns, bends, and p accelerates."""
+        # Second derivatives are linear on an interval: they peak at its ends.
+        second = self._spline.derivative(2)
+        steps = np.diff(self.time)
+        ends = np.stack([second.c[-1], second.c[-1] + second.c[0] * steps[:, None]])
+        bending = np.linalg.norm(ends[..., :4], axis=2).max(axis=0)
+        acceleration = np.linalg.norm(ends[..., 4:], axis=2).max(axis=0)
+        speeds = np.maximum(self._speeds[:-1], self._speeds[1:])
+        return speeds + 0.5 * steps * bending, bending, acceleration
 
 
 def _moved(body: BodyState, X: Displacement) -> BodyState:

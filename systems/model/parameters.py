@@ -101,16 +101,18 @@ def declarations(separation: Separation) -> dict[str, Parameter]:
 
 def _of(separation: Separation) -> Iterator[tuple[str, Parameter, float]]:
     """Yield the name of each parameter, its declaration and its value."""
-    base = separation.body(separation.A)
     for name, parameter, record in _declared(_records(separation)):
-        value = parameter.of(record)
-        missing = parameter.optional and math.isinf(value)
-        if record is base and parameter.field in MATED:
-            missing = True
-        if parameter.field == SPIN and separation.spins_on(record) is None:
-            missing = True
-        if not missing:
-            yield name, parameter, value
+        if _has(separation, record, parameter):
+            yield name, parameter, parameter.of(record)
+
+
+def _has(separation: Separation, record: Any, parameter: Parameter) -> bool:
+    """Return whether a record has a parameter, see `declarations`."""
+    if parameter.field in MATED:
+        return record is not separation.body(separation.A)
+    if parameter.field == SPIN:
+        return separation.spins_on(record) is not None
+    return not (parameter.optional and math.isinf(parameter.of(record)))
 
 
 SPIN = "spin"
@@ -157,21 +159,24 @@ def with_values(separation: Separation, values: Mapping[str, float]) -> Separati
             would move that pushes others where it touches them. A time of release may
             be infinite: never.
     """
-    known = declarations(separation)
+    records = dict(owners(separation))
     changes: dict[str, dict[str, float]] = {}
     for name, value in values.items():
-        if name not in known:
-            raise InputError(unknown("parameter", name, known))
-        never = known[name].optional and known[name].kind == "time"
+        owner, _, quantity = name.rpartition(".")
+        parameter = None  # looked up one by one: of all, most do not change
+        if owner in records:
+            parameter = records[owner].PARAMETERS.by_quantity.get(quantity)
+        if parameter is None or not _has(separation, records[owner], parameter):
+            raise InputError(unknown("parameter", name, declarations(separation)))
+        never = parameter.optional and parameter.kind == "time"
         if not (never and value == math.inf):
             check_finite(name, value)
-        owner, _, quantity = name.rpartition(".")
         changes.setdefault(owner, {})[quantity] = float(value)
     _check_pushing_parts(separation, values)
 
     new = {
         owner: _replace(record, changes.get(owner, {}))
-        for owner, record in owners(separation)
+        for owner, record in records.items()
     }
     return dataclasses.replace(
         separation,

@@ -5,6 +5,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from drakesep.systems.arrays import Array
 from drakesep.systems.model.separation import Attachment, Pair, Separation
 
@@ -48,6 +50,15 @@ class Trajectory:
     def of(self, body: str) -> Array:
         """Return the states (n, 13) of one body."""
         return self.states[:, self.names.index(body)]
+
+    def around(self, t: float) -> "Trajectory":
+        """Return the two samples between which a time lies, s."""
+        after = int(np.searchsorted(self.time, t, side="right"))
+        last = min(max(after, 1), len(self.time) - 1)
+        two = slice(last - 1, last + 1)
+        return Trajectory(
+            names=self.names, time=self.time[two], states=self.states[two]
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -88,7 +88,7 @@ _CHUNK = {"cpu": 128}
 _CHUNK_OF_ACCELERATOR = 65_536
 _WORKERS = 4
 """Of an accelerator."""
-_RUNS = 16
+_RUNS = 32
 """Rows whose motion is sampled together."""
 _TIMES = 256
 """Sample times come in multiples of this: each number of them is a program."""

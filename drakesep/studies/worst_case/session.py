@@ -10,6 +10,8 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
+from threadpoolctl import threadpool_limits
+
 from drakesep.analysis.analysis_case import AnalysisCase
 from drakesep.analysis.engines.drake_pool import WORKERS_START, DrakePool
 from drakesep.analysis.engines.evaluator import Evaluator
@@ -295,7 +297,12 @@ def session(
     several = drake * (len(case.published) + each)
     few = batch is not None and several < WORKERS_START and plan.workers is None
     workers = 1 if few else plan.workers
-    with DrakePool(case.separation, case.integration, workers=workers) as pool:
+    # SLSQP solves systems of some tens of unknowns: spread over threads, they take no
+    # shorter, and threads that wait for the next spin, at the cost of whoever flies.
+    with (
+        threadpool_limits(limits=1, user_api="blas"),
+        DrakePool(case.separation, case.integration, workers=workers) as pool,
+    ):
         published = pool.fly([published.values for published in case.published])
         evaluator: Evaluator = (
             _in_drake(case, plan.objectives, pool)

@@ -188,6 +188,21 @@ def test_slopes():
     assert np.isfinite(unknown[0]).all() != np.isfinite(unknown[1]).all()
 
 
+def test_a_value_that_is_known_is_not_flown():
+    """Of slopes, the probes alone are: one a parameter."""
+    flown = []
+
+    def function(u):
+        flown.append(u)
+        return u @ np.array([3.0, -1.0, 0.2, -0.5])
+
+    evaluator = evaluator_of(function, tolerances=SET)
+    known = Start(objective=0, tolerances=SET, u=np.zeros(4), value=0.0)
+    [slopes] = slopes_at([known], evaluator)
+    assert slopes == pytest.approx([3.0, -1.0, 0.2, -0.5], abs=1e-10)
+    assert len(flown) == 4
+
+
 def test_slopes_along_a_curved_edge():
     """No step along a single parameter stays on a circle: probes move two."""
     disc = ToleranceSet(PAIR, BOX, [Ellipsoid(names=NAMES[:2])])

@@ -65,6 +65,23 @@ def test_motion_and_end_of_a_stroke():
         assert np.abs(np.array(times) - run.separation_end).min() < 1e-9
 
 
+def test_a_stuck_spring_ends_a_step_and_those_beside_it_do_not():
+    """Only a jump is searched for: it takes Drake some twenty tries of some steps each.
+
+    Until then four equal springs push: s = L / 2, when cos w t = 1 / 2.
+    """
+    separation = coaxial(linear_pair())
+    first = separation.springs[0].name
+    stuck = with_values(separation, {f"{first}.lost_stroke": 0.5})
+    whole, lost = (
+        Simulation(one, Integration(accuracy=1e-8)).run() for one in (separation, stuck)
+    )
+    w = math.sqrt(4 * 1200.0 / (reduced_mass(separation) * 0.1))
+    # a hundredth of the accuracy, and what that of the motion makes of it
+    assert lost.stroke_ends[first] == pytest.approx(math.pi / 3.0 / w, abs=1e-8)
+    assert lost.steps < 1.3 * whole.steps  # four searches double them
+
+
 def test_energy_balance_in_generic_motion():
     """Off-axis, turning, staged: what springs lose is what bodies gain."""
     separation = linear_pair(

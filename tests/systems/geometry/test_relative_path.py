@@ -38,6 +38,17 @@ def test_acceleration_of_a_cubic():
     assert path.bounds(0.5, 1.5).acceleration == pytest.approx(6.0)
 
 
+@pytest.mark.parametrize("t", [0.0, 0.01, 0.25, 0.5, 0.9, 1.0])
+def test_two_samples_tell_where_a_body_is_between_them(t):
+    """The cubic between two samples is theirs alone: bit for bit as of the whole."""
+    flown = Tumbling(0).trajectory(np.linspace(0.0, 1.0, 9))
+    whole = RelativePath(flown, "lower", "upper").at(t)
+    alone = RelativePath(flown.around(t), "lower", "upper").at(t)
+    assert len(flown.around(t).time) == 2
+    for mine, theirs in zip(alone, whole, strict=True):
+        np.testing.assert_array_equal(mine, theirs)
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_bounds_hold_between_samples(seed):
     """A tumbling body, sampled a few times a turn."""
