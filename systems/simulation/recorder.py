@@ -48,6 +48,11 @@ class Recorder:
         """Return the times at which steps ended, increasing, s."""
         return np.unique(self._times)
 
+    @functools.cached_property
+    def bodies_at_steps(self) -> list[BodyState]:
+        """The bodies' motion at those times."""
+        return self.bodies(self.step_times())
+
     def bodies(self, times: Array) -> list[BodyState]:
         """Return the bodies' motion at n times of the run; at a kink, after it."""
         return self._system.layout.read(self._path.states(times))

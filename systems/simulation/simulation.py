@@ -346,13 +346,11 @@ def _find_stroke_ends(
     """
     held = [name for name, release in releases.items() if math.isinf(release)]
     ends = separation.timed_stroke_ends(releases)
-    times = recorder.step_times()
-    steps = times, recorder.bodies(times)
     for attachment, spring in separation.pushing:
         release = releases[attachment.name]
         if not law_of(spring).by_time and math.isfinite(release):
             ends[spring.name] = _find_stroke_end(
-                separation, recorder, steps, attachment, spring, release
+                separation, recorder, attachment, spring, release
             )
         # The model knows when scheduled releases are; not those at an angle.
         if ends.get(spring.name, math.inf) >= separation.duration:
@@ -366,7 +364,6 @@ def _find_stroke_ends(
 def _find_stroke_end(
     separation: Separation,
     recorder: Recorder,
-    steps: tuple[Array, list[BodyState]],
     attachment: Attachment,
     spring: Pusher,
     release: float,
@@ -376,7 +373,6 @@ def _find_stroke_end(
     Args:
         separation: as it was flown.
         recorder: of its run.
-        steps: times at which steps ended, and the bodies' motion at these.
         attachment: of the spring.
         spring: the spring.
         release: when the attachment let go, s.
@@ -389,10 +385,10 @@ def _find_stroke_end(
         displacement, speed = push_displacement(bodies[a], bodies[b], *place)
         return stroke - displacement, speed
 
-    times, bodies = steps
+    times = recorder.step_times()
     first = np.searchsorted(times, release)
     times = times[first:]
-    ahead, speed = (x[first:] for x in left(bodies))
+    ahead, speed = (x[first:] for x in left(recorder.bodies_at_steps))
     # Where a step has ended there, it is known to a nanosecond.
     soon = NANOSECOND * np.abs(speed)
     beyond = np.flatnonzero(ahead <= soon)
