@@ -33,6 +33,8 @@ from drakesep.systems.model.run import (
 from drakesep.systems.model.separation import Attachment, Pair, Separation
 from drakesep.systems.sampling import NANOSECOND, find_breaks, sample_times
 from drakesep.systems.simulation.contact_log import ContactLog
+from drakesep.systems.simulation.error_control import error_control
+from drakesep.systems.simulation.foresight import Foresight
 from drakesep.systems.simulation.recorder import Recorder
 from drakesep.systems.simulation.state_notice import StateNotice
 
@@ -40,19 +42,10 @@ from drakesep.systems.simulation.state_notice import StateNotice
 _MOST_STEPS, _MOST_EVALUATIONS = 100_000, 3_000_000
 """Of a run, which takes hundreds to thousands, and of its forces: with gains or forces
 that no launcher has it would take days. What is counted is the same on any machine."""
-_SHARES = {"runge_kutta5": 0.1}
-"""Parts of the accuracy to which error control holds schemes: with a tenth of it
-runge_kutta5 errs by no more than runge_kutta3, whose short steps are better than their
-estimate, with all of it."""
 _FIRST_STEP = 1e-3
 """Tried at the start, s."""
 _STEPS_PER_PUSH = 12
 """At least, of springs by time."""
-_LEFT = 1e-7
-"""Time until a release by motion from which on it is searched, s."""
-_RECONTACT_STEP = 5e-3
-"""The largest where parts may push each other, s: in free flight error control would
-step over a contact."""
 
 
 @typed
@@ -146,15 +139,13 @@ class Simulation:
     def _make_simulator(self, context: Context) -> Simulator:
         # New for every run: a used integrator remembers its last step size.
         context.SetAccuracy(self.integration.accuracy)
-        max_step = self.integration.max_step
-        if self.separation.recontact is not None:
-            max_step = min(max_step, _RECONTACT_STEP)
+        pushed = self.separation.recontact is not None
+        accuracy, max_step = error_control(self.integration, recontact=pushed)
         simulator = Simulator(self._diagram, context)
         ApplySimulatorConfig(
             SimulatorConfig(
                 integration_scheme=self.integration.scheme,
-                accuracy=_SHARES.get(self.integration.scheme, 1.0)
-                * self.integration.accuracy,
+                accuracy=accuracy,
                 max_step_size=max_step,
                 use_error_control=True,
             ),
@@ -178,7 +169,7 @@ class Simulation:
         released = system.GetOutputPort("released")
         recorder = Recorder(system, context)
         check_effort = _effort_check(simulator, self.integration.time_limit)
-        ahead = _Ahead(system, context, separation, self.integration.accuracy)
+        ahead = Foresight(system, context, separation, self.integration.accuracy)
 
         def monitor(_: Context) -> EventStatus:
             recorder.note()
@@ -203,8 +194,9 @@ class Simulation:
             integrator.set_maximum_step_size(
                 min(largest, _largest_in_push(now, separation, releases, strokes))
             )
+            foreseen = now + ahead.step()
             recorder.start_piece()
-            simulator.AdvanceTo(min(stop, now + ahead.step()))
+            simulator.AdvanceTo(foreseen if foreseen < stop - NANOSECOND else stop)
             simulator.AdvancePendingEvents()
         releases = _releases(separation, released.Eval(context))
         names = [attachment.name for attachment in separation.attachments]
@@ -260,66 +252,6 @@ def _effort_check(simulator: Simulator, time_limit: float) -> Callable[[], None]
             ask = time.monotonic() + left
 
     return check
-
-
-class _Ahead:
-    """What the motion of a run brings about, foreseen from its pace.
-
-    Kinks of forces are stepped to. A release by motion, or a stroke that ends in a jump
-    is found by bisection in the step that straddles it, twenty tries of some steps
-    each: so it is to be a short one.
-    """
-
-    def __init__(
-        self,
-        system: SeparationSystem,
-        context: Context,
-        separation: Separation,
-        accuracy: float,
-    ):
-        """Prepare.
-
-        Args:
-            system: that is flown.
-            context: of it.
-            separation: as it is flown.
-            accuracy: of its events.
-        """
-        self._system, self._context = system, context
-        self._by_motion = any(a.released_by_motion for a in separation.attachments)
-        self._by_stroke = any(not law_of(x).by_time for x in separation.springs)
-        # Drake's search ends within a hundredth of the accuracy, in seconds.
-        self._least = max(_LEFT, 0.01 * accuracy)
-        self._last = 0.0
-
-    def is_near(self) -> bool:
-        """Return whether an event has come, or may lie within the next step."""
-        now = self._context.get_time()
-        step, self._last = now - self._last, now
-        kink, jump = self._left()
-        return jump <= 0.0 or self._least < jump < 2.0 * step or kink < 2.0 * step
-
-    def step(self) -> float:
-        """Return how long to go on, s.
-
-        Until the next kink. Of what is searched, until just before it, and then well
-        beyond it: Drake ends the process when it lies at the end of `AdvanceTo`.
-        """
-        kink, jump = self._left()
-        beyond = 3.0 * self._least
-        if kink < jump - beyond:
-            return kink
-        return 0.99 * jump if jump > self._least else beyond
-
-    def _left(self) -> tuple[float, float]:
-        """Return the time until the next kink, s, and until what is searched."""
-        kink = jump = math.inf
-        if self._by_motion:
-            jump = self._system.time_to_release(self._context)
-        if self._by_stroke:
-            kink, end = self._system.times_to_kinks(self._context)
-            jump = min(jump, end)
-        return kink, jump
 
 
 def _releases(separation: Separation, released: Array) -> dict[str, float]:

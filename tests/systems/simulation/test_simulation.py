@@ -119,6 +119,26 @@ def test_steps_end_at_kinks_that_are_foreseen(law):
     assert np.abs(apart).max() < 5e-7
 
 
+def test_kinks_at_the_same_time_as_a_jump():
+    """Pads side by side: two springs end as they are spent, two with force left.
+
+    Drake ends the process where what it searches lies at the end of a step.
+    """
+    pair = coaxial(by_displacement(generic_pair()))
+    attachments = [
+        dataclasses.replace(
+            a, spring=dataclasses.replace(a.spring, profile=((0.0, 1.0), (1.0, left)))
+        )
+        for a, left in zip(pair.attachments, (0.0, 0.3, 0.0, 0.3), strict=True)
+    ]
+    run = Simulation(dataclasses.replace(pair, attachments=tuple(attachments))).run()
+    energy = sum((1.0 + k) * 0.5 * 1200.0 * 0.1 for k in (0.0, 0.3, 0.0, 0.3))
+    lightness = sum(1.0 / body.mass for body in pair.bodies)
+    speed = run.motion.relative_velocity[-1, 0]
+    # The jump is found within 1e-8 s, of 720 N on half a ton.
+    assert speed == pytest.approx(math.sqrt(2.0 * energy * lightness), abs=1e-7)
+
+
 def test_between_steps_as_by_hand():
     """Two bodies and springs of a stiffness k: L (1 - cos w t), then straight on.
 
