@@ -139,30 +139,35 @@ def test_kinks_at_the_same_time_as_a_jump():
     assert speed == pytest.approx(math.sqrt(2.0 * energy * lightness), abs=1e-7)
 
 
-def test_between_steps_as_by_hand():
-    """Two bodies and springs of a stiffness k: L (1 - cos w t), then straight on.
+@pytest.mark.parametrize("law", ["time", "displacement"])
+def test_between_steps_as_by_hand(law):
+    """Springs of both laws push as X (1 - cos w t), then bodies go straight on.
 
-    Samples are closer than steps: of its order are both, with steps of w h = 0.3.
+    At samples, of which there are several a step.
     """
-    separation = coaxial(by_displacement(generic_pair()))
-    run = Simulation(separation).run()
-    k = sum(spring.force_max / spring.stroke for spring in separation.springs)
+    separation = coaxial(generic_pair())
+    spring, count = separation.springs[0], len(separation.springs)
     mu = 1.0 / sum(1.0 / body.mass for body in separation.bodies)
-    stroke, w = separation.springs[0].stroke, math.sqrt(k / mu)
+    if law == "time":
+        w = math.sqrt(spring.force_max / (spring.design_mass * spring.stroke))  # Eq. 5
+    else:
+        separation = by_displacement(separation)
+        w = math.sqrt(count * spring.force_max / spring.stroke / mu)
+    amplitude = count * spring.force_max / (mu * w * w)
+    run = Simulation(separation).run()
     t = run.motion.time
     end = 0.5 * math.pi / w
     assert len(t) > 5 * run.steps
     pushed, after = w * np.minimum(t, end), np.maximum(t - end, 0.0)
-    travel = stroke * (1.0 - np.cos(pushed) + w * after)
-    speed = stroke * w * np.sin(pushed)
-    gained = k / separation.body("upper").mass * stroke * np.cos(pushed) * (t < end)
+    travel = amplitude * (1.0 - np.cos(pushed) + w * after)
+    speed = amplitude * w * np.sin(pushed)
+    gained = count * spring.force_max / separation.body("upper").mass * np.cos(pushed)
     # 1e-6: the default accuracy; of accelerations, w as much.
     assert run.motion.relative_position[:, 0] == pytest.approx(travel, abs=1e-6)
     assert run.motion.relative_velocity[:, 0] == pytest.approx(speed, abs=1e-6)
     along = np.linalg.norm(run.motion.acceleration, axis=1)
-    beside = np.abs(t - end) > 1e-6  # where it jumps not, but has a kink
-    assert along[beside] == pytest.approx(gained[beside], abs=1e-5)
-    assert list(run.stroke_ends.values()) == pytest.approx([end] * 4, abs=1e-7)
+    assert along == pytest.approx(gained, abs=1e-5)
+    assert list(run.stroke_ends.values()) == pytest.approx([end] * count, abs=1e-7)
 
 
 def test_every_setting_of_an_integration_has_an_effect():
