@@ -38,18 +38,16 @@ class FailureCase:
         object.__setattr__(self, "values", FrozenMapping(self.values))
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", self.name):
             raise InputError(
-                "failure_cases: name must be made of letters, digits, _ and -, got "
+                "name of a failure case must be made of letters, digits, _ and -, got "
                 f"{self.name!r}"
             )
         if self.name == DESIGN:
             raise InputError(
-                f"failure_cases: name must not be {DESIGN!r}: so tables name what has "
-                "not failed"
+                f"name of a failure case must not be {DESIGN!r}: so tables name what "
+                "has not failed"
             )
         if not self.values:
-            raise InputError(
-                f"failure_cases: {self.name}: must change a parameter, got none"
-            )
+            raise InputError(f"{self.name}: must change a parameter, got none")
 
 
 def check_failure_cases(

@@ -2,7 +2,8 @@
 
 Of each spring: it is out, or stuck at half of its stroke. All springs at the lower or
 the upper end of their tolerances, as in the cold and in the heat. Of each attachment
-among several of the same two bodies: it lets go late, or never.
+among several of the same two bodies: it lets go late, or never. One whose joint holds
+nothing has a spring that is late, if it has one, and cannot hold for ever.
 """
 
 import math
@@ -14,6 +15,7 @@ from drakesep.analysis.tolerances.sides import Tolerance, ends_of
 from drakesep.systems.argument_types import typed
 from drakesep.systems.checks import InputError
 from drakesep.systems.model.parameters import parameters
+from drakesep.systems.model.pushers import Pusher
 from drakesep.systems.model.separation import Separation
 
 
@@ -50,11 +52,14 @@ def _may_be(separation: Separation, case: FailureCase) -> bool:
     return True
 
 
-def _of_springs(separation: Separation) -> Iterator[FailureCase]:
+def _that_push(separation: Separation) -> list[Pusher]:
+    """Return the springs, without what resists and pushes nothing."""
     known = parameters(separation)
-    for spring in separation.springs:
-        if f"{spring.name}.lost_stroke" not in known:
-            continue  # it resists, and pushes nothing
+    return [s for s in separation.springs if f"{s.name}.lost_stroke" in known]
+
+
+def _of_springs(separation: Separation) -> Iterator[FailureCase]:
+    for spring in _that_push(separation):
         for what, field, value in (
             ("out", "force_max", 0.0),
             ("stuck", "lost_stroke", 1.0 - STUCK_AT),
@@ -67,11 +72,7 @@ def _of_all_springs(
     separation: Separation, tolerances: Mapping[str, Tolerance]
 ) -> Iterator[FailureCase]:
     nominal = parameters(separation)
-    wanted = [
-        f"{spring.name}.force_max"
-        for spring in separation.springs
-        if f"{spring.name}.lost_stroke" in nominal
-    ]
+    wanted = [f"{spring.name}.force_max" for spring in _that_push(separation)]
     ends = {
         name: ends_of(nominal[name], tolerances[name])
         for name in wanted
@@ -85,10 +86,15 @@ def _of_all_springs(
 
 def _of_attachments(separation: Separation) -> Iterator[FailureCase]:
     known = parameters(separation)
+    pushing = _that_push(separation)
     joins = Counter(frozenset((a.A, a.B)) for a in separation.attachments)
     for attachment in separation.attachments:
         name, time = attachment.name, f"{attachment.name}.release_time"
-        if time in known and joins[frozenset((attachment.A, attachment.B))] > 1:
+        if time not in known or joins[frozenset((attachment.A, attachment.B))] == 1:
+            continue
+        holds = attachment.joint.holds
+        if holds or attachment.spring in pushing:
             late = {time: known[time] + LATE}
             yield FailureCase(name=f"{name}_late", values=late)
+        if holds:
             yield FailureCase(name=f"{name}_held", values={time: math.inf})

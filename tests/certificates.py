@@ -11,6 +11,7 @@ from typing import Any
 MASS_A, MASS_B = 700.0, 1900.0
 FORCE, STROKE, DESIGN_MASS = 1500.0, 0.12, 500.0
 FORCE_SPAN, MASS_SPAN = 15.0, 20.0
+IDENTITY = (1, 0, 0, 0, 1, 0, 0, 0, 1)
 END_OF_STROKE = math.pi / 2 * math.sqrt(DESIGN_MASS * STROKE / FORCE)
 
 
@@ -45,8 +46,10 @@ def body(name: str, mass: dict[str, Any], inertia: tuple[float, ...]) -> dict[st
         "mass": mass,
         "cg": [value(0)] * 3,
         "inertia": [value(x) for x in inertia],
-        "orientation": [hexadecimal(x) for x in (1, 0, 0, 0, 1, 0, 0, 0, 1)],
+        "orientation": [hexadecimal(x) for x in IDENTITY],
+        "turn": [value(0)] * 3,
         "place": [hexadecimal(0)] * 3,
+        "offset": [value(0)] * 3,
     }
 
 
@@ -55,7 +58,7 @@ def push(bound: float) -> dict[str, Any]:
     times = [END_OF_STROKE * i / 4 for i in range(4)] + [1.01 * END_OF_STROKE, 1.0]
     best, middle = [hexadecimal(1), hexadecimal(-1)], [hexadecimal(0)] * 2
     return {
-        "format": "drakesep proof 1",
+        "format": "drakesep proof 2",
         "made_by": {},
         "problem": {
             "duration": hexadecimal(1),
@@ -67,7 +70,9 @@ def push(bound: float) -> dict[str, Any]:
                 body("A", value(MASS_A), (300, 350, 360, 0, 0, 0)),
                 body("B", value(MASS_B, 1), (700, 3100, 3200, 0, 0, 0)),
             ],
-            "pairs": [{"A": 0, "B": 1, "reference": [hexadecimal(0)] * 3}],
+            "pairs": [
+                {"A": 0, "B": 1, "reference": [hexadecimal(0)] * 3, "spin": None}
+            ],
             "springs": [
                 {
                     "name": "spring",
@@ -75,11 +80,13 @@ def push(bound: float) -> dict[str, Any]:
                     "force_max": value(FORCE, 0),
                     "stroke": value(STROKE),
                     "design_mass": value(DESIGN_MASS),
+                    "lost_stroke": value(0),
                     "place": [value(0)] * 3,
-                    "axis": [hexadecimal(x) for x in (1, 0, 0)],
+                    "frame": [hexadecimal(x) for x in IDENTITY],
+                    "tilt": [value(0)] * 2,
                 }
             ],
-            "attitude": [hexadecimal(x) for x in (1, 0, 0, 0, 1, 0, 0, 0, 1)],
+            "attitude": [value(0)] * 3,
             "rate": [value(0.0)] * 3,
             "gravity": None,
         },

@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from drakesep.systems.model.separation import Body, Separation
+from drakesep.systems.model.springs import Spring
 
 
 _PARTS = [3, 6, 10, 13, 16, 19, 23, 26, 29]
@@ -55,11 +56,13 @@ def _integrate(
         for name in ("force_max", "stroke", "design_mass")
     )
     w = np.sqrt(F / (m * L))
-    axes = [
-        Rotation.from_euler("yz", [s.tilt_y, s.tilt_z]).apply([1.0, 0.0, 0.0])
-        for s in springs
-    ]
+    ends = np.arccos([s.lost_stroke for s in springs]) / w
+    axes = [_axis(s) for s in springs]
     pads = np.array([a.p_AoPad_A for a in separation.attachments])
+    R_AB = Rotation.from_euler("xyz", B.rpy_AB)
+    R_AB = R_AB * Rotation.from_euler("xyz", B.mated_misalignment)
+    p_ABo = np.array(B.p_ABo) + B.mated_offset
+    pads_B = R_AB.apply(pads - p_ABo, inverse=True)
     c_A, c_B = np.array(A.p_BoBcm_B), np.array(B.p_BoBcm_B)
     I_A, I_B = _matrix(A), _matrix(B)
     orbit = separation.orbit
@@ -76,22 +79,21 @@ def _integrate(
         r_body = R.T @ r
         return field, 3 * orbit.mu / distance**5 * np.cross(r_body, inertia @ r_body)
 
-    def derivative(t, y):
+    def derivative(t, y, pushing):
         x_A, v_A, q_A, w_A, x_B, v_B, q_B, w_B, _, _ = np.split(y, _PARTS)
         R_A = Rotation.from_quat(q_A).as_matrix()
         R_B = Rotation.from_quat(q_B).as_matrix()
         a_A, T_A = gravity(t, x_A, R_A, I_A)
         a_B, T_B = gravity(t, x_B, R_B, I_B)
         dp, dL = np.zeros(3), np.zeros(3)
-        for i in range(len(F)):
-            if w[i] * t < np.pi / 2:
-                force = F[i] * np.cos(w[i] * t) * R_A @ axes[i]
-                pad = x_B + R_B @ (pads[i] - c_B)
-                a_A, a_B = a_A - force / A.mass, a_B + force / B.mass
-                T_A = T_A + R_A.T @ np.cross(pad - x_A, -force)
-                T_B = T_B + R_B.T @ np.cross(pad - x_B, force)
-                dp = dp + R_B.T @ force
-                dL = dL + np.cross(pads[i] - c_B, R_B.T @ force)
+        for i in pushing:
+            force = F[i] * np.cos(w[i] * t) * R_A @ axes[i]
+            pad = x_B + R_B @ (pads_B[i] - c_B)
+            a_A, a_B = a_A - force / A.mass, a_B + force / B.mass
+            T_A = T_A + R_A.T @ np.cross(pad - x_A, -force)
+            T_B = T_B + R_B.T @ np.cross(pad - x_B, force)
+            dp = dp + R_B.T @ force
+            dL = dL + np.cross(pads_B[i] - c_B, R_B.T @ force)
         dw_A = np.linalg.solve(I_A, T_A - np.cross(w_A, I_A @ w_A))
         dw_B = np.linalg.solve(I_B, T_B - np.cross(w_B, I_B @ w_B))
         return np.concatenate(
@@ -100,12 +102,15 @@ def _integrate(
 
     R0 = Rotation.from_euler("xyz", separation.initial.rpy_WA)
     rate = np.array(separation.initial.w_WA_A)
-    x_A, x_B = R0.apply(c_A), R0.apply(c_B)
-    v_B = np.cross(R0.apply(rate), x_B - x_A)
-    q0 = R0.as_quat()
-    y = np.concatenate([x_A, np.zeros(3), q0, rate, x_B, v_B, q0, rate, np.zeros(6)])
-    # Each end of a stroke is a kink: a new start for the integrator.
-    stops = [0.0, *sorted(set(np.pi / 2 / w)), times[-1]]
+    cg_B = p_ABo + R_AB.apply(c_B)  # in A
+    spin = B.spin * np.array(separation.attachments[0].joint.x_axis_A)
+    v_B = np.cross(rate, cg_B - c_A) + np.cross(spin, cg_B - pads[0])
+    w_B = R_AB.apply(rate + spin, inverse=True)
+    x_A, x_B, v_B = (R0.apply(x) for x in (c_A, cg_B, v_B))
+    q_A, q_B = R0.as_quat(), (R0 * R_AB).as_quat()
+    y = np.concatenate([x_A, np.zeros(3), q_A, rate, x_B, v_B, q_B, w_B, np.zeros(6)])
+    # Each end of a push is a kink or a jump: a new start for the integrator.
+    stops = [0.0, *sorted(set(ends)), times[-1]]
     rows = []
     for t0, t1 in itertools.pairwise(stops):
         inside = times[(times >= t0) & (times < t1)]
@@ -113,6 +118,7 @@ def _integrate(
             derivative,
             (t0, t1),
             y,
+            args=(np.flatnonzero(ends > t0),),
             method="DOP853",
             rtol=1e-12,
             atol=1e-14,
@@ -121,6 +127,16 @@ def _integrate(
         rows.append(solution.y.T[:-1])
         y = solution.y[:, -1]
     return np.concatenate([*rows, y[None]])
+
+
+def _axis(spring: Spring) -> np.ndarray:
+    """The axis in A, its design turned about y and z where x is turned into it."""
+    x, design = np.array([1.0, 0.0, 0.0]), np.array(spring.axis_A)
+    normal = np.cross(x, design)
+    sine = np.linalg.norm(normal)
+    turn = normal / sine * np.arctan2(sine, x @ design) if sine else np.zeros(3)
+    tilt = Rotation.from_euler("yz", [spring.tilt_y, spring.tilt_z])
+    return Rotation.from_rotvec(turn).apply(tilt.apply(x))
 
 
 def _matrix(body: Body) -> np.ndarray:

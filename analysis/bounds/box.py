@@ -7,83 +7,30 @@ from typing import NamedTuple
 import numpy as np
 
 from drakesep.analysis.bounds.impulses import Law
-from drakesep.analysis.bounds.intervals import Interval, total
-from drakesep.analysis.bounds.jets import Affine
+from drakesep.analysis.bounds.intervals import Interval
+from drakesep.analysis.bounds.jets import Affine, combined, turned
 from drakesep.analysis.bounds.problem import (
+    BoundBody,
     BoundPair,
     BoundProblem,
     BoundSpring,
     Number,
 )
+from drakesep.analysis.bounds.rotations import (
+    ZERO,
+    AffineVector,
+    Matrix,
+    affine_cross,
+    entry,
+    matrix,
+    minus,
+    plus,
+    product,
+    rotation,
+    tilted,
+    transposed,
+)
 from drakesep.systems.arrays import Array
-from drakesep.systems.vectors import Rotation
-
-
-Matrix = list[list[Interval]]
-AffineVector = list[Affine]
-_ROUNDED = 1e-15
-"""Of an entry of a rotation that is computed: more than its error."""
-
-
-def entry(x: float) -> Interval:
-    """Return an entry of a rotation or of a unit vector: 0, 1 and -1 are exact."""
-    if x in (0.0, 1.0, -1.0):
-        return Interval(x)
-    return Interval(x - _ROUNDED, x + _ROUNDED)
-
-
-def matrix(R: Rotation) -> Matrix:
-    """Return a rotation, enclosed."""
-    return [[entry(x) for x in R[3 * i : 3 * i + 3]] for i in range(3)]
-
-
-def transposed(M: Matrix) -> Matrix:
-    """Return the transpose."""
-    return [list(column) for column in zip(*M, strict=True)]
-
-
-def is_zero(x: Interval) -> bool:
-    """Return whether a constant is exactly zero."""
-    return not x.lo.any() and not x.hi.any()
-
-
-def weighted(weights: Sequence[Interval], terms: Sequence[Affine]) -> Affine:
-    """Return a sum with constant weights; those that are exactly zero are left out."""
-    found = [
-        _times(x, w) for w, x in zip(weights, terms, strict=True) if not is_zero(w)
-    ]
-    return total(found) if found else Affine(Interval(0.0))
-
-
-def _times(x: Affine, weight: Interval) -> Affine:
-    if bool((weight.lo == weight.hi).all()) and float(weight.lo) in (1.0, -1.0):
-        return x if float(weight.lo) == 1.0 else -x
-    return x * weight
-
-
-def turned(M: Matrix, vector: Sequence[Affine]) -> AffineVector:
-    """Return M v of an affine v."""
-    return [weighted(row, vector) for row in M]
-
-
-def product(M: Matrix, N: Matrix) -> Matrix:
-    """Return M N of constants; of a single nonzero factor exactly it."""
-    columns = transposed(N)
-    return [[_dot(row, column) for column in columns] for row in M]
-
-
-def _dot(a: Sequence[Interval], b: Sequence[Interval]) -> Interval:
-    terms = [
-        y if float(x.lo) == float(x.hi) == 1.0 else x * y
-        for x, y in zip(a, b, strict=True)
-        if not is_zero(x) and not is_zero(y)
-    ]
-    return total(terms) if terms else Interval(0.0)
-
-
-def affine_cross(a: Sequence[Affine], d: Sequence[Interval]) -> AffineVector:
-    """Return a x d of an affine vector and a constant one."""
-    return [weighted([d[j], -d[i]], [a[i], a[j]]) for i, j in ((1, 2), (2, 0), (0, 1))]
 
 
 class Mating(NamedTuple):
@@ -91,21 +38,8 @@ class Mating(NamedTuple):
 
     R0: Matrix
     """Orientation of B in A."""
-    place: list[Interval]
+    place: AffineVector
     """Of B's origin in A, m."""
-
-
-def mating(problem: BoundProblem, pair: BoundPair) -> Mating:
-    """Return how a pair is mated."""
-    A, B = problem.bodies[pair.A], problem.bodies[pair.B]
-    R_AS = transposed(matrix(A.orientation))
-    apart = [
-        Interval(b) - Interval(a) if a else Interval(b)
-        for a, b in zip(A.place, B.place, strict=True)
-    ]
-    return Mating(
-        product(R_AS, matrix(B.orientation)), [_dot(row, apart) for row in R_AS]
-    )
 
 
 class Boxes:
@@ -140,18 +74,72 @@ class Boxes:
 
     def law(self, spring: BoundSpring) -> Law:
         """Return the law of a spring."""
-        numbers = spring.force_max, spring.stroke, spring.design_mass
-        return Law(*(self.affine(number).value for number in numbers))
+        return Law(*(self.affine(number).value for number in spring.law))
 
-    def pad_in_B(self, spring: BoundSpring) -> AffineVector:
-        """Return where the pad of a spring is in the body that it pushes."""
-        mated = mating(self.problem, self.problem.pairs[spring.pair])
-        pad = self.vector(spring.place)
-        apart = [
-            p if is_zero(o) else p - Affine(o)
-            for p, o in zip(pad, mated.place, strict=True)
+    def orientation(self, body: BoundBody) -> Matrix:
+        """Return the orientation of a body in the stack."""
+        turn = rotation(*self.vector(body.turn))
+        return product(matrix(body.orientation), turn)
+
+    def attitude(self) -> Matrix:
+        """Return the orientation of the stack in W."""
+        return rotation(*self.vector(self.problem.attitude))
+
+    def place(self, body: BoundBody) -> AffineVector:
+        """Return where a body's origin is in the stack."""
+        return [
+            self._shifted(p, x) for p, x in zip(body.place, body.offset, strict=True)
         ]
-        return turned(transposed(mated.R0), apart)
+
+    def _shifted(self, place: float, offset: Number) -> Affine:
+        if offset.parameter is None and offset.value == 0.0:
+            return Affine(Interval(place))
+        return Affine(Interval(place)) + self.affine(offset)
+
+    def mating(self, pair: BoundPair) -> Mating:
+        """Return how a pair is mated."""
+        A, B = (self.problem.bodies[b] for b in (pair.A, pair.B))
+        R_AS = transposed(self.orientation(A))
+        apart = [
+            b if a.is_zero else b - a
+            for a, b in zip(self.place(A), self.place(B), strict=True)
+        ]
+        return Mating(product(R_AS, self.orientation(B)), turned(R_AS, apart))
+
+    def axis(self, spring: BoundSpring) -> AffineVector:
+        """Return along which axis of A a spring pushes."""
+        return tilted(matrix(spring.frame), *self.vector(spring.tilt))
+
+    def rates(self) -> list[AffineVector]:
+        """Return the rate of each body before separation, in its axes."""
+        rate = self.vector(self.problem.rate)
+        of_bodies = [
+            turned(transposed(self.orientation(b)), rate) for b in self.problem.bodies
+        ]
+        for pair in self.problem.pairs:
+            spin = turned(transposed(self.mating(pair).R0), self.spin(pair))
+            of_bodies[pair.B] = plus(of_bodies[pair.B], spin)
+        return of_bodies
+
+    def spin(self, pair: BoundPair) -> AffineVector:
+        """Return the rate of a pair's B relative to A before separation, in A."""
+        if pair.spin is None:
+            return [ZERO] * 3
+        rate = self.affine(pair.spin.rate)
+        return [combined([entry(x)], [rate]) for x in pair.spin.axis]
+
+    def spinning(self, pair: BoundPair, point_B: AffineVector) -> AffineVector:
+        """Return how fast a point of a pair's B moves in A before separation.
+
+        Args:
+            pair: of the problem.
+            point_B: from B's origin, in B.
+        """
+        if pair.spin is None:
+            return [ZERO] * 3
+        mated, about = self.mating(pair), self.vector(pair.spin.place)
+        place = plus(mated.place, turned(mated.R0, point_B))
+        return affine_cross(self.spin(pair), minus(place, about))
 
     @functools.cached_property
     def with_nominal(self) -> "Boxes":
@@ -172,5 +160,4 @@ def whole_box(problem: BoundProblem) -> Boxes:
 
 def nominal_law(spring: BoundSpring) -> Law:
     """Return the law of a spring at the nominal values."""
-    numbers = spring.force_max, spring.stroke, spring.design_mass
-    return Law(*(Interval(np.full((1, 1), number.value)) for number in numbers))
+    return Law(*(Interval(np.full((1, 1), number.value)) for number in spring.law))

@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 
 from drakesep.analysis.bounds.box import Boxes, whole_box
 from drakesep.analysis.bounds.gravity import disturbance
-from drakesep.analysis.bounds.grid import stroke_ends
+from drakesep.analysis.bounds.grid import Grid, stroke_ends
 from drakesep.analysis.bounds.intervals import Interval, up
-from drakesep.analysis.bounds.motion import Enclosure, Grid, NominalKernels
+from drakesep.analysis.bounds.motion import Enclosure
 from drakesep.analysis.bounds.options import Options
 from drakesep.analysis.bounds.problem import BoundProblem
+from drakesep.analysis.bounds.pushes import NominalKernels
 from drakesep.analysis.bounds.quantities import (
     Quantity,
     Term,

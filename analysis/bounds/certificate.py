@@ -15,12 +15,13 @@ from typing import Any
 import numpy as np
 
 from drakesep.analysis.bounds.branch_and_bound import Node, Proof
-from drakesep.analysis.bounds.motion import SWEEPS, TRIES, Grid
+from drakesep.analysis.bounds.grid import Grid
+from drakesep.analysis.bounds.motion import SWEEPS, TRIES
 from drakesep.analysis.bounds.problem import BoundProblem, Number
 from drakesep.analysis.bounds.quantities import Quantity
 
 
-FORMAT = "drakesep proof 1"
+FORMAT = "drakesep proof 2"
 MOST = 50_000_000
 """Bytes of a certificate: what reads and checks it holds all of it."""
 

@@ -9,8 +9,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from drakesep.analysis.bounds.grid import last_stroke, pieces_between
-from drakesep.analysis.bounds.motion import Grid
+from drakesep.analysis.bounds.grid import Grid, last_stroke, pieces_between
 from drakesep.analysis.bounds.problem import BoundProblem, NotCovered
 from drakesep.analysis.bounds.quantities import (
     LESS_MAGNITUDE,
@@ -144,7 +143,7 @@ def claim_of(
         ValueError: there is no such metric.
     """
     metric = metric_named(name)
-    _check(metric, name, problem)
+    _check(metric, name)
     assert metric.signal is not None
     body = metric.pair or separation.B
     B = [b.name for b in problem.bodies].index(body)
@@ -189,14 +188,12 @@ def claim_of(
 _OTHER: dict[Side, Side] = {"highest": "lowest", "lowest": "highest"}
 
 
-def _check(metric: Metric, name: str, problem: BoundProblem) -> None:
+def _check(metric: Metric, name: str) -> None:
     signal = metric.signal
     if signal is None or metric.functional is Functional.TIME_WITHIN:
         raise NotCovered(f"{name}: bounds do not cover times")
     if signal.summed or signal.jumps or signal.quantity not in (*_FIELDS, "angle"):
         raise NotCovered(f"{name}: bounds do not cover the {signal.words}")
-    if signal.quantity == "angle" and problem.attitude is None:
-        raise NotCovered(f"{name}: bounds of angles cover no tolerance of attitudes")
     if metric.combined is Combined.SMALLEST:
         raise NotCovered(f"{name}: bounds do not cover the smallest of components")
 

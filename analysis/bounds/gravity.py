@@ -5,15 +5,9 @@ Numbers in brackets are those of docs/proof.md.
 
 from dataclasses import dataclass
 
-from drakesep.analysis.bounds.box import (
-    Boxes,
-    Matrix,
-    matrix,
-    turned,
-    whole_box,
-)
+from drakesep.analysis.bounds.box import Boxes, whole_box
 from drakesep.analysis.bounds.intervals import Interval, total
-from drakesep.analysis.bounds.jets import Affine
+from drakesep.analysis.bounds.jets import turned
 from drakesep.analysis.bounds.problem import BoundProblem, NotCovered
 
 
@@ -98,7 +92,7 @@ def _start_and_speed(boxes: Boxes, b: int) -> tuple[Interval, Interval]:
         for spring in problem.springs
         if b in (problem.pairs[spring.pair].A, problem.pairs[spring.pair].B)
     ]
-    speed = w * _length(from_A)
+    speed = w * _length(from_A) + _spun(boxes, b)
     if given:
         speed = speed + total(given) / boxes.affine(problem.bodies[b].mass).value
     return _length(start), speed
@@ -107,11 +101,18 @@ def _start_and_speed(boxes: Boxes, b: int) -> tuple[Interval, Interval]:
 def _in_stack(boxes: Boxes, b: int) -> list[Interval]:
     """Return where a body's CG is in the stack."""
     body = boxes.problem.bodies[b]
-    R: Matrix = matrix(body.orientation)
-    cg = turned(R, boxes.vector(body.cg))
-    return [
-        (x + Affine(Interval(o))).value for x, o in zip(cg, body.place, strict=True)
-    ]
+    cg = turned(boxes.orientation(body), boxes.vector(body.cg))
+    return [(x + o).value for x, o in zip(cg, boxes.place(body), strict=True)]
+
+
+def _spun(boxes: Boxes, b: int) -> Interval:
+    """Return the speed that spins give to a body's CG while it is mated."""
+    speed = Interval(0.0)
+    for pair in boxes.problem.pairs:
+        if pair.B == b and pair.spin is not None:
+            cg = boxes.vector(boxes.problem.bodies[b].cg)
+            speed = speed + _length([x.value for x in boxes.spinning(pair, cg)])
+    return speed
 
 
 def _length(vector: list[Interval]) -> Interval:

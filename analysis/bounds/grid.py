@@ -7,8 +7,22 @@ import numpy as np
 
 from drakesep.analysis.bounds.box import Boxes, whole_box
 from drakesep.analysis.bounds.intervals import Interval, down, up
-from drakesep.analysis.bounds.motion import Grid
 from drakesep.analysis.bounds.problem import BoundProblem
+from drakesep.systems.arrays import Array
+
+
+class Grid(NamedTuple):
+    """Pieces of time."""
+
+    times: Array
+    """(N + 1,) their ends, s."""
+    push: int
+    """Of them, those before all strokes have surely ended."""
+
+    @property
+    def lengths(self) -> Array:
+        """(N,) s."""
+        return np.diff(self.times)
 
 
 _SHORT = 1e-6

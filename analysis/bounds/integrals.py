@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drakesep.analysis.bounds.grid import Grid
 from drakesep.analysis.bounds.intervals import (
     HALF_PI,
     TINY,
@@ -18,7 +19,6 @@ from drakesep.analysis.bounds.intervals import (
     up,
 )
 from drakesep.analysis.bounds.jets import Jet
-from drakesep.analysis.bounds.motion import Grid
 from drakesep.analysis.bounds.options import Options, beside, option
 from drakesep.systems.arrays import Array
 

@@ -6,7 +6,7 @@ that is at least a unit in the last place. That is several times as fast as
 here.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any, Self, TypeAlias, TypeVar, cast
 
 import numpy as np
@@ -176,6 +176,41 @@ def cos(x: Interval) -> Interval:
     high = np.cos(np.minimum(x.lo, HALF_PI.lo))
     return Interval(
         np.maximum(low * (1.0 - _LIBM), 0.0), np.minimum(high * (1.0 + _LIBM), 1.0)
+    )
+
+
+def cosine(x: Interval) -> Interval:
+    """Return cosines of any angles."""
+    low, high = _at_ends(x, np.cos)
+    return _with_turns(low, high, x, 0.0)
+
+
+def sine(x: Interval) -> Interval:
+    """Return sines of any angles."""
+    low, high = _at_ends(x, np.sin)
+    return _with_turns(low, high, x, 0.5)
+
+
+def _at_ends(x: Interval, of: Callable[[Array], Array]) -> tuple[Array, Array]:
+    a, b = of(x.lo), of(x.hi)
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    return low - np.abs(low) * _LIBM, high + np.abs(high) * _LIBM
+
+
+_NEARLY = 1e-12
+"""Of half turns: within it an angle may be where a sine or cosine turns."""
+
+
+def _with_turns(low: Array, high: Array, x: Interval, first: float) -> Interval:
+    """Return ends; 1 and -1 where it turns, at every half turn from the first on."""
+    wide = _NEARLY * (1.0 + x.magnitude())
+    begin = np.ceil(x.lo / np.pi - first - wide)
+    end = np.floor(x.hi / np.pi - first + wide)
+    ups = 2.0 * np.ceil(0.5 * begin) <= end
+    downs = 2.0 * np.ceil(0.5 * (begin - 1.0)) + 1.0 <= end
+    return Interval(
+        np.where(downs, -1.0, np.maximum(low, -1.0)),
+        np.where(ups, 1.0, np.minimum(high, 1.0)),
     )
 
 

@@ -37,6 +37,18 @@ class Affine:
         none = not self.value.lo.any() and not self.value.hi.any()
         return none and not self.slopes
 
+    @property
+    def unit(self) -> float:
+        """1 or -1 where it is exactly that, for all parameters; 0 elsewhere."""
+        lo, hi = self.value.lo, self.value.hi
+        if self.slopes or lo.size > 1 or lo.item() != hi.item():
+            return 0.0
+        return lo.item() if lo.item() in (1.0, -1.0) else 0.0
+
+    def nothing(self) -> "Affine":
+        """Return zero."""
+        return Affine(Interval(0.0))
+
     def __add__(self, other: "Affine") -> "Affine":
         slopes = dict(self.slopes)
         for i, slope in other.slopes.items():
@@ -51,6 +63,8 @@ class Affine:
 
     def __mul__(self, factor: "float | Interval | Affine") -> "Affine":
         if isinstance(factor, Affine):
+            if self.unit:
+                return factor if self.unit > 0.0 else -factor
             # Not affine any more: what its slopes are over the boxes.
             return self * factor.value + Affine(
                 Interval(0.0), (factor * self.value).slopes
@@ -80,6 +94,10 @@ class Jet(Interval):
         for i, slope in x.slopes.items():
             jet.lo[1 + i], jet.hi[1 + i] = slope.lo, slope.hi
         return jet
+
+    def nothing(self) -> "Jet":
+        """Return zeros of its form."""
+        return Jet(np.zeros_like(self.lo), np.zeros_like(self.hi))
 
     @property
     def value(self) -> Interval:
@@ -186,25 +204,29 @@ def added(*vectors: Sequence[Jet]) -> list[Jet]:
     return [total(each) for each in zip(*vectors, strict=True)]
 
 
-def rotated(matrix: Sequence[Sequence[Interval]], vector: Sequence[Jet]) -> list[Jet]:
-    """Return M v for a constant M; entries that are 0 or 1 cost nothing."""
-    return [combined(row, vector) for row in matrix]
+def turned(M: Sequence[Sequence[Affine]], vector: Sequence[_X]) -> list[_X]:
+    """Return M v."""
+    return [combined(row, vector) for row in M]
 
 
-def combined(weights: Sequence[Interval], terms: Sequence[Jet]) -> Jet:
-    """Return the sum of terms with constant weights."""
-    found = []
-    for weight, term in zip(weights, terms, strict=True):
-        if not weight.lo.any() and not weight.hi.any():
-            continue
-        exact = bool((weight.lo == weight.hi).all())
-        if exact and weight.lo == 1.0:
-            found.append(term)
-        elif exact and weight.lo == -1.0:
-            found.append(-term)
-        else:
-            found.append(term * weight)
-    return total(found) if found else terms[0] * 0.0
+def combined(weights: Sequence[Affine], terms: Sequence[_X]) -> _X:
+    """Return a sum with weights; those that are exactly 0, 1 or -1 cost nothing."""
+    found = [
+        _weighted(term, weight)
+        for weight, term in zip(weights, terms, strict=True)
+        if not weight.is_zero and not _is_zero(term)
+    ]
+    return total(found) if found else terms[0].nothing()
+
+
+def _is_zero(term: "Jet | Affine") -> bool:
+    return isinstance(term, Affine) and term.is_zero
+
+
+def _weighted(term: _X, weight: Affine) -> _X:
+    if weight.unit:
+        return term if weight.unit > 0.0 else -term
+    return term * weight
 
 
 def stacked(jets: Sequence[Jet]) -> Jet:

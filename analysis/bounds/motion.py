@@ -3,56 +3,38 @@
 The equations and the theorem are those of docs/proof.md; numbers in comments are its.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drakesep.analysis.bounds.box import (
-    AffineVector,
-    Boxes,
-    affine_cross,
-    entry,
-    is_zero,
-    mating,
-    matrix,
-    nominal_law,
-    transposed,
-    turned,
-)
+from drakesep.analysis.bounds.box import Boxes, Mating
 from drakesep.analysis.bounds.gravity import Disturbance
-from drakesep.analysis.bounds.impulses import impulse
+from drakesep.analysis.bounds.grid import Grid
 from drakesep.analysis.bounds.intervals import Interval, total
 from drakesep.analysis.bounds.inverse_inertia import inverse
 from drakesep.analysis.bounds.jets import (
     Affine,
     Jet,
     added,
-    combined,
     cross,
     integrals,
-    rotated,
-    stacked,
+    turned,
 )
-from drakesep.analysis.bounds.kernels import DeviationKernel, NominalKernel
-from drakesep.analysis.bounds.problem import BoundProblem, BoundSpring, Number
-from drakesep.systems.arrays import Array
-
-
-class Grid(NamedTuple):
-    """Pieces of time."""
-
-    times: Array
-    """(N + 1,) their ends, s."""
-    push: int
-    """Of them, those before all strokes have surely ended."""
-
-    @property
-    def lengths(self) -> Array:
-        """(N,) s."""
-        return np.diff(self.times)
+from drakesep.analysis.bounds.problem import BoundBody, BoundPair
+from drakesep.analysis.bounds.pushes import NominalKernels, Pushes
+from drakesep.analysis.bounds.rotations import (
+    AffineVector,
+    Matrix,
+    affine_cross,
+    constant,
+    minus,
+    plus,
+    product,
+    transposed,
+)
 
 
 @dataclass
@@ -84,45 +66,27 @@ def _flat(parts: object) -> Iterator[Jet]:
             yield from _flat(part)
 
 
-class _Spring(NamedTuple):
-    """A spring over the boxes."""
+class _Start(NamedTuple):
+    """How a pair moves as it lets go, over the boxes."""
 
-    pair: int
-    J: Jet
-    deviation: DeviationKernel
-    D: Jet
+    R0: Matrix
+    """Orientation of B in A."""
+    R_BA: Matrix
+    """Its transpose."""
+    place: AffineVector
+    """Of B's CG from A's, in A."""
+    reference: AffineVector
+    """Of B's reference point from A's CG, in A."""
     arm: AffineVector
-    """Of the pad from B's CG, in B."""
-    beside: AffineVector
-    """The pad from the pair's reference point, in B."""
-    start: AffineVector
-    """Of the pad from A's CG at first, in A."""
-    axis_A: list[Interval]
-    axis_B: list[Interval]
-    """The same in B while mated."""
-
-
-class _Group(NamedTuple):
-    """Springs of a pair with one axis and one nominal law."""
-
-    kernel: NominalKernel
-    springs: list[_Spring]
-
-
-class NominalKernels:
-    """The kernels of the springs' nominal laws, made once for all boxes."""
-
-    def __init__(self, problem: BoundProblem, grid: Grid):
-        keys = [
-            (s.pair, s.axis, s.force_max.value, s.stroke.value, s.design_mass.value)
-            for s in problem.springs
-        ]
-        self.groups: list[tuple[NominalKernel, list[int]]] = []
-        for key in dict.fromkeys(keys):
-            members = [k for k, other in enumerate(keys) if other == key]
-            law = nominal_law(problem.springs[members[0]])
-            kernel = NominalKernel(law, grid.times, grid.push)
-            self.groups.append((kernel, members))
+    """Of the reference point from B's CG, in B."""
+    velocity: AffineVector
+    """Of B's CG less that of A's, in A."""
+    spin: AffineVector
+    """Rate of B relative to A, in B."""
+    swing: AffineVector
+    """Velocity of B's CG as seen from A, in A."""
+    reference_swing: AffineVector
+    """The same of the reference point."""
 
 
 class Enclosure:
@@ -157,174 +121,46 @@ class Enclosure:
         self.rows = len(boxes.rows)
         self._pieces = len(grid.times) - 1
         self._attitudes = attitudes
-        self._mated = [mating(problem, pair) for pair in problem.pairs]
+        self._mated = [boxes.mating(pair) for pair in problem.pairs]
         self._inertia = [[boxes.affine(x) for x in b.inertia] for b in problem.bodies]
         self._G = [inverse([x.value for x in entries]) for entries in self._inertia]
-        rate = boxes.vector(problem.rate)
-        self.rate0 = [
-            turned(transposed(matrix(b.orientation)), rate) for b in problem.bodies
-        ]
+        self.rate0 = boxes.rates()
         self._Iw0 = [
             _applied(entries, w)
             for entries, w in zip(self._inertia, self.rate0, strict=True)
         ]
-        self._groups = self._make_groups(kernels)
-        self._pushed, self._reacted = self._impulsive_torques()
-        self._speeds = [self._given_speed(j) for j in range(len(problem.pairs))]
-        self._place_pairs()
+        self._pushes = Pushes(boxes, grid, kernels, self._mated)
+        self._starts = [
+            self._start(pair, mated)
+            for pair, mated in zip(problem.pairs, self._mated, strict=True)
+        ]
         self.proven, self.state = self._enclose()
 
-    # ------------------------------------------------------------------ springs
-
-    def _make_groups(self, kernels: NominalKernels) -> list[_Group]:
-        return [
-            _Group(kernel, [self._spring(k, kernel) for k in members])
-            for kernel, members in kernels.groups
-        ]
-
-    def _spring(self, k: int, kernel: NominalKernel) -> _Spring:
-        boxes, spring = self._boxes, self.problem.springs[k]
-        pair = self.problem.pairs[spring.pair]
-        times = self.grid.times
-        pieces = Interval(times[:-1], times[1:])
-        here = impulse(boxes.law(spring), pieces)
-        J = self._jet(spring, here.value, here.by)
-        wide = impulse(boxes.with_nominal.law(spring), pieces)
-        D = self._jet(spring, self._deviation(spring, wide.by), here.by)
-        value = D.value.meet(here.value - kernel.range)  # (13)
-        D.lo[0], D.hi[0] = value.lo, value.hi
-        push = self.grid.push
-        rows = [self._boxes.rows[i] for _, i in _varied(spring) if i in boxes.rows]
-        R0 = self._mated[spring.pair].R0
-        pad_B = boxes.pad_in_B(spring)
-        axis = [entry(x) for x in spring.axis]
-        pad, cg_A, cg_B = (
-            boxes.vector(x)
-            for x in (
-                spring.place,
-                self.problem.bodies[pair.A].cg,
-                self.problem.bodies[pair.B].cg,
-            )
+    def _start(self, pair: BoundPair, mated: Mating) -> _Start:
+        boxes, bodies = self._boxes, self.problem.bodies
+        cg_A, cg_B = (boxes.vector(bodies[b].cg) for b in (pair.A, pair.B))
+        point = constant(pair.reference)
+        place, reference = (
+            minus(plus(mated.place, turned(mated.R0, x)), cg_A) for x in (cg_B, point)
         )
-        return _Spring(
-            pair=spring.pair,
-            J=J,
-            deviation=DeviationKernel(D[..., : push + 1], rows, times, push),
-            D=D,
-            arm=[x - y for x, y in zip(pad_B, cg_B, strict=True)],
-            beside=[
-                x - Affine(Interval(y))
-                for x, y in zip(pad_B, pair.reference, strict=True)
-            ],
-            start=[x - y for x, y in zip(pad, cg_A, strict=True)],
-            axis_A=axis,
-            axis_B=[
-                _constant(x) for x in turned(transposed(R0), [Affine(x) for x in axis])
-            ],
+        swing = boxes.spinning(pair, cg_B)
+        return _Start(
+            R0=mated.R0,
+            R_BA=transposed(mated.R0),
+            place=place,
+            reference=reference,
+            arm=minus(point, cg_B),
+            velocity=plus(affine_cross(self.rate0[pair.A], place), swing),
+            spin=turned(transposed(mated.R0), boxes.spin(pair)),
+            swing=swing,
+            reference_swing=boxes.spinning(pair, point),
         )
-
-    def _jet(self, spring: BoundSpring, value: Interval, by: Sequence[Interval]) -> Jet:
-        jet = Jet.zeros(self.rows, self._boxes.count, self._pieces)
-        jet.lo[0], jet.hi[0] = value.lo, value.hi
-        for x, i in self._slopes(spring, by):
-            if i in self._boxes.rows:
-                row = 1 + self._boxes.rows[i]
-                jet.lo[row], jet.hi[row] = x.lo, x.hi
-        return jet
-
-    def _slopes(
-        self, spring: BoundSpring, by: Sequence[Interval]
-    ) -> list[tuple[Interval, int]]:
-        """Return the derivatives of an impulse by s, and of which parameters."""
-        scale = [Interval(p.scale) for p in self.problem.parameters]
-        return [(by[a] * scale[i], i) for a, i in _varied(spring)]
-
-    def _deviation(self, spring: BoundSpring, by: Sequence[Interval]) -> Interval:
-        """Return what an impulse differs by from the nominal: (13)."""
-        boxes = self._boxes
-        terms = [
-            x * Interval(boxes.lower[:, i, None], boxes.upper[:, i, None])
-            for x, i in self._slopes(spring, by)
-        ]
-        return total(terms) if terms else Interval(np.zeros((1, self._pieces)))
-
-    def _impulsive_torques(self) -> tuple[list[list[Jet]], list[list[Jet]]]:
-        """Return what springs give to I w of each body, were nothing to turn."""
-        pushed = [self._zero_vector() for _ in self.problem.bodies]
-        reacted = [self._zero_vector() for _ in self.problem.bodies]
-        for group in self._groups:
-            pair = self.problem.pairs[group.springs[0].pair]
-            on_B = [affine_cross(s.arm, s.axis_B) for s in group.springs]
-            on_A = [affine_cross(s.start, s.axis_A) for s in group.springs]
-            pushed[pair.B] = added(pushed[pair.B], self._given(group, on_B))
-            reacted[pair.A] = added(reacted[pair.A], self._given(group, on_A))
-        return pushed, reacted
-
-    def _given(self, group: _Group, arms: Sequence[AffineVector]) -> list[Jet]:
-        """Return the sum of J times constant vectors, in both of its forms."""
-        nominal = group.kernel.range
-        vector = []
-        for a in range(3):
-            each = [(s, arm[a]) for s, arm in zip(group.springs, arms, strict=True)]
-            direct = total([s.J * x for s, x in each])
-            common = self._lifted(total([x for _, x in each])) * nominal
-            apart = total([common, *(s.D * x for s, x in each)])
-            vector.append(direct.meet(apart))
-        return vector
-
-    def _lifted(self, x: Affine) -> Jet:
-        return Jet.of(x, self.rows, self._boxes.count)
-
-    def _given_speed(self, j: int) -> list[Jet]:
-        """Return the relative velocity that impulses give to a pair: (9)."""
-        pair = self.problem.pairs[j]
-        lightness = [
-            self._lightness(self.problem.bodies[b].mass) for b in (pair.A, pair.B)
-        ]
-        speed = self._zero_vector()
-        for spring in (s for group in self._groups for s in group.springs):
-            if self.problem.pairs[spring.pair].A != pair.A:
-                continue
-            light = lightness[0] + lightness[1] if spring.pair == j else lightness[0]
-            given = spring.J * light
-            for a, d in enumerate(spring.axis_A):
-                if not is_zero(d):
-                    speed[a] = speed[a] + given * d
-        return speed
-
-    def _lightness(self, mass: Number) -> Affine:
-        m = self._boxes.affine(mass)
-        light = m.value.inverse()
-        return Affine(light, {i: -(light.square() * x) for i, x in m.slopes.items()})
-
-    def _place_pairs(self) -> None:
-        """Set where B's CG and the reference point of each pair are at first."""
-        self._start: list[AffineVector] = []
-        self._reference: list[AffineVector] = []
-        self._reference_arm: list[AffineVector] = []
-        self._velocity0: list[AffineVector] = []
-        for pair, mated in zip(self.problem.pairs, self._mated, strict=True):
-            cg_A, cg_B = (
-                self._boxes.vector(self.problem.bodies[b].cg) for b in (pair.A, pair.B)
-            )
-            point = [Affine(Interval(x)) for x in pair.reference]
-            start, reference = (
-                [
-                    Affine(o) + x - y
-                    for o, x, y in zip(
-                        mated.place, turned(mated.R0, place), cg_A, strict=True
-                    )
-                ]
-                for place in (cg_B, point)
-            )
-            self._start.append(start)
-            self._reference.append(reference)
-            self._reference_arm.append(
-                [x - y for x, y in zip(point, cg_B, strict=True)]
-            )
-            self._velocity0.append(cross(self.rate0[pair.A], start))
 
     # ----------------------------------------------------------- the right sides
+
+    def attitude(self, body: BoundBody) -> Matrix:
+        """Return the orientation of a body in W before separation."""
+        return product(self._boxes.attitude(), self._boxes.orientation(body))
 
     def rates(self, state: State) -> list[list[Jet]]:
         """Return the rate of each body, in its axes."""
@@ -360,15 +196,16 @@ class Enclosure:
 
     def relative_rate(self, state: State, u: list[list[Jet]], j: int) -> list[Jet]:
         """Return the rate of a pair's B relative to A, in B: (4)."""
-        pair, R_BA = self.problem.pairs[j], transposed(self._mated[j].R0)
-        changed = rotated(R_BA, u[pair.A])
+        pair, start = self.problem.pairs[j], self._starts[j]
+        changed = turned(start.R_BA, u[pair.A])
         rate = [x + w for x, w in zip(u[pair.A], self.rate0[pair.A], strict=True)]
-        rate = rotated(R_BA, rate)
+        rate = turned(start.R_BA, rate)
         Q = state.Q[j]
-        return [
+        change = [
             u[pair.B][a] - changed[a] - total([Q[b][a] * rate[b] for b in range(3)])
             for a in range(3)
         ]
+        return _raised(change, start.spin)
 
     def _gyroscopic(self, b: int, w: Sequence[Jet], S: Sequence[Jet]) -> list[Jet]:
         """Return w x I w, in both of its forms: (17)."""
@@ -432,7 +269,7 @@ class Enclosure:
     ) -> list[list[Jet]]:
         S = [
             added(p, [-x for x in q])
-            for p, q in zip(self._pushed, self._reacted, strict=True)
+            for p, q in zip(self._pushes.on_B, self._pushes.on_A, strict=True)
         ]
         times = self.grid.times[1:]
         for b in range(len(S)):
@@ -442,113 +279,66 @@ class Enclosure:
                 late = Interval(-most, most) * Interval(times)
                 S[b][a] = S[b][a] - integrals(gyro[a], self.grid.lengths) + late
         for j, pair in enumerate(self.problem.pairs):
-            groups = [g for g in self._groups if g.springs[0].pair == j]
-            if groups:
-                on_A, on_B = self._turned_torques(turning[j], moving[j], j, groups)
+            torques = self._pushes.torques(j, turning[j], moving[j])
+            if torques is not None:
+                on_A, on_B = torques
                 S[pair.A] = [x - y for x, y in zip(S[pair.A], on_A, strict=True)]
                 S[pair.B] = added(S[pair.B], on_B)
         return S
 
-    def _turned_torques(
-        self,
-        turning: list[list[Jet]],
-        moving: list[Jet],
-        j: int,
-        groups: Sequence[_Group],
-    ) -> tuple[list[Jet], list[Jet]]:
-        """Return what q of (6) and (7) gives, to A (to be taken away) and to B."""
-        push = self.grid.push
-        flat = [*(x for row in turning for x in row), *moving]
-        moved = stacked([x[..., :push] for x in flat])
-        on_A, on_B = [], []
-        for group in groups:
-            first = group.springs[0]
-            q = self._spread(group.kernel(moved))
-            arm = _summed(s.arm for s in group.springs)
-            beside = _summed(s.beside for s in group.springs)
-            on_A.append(self._on_A(q, first, beside, j, float(len(group.springs))))
-            on_B.append(self._on_B(q, first, arm))
-            for spring in group.springs:
-                q = self._spread(spring.deviation(moved))
-                on_A.append(self._on_A(q, spring, spring.beside, j, 1.0))
-                on_B.append(self._on_B(q, spring, spring.arm))
-        return added(*on_A), added(*on_B)
-
-    def _spread(self, q: Jet) -> list[Jet]:
-        """Return integrals over all pieces: after the push they stay as they are."""
-        lo = np.repeat(q.lo[..., -1:], self._pieces - self.grid.push, -1)
-        hi = np.repeat(q.hi[..., -1:], self._pieces - self.grid.push, -1)
-        push = slice(0, self.grid.push)
-        lo = np.concatenate([q.lo[..., push], lo], -1)
-        hi = np.concatenate([q.hi[..., push], hi], -1)
-        return [Jet(a, b) for a, b in zip(lo, hi, strict=True)]
-
-    def _on_B(self, q: list[Jet], spring: _Spring, arm: AffineVector) -> list[Jet]:
-        columns = [[q[3 * i + a] for i in range(3)] for a in range(3)]
-        moved = [combined(spring.axis_B, column) for column in columns]
-        return [-x for x in cross(moved, arm)]
-
-    def _on_A(
-        self, q: list[Jet], spring: _Spring, arm: AffineVector, j: int, count: float
-    ) -> list[Jet]:
-        turned_arm = [
-            total([q[3 * i + a] * arm[a] for a in range(3)]) for i in range(3)
-        ]
-        place = rotated(self._mated[j].R0, turned_arm)
-        shift = [x + y * count for x, y in zip(place, q[9:], strict=True)]
-        return cross(shift, [Affine(x) for x in spring.axis_A])
-
     def _given_velocity(self, X: State, w: list[list[Jet]], j: int) -> list[Jet]:
         """Return the change of a pair's relative velocity: (9)."""
         A = self.problem.pairs[j].A
-        velocity = [x + v for x, v in zip(X.U[j], self._velocity0[j], strict=True)]
+        velocity = _raised(X.U[j], self._starts[j].velocity)
         turned_on = cross(w[A], velocity)
         most = self._gravity.acceleration[j]
         late = Interval(-most, most) * Interval(self.grid.times[1:])
         return [
             given - integrals(x, self.grid.lengths) + late
-            for given, x in zip(self._speeds[j], turned_on, strict=True)
+            for given, x in zip(self._pushes.speeds[j], turned_on, strict=True)
         ]
 
     def _moving(
         self, X: State, u: list[list[Jet]], w: list[list[Jet]], j: int
     ) -> list[Jet]:
         """Return how fast a pair's reference point moves in A: (10)."""
-        pair, R0 = self.problem.pairs[j], self._mated[j].R0
-        arm, start = self._reference_arm[j], self._reference[j]
+        pair, start = self.problem.pairs[j], self._starts[j]
+        R0, arm = start.R0, start.arm
         y, Q = X.y[j], X.Q[j]
-        place = [v + x for v, x in zip(y, start, strict=True)]
+        place = [v + x for v, x in zip(y, start.reference, strict=True)]
         with_A = cross(u[pair.A], place)
         with_stack = cross(y, self.rate0[pair.A])
-        with_B = rotated(R0, cross(u[pair.B], arm))
+        with_B = turned(R0, cross(u[pair.B], arm))
         swung = cross(w[pair.B], arm)
-        turned_on = rotated(
+        turned_on = turned(
             R0, [total([Q[i][a] * swung[a] for a in range(3)]) for i in range(3)]
         )
-        return [
+        change = [
             U - a + b + c + d
             for U, a, b, c, d in zip(
                 X.U[j], with_A, with_stack, with_B, turned_on, strict=True
             )
         ]
+        return _raised(change, start.reference_swing)
 
     def displacement(self, state: State, j: int) -> list[Jet]:
         """Return how far the CG of a pair's B has moved, as seen from A: (11)."""
-        Q, arm = state.Q[j], self._reference_arm[j]
+        Q, arm = state.Q[j], self._starts[j].arm
         turned_arm = [total([Q[i][a] * arm[a] for a in range(3)]) for i in range(3)]
-        back = rotated(self._mated[j].R0, turned_arm)
+        back = turned(self._starts[j].R0, turned_arm)
         return [x - y for x, y in zip(state.y[j], back, strict=True)]
 
     def velocity(self, state: State, j: int) -> list[Jet]:
         """Return the velocity of the CG of a pair's B, as seen from A: (11)."""
-        A = self.problem.pairs[j].A
+        A, start = self.problem.pairs[j].A, self._starts[j]
         moved = self.displacement(state, j)
-        place = [x + r for x, r in zip(moved, self._start[j], strict=True)]
+        place = [x + r for x, r in zip(moved, start.place, strict=True)]
         with_A = cross(self._solved(A, state.S[A]), place)
         with_stack = cross(moved, self.rate0[A])
-        return [
+        change = [
             U - a + b for U, a, b in zip(state.U[j], with_A, with_stack, strict=True)
         ]
+        return _raised(change, start.swing)
 
     def accelerations(self) -> list[list[Jet]]:
         """Return the derivative of the rate of each body by time, without springs.
@@ -567,11 +357,11 @@ class Enclosure:
 
     def relative_acceleration(self, j: int) -> list[Jet]:
         """Return the derivative of a pair's relative rate by time: (19), too."""
-        pair, R_BA = self.problem.pairs[j], transposed(self._mated[j].R0)
+        pair, R_BA = self.problem.pairs[j], self._starts[j].R_BA
         Q, u = self.state.Q[j], self.changes(self.state)
         changes = self.accelerations()
-        of_A = rotated(R_BA, changes[pair.A])
-        rate = rotated(R_BA, self.rates(self.state)[pair.A])
+        of_A = turned(R_BA, changes[pair.A])
+        rate = turned(R_BA, self.rates(self.state)[pair.A])
         turning = _turning(Q, self.relative_rate(self.state, u, j))
         return [
             changes[pair.B][a]
@@ -666,19 +456,6 @@ def _applied(entries: Sequence[Affine], w: AffineVector) -> AffineVector:
     ]
 
 
-def _summed(vectors: Iterable[AffineVector]) -> AffineVector:
-    return [total(each) for each in zip(*vectors, strict=True)]
-
-
-def _constant(x: Affine) -> Interval:
-    return x.value
-
-
-def _varied(spring: BoundSpring) -> list[tuple[int, int]]:
-    """Return which numbers of a spring's law are parameters, and which parameters."""
-    numbers = (spring.force_max, spring.stroke, spring.design_mass)
-    return [
-        (a, number.parameter)
-        for a, number in enumerate(numbers)
-        if number.parameter is not None
-    ]
+def _raised(vector: Sequence[Jet], by: AffineVector) -> list[Jet]:
+    """Return a vector with an affine one added; entries of exactly 0 cost nothing."""
+    return [x if y.is_zero else x + y for x, y in zip(vector, by, strict=True)]

@@ -5,21 +5,26 @@ What is not covered is refused by name.
 """
 
 import functools
-import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.checks import InputError, Vector3
 from drakesep.systems.equations.mated_stack import nominal_place
-from drakesep.systems.equations.pushers import push_axis, push_place
+from drakesep.systems.equations.pushers import from_x_axis, push_place
+from drakesep.systems.model.carriers import carriers
 from drakesep.systems.model.orbit import Orbit
-from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW
-from drakesep.systems.model.parameters import parameters, places_of_parts
+from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ, with_axis
+from drakesep.systems.model.parameters import (
+    MATED,
+    names_of,
+    parameters,
+    places_of_parts,
+)
 from drakesep.systems.model.separation import STACK, Attachment, Body, Separation
 from drakesep.systems.model.springs import Spring
-from drakesep.systems.vectors import Rotation, quaternion, rotation_matrix
+from drakesep.systems.vectors import Rotation, rotation_matrix
 
 
 class NotCovered(InputError):
@@ -62,9 +67,24 @@ class BoundBody:
     inertia: tuple[Number, ...]
     """About the CG, entries xx, yy, zz, xy, xz, yz."""
     orientation: Rotation
-    """In the stack, row by row; entries other than 0, 1 and -1 are rounded."""
+    """Meant in the stack, row by row; entries other than 0, 1 and -1 are rounded."""
+    turn: Vector
+    """Roll, pitch and yaw from there, in its own axes."""
     place: Vector3
-    """Of its origin in the stack."""
+    """Where its origin is meant to be in the stack."""
+    offset: Vector
+    """From there, in the stack."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoundSpin:
+    """How a body spins while mated, relative to its carrier."""
+
+    rate: Number
+    axis: Vector3
+    """In A; rounded, as `BoundBody.orientation`."""
+    place: Vector
+    """Of a point of the axis in A."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,6 +95,7 @@ class BoundPair:
     B: int
     reference: Vector3
     """Any point fixed in B, best where it is pushed; in B, from its origin, m."""
+    spin: BoundSpin | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,10 +107,20 @@ class BoundSpring:
     force_max: Number
     stroke: Number
     design_mass: Number
+    lost_stroke: Number
+    """Part of the stroke before which it is stuck."""
     place: Vector
     """Of its pad in A."""
-    axis: Vector3
-    """Along which it pushes, in A; rounded, as `BoundBody.orientation`."""
+    frame: Rotation
+    """In A, of axes whose x axis is that along which it pushes if it is not tilted;
+    rounded, as `BoundBody.orientation`."""
+    tilt: tuple[Number, Number]
+    """By which angles it is, about the y axis of its frame, and then about z."""
+
+    @property
+    def law(self) -> tuple[Number, Number, Number, Number]:
+        """What its force over time depends on."""
+        return self.force_max, self.stroke, self.design_mass, self.lost_stroke
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,9 +143,8 @@ class BoundProblem:
     pairs: tuple[BoundPair, ...]
     """The first is that of the separation."""
     springs: tuple[BoundSpring, ...]
-    attitude: Rotation | None
-    """Of the stack in W, row by row; rounded, as `BoundBody.orientation`. None where
-    it varies: nothing but angles in W depends on it."""
+    attitude: Vector
+    """Roll, pitch and yaw of the stack in W; nothing but angles in W depends on it."""
     rate: Vector
     """Of the stack, in its axes."""
     gravity: Gravity | None
@@ -127,10 +157,10 @@ def problem_of(separation: Separation, box: ToleranceBox) -> BoundProblem:
         NotCovered: something of it is.
     """
     _check_separation(separation)
-    attitude = {f"{STACK}.attitude_{axis}" for axis in ROLL_PITCH_YAW}
-    still = {*places_of_parts(separation), *attitude}
+    still = places_of_parts(separation)
     moving = [d for d in box.dispersions if d.name not in still]
     indices = {d.name: i for i, d in enumerate(moving)}
+    _check_displaced(separation, indices)
     read = _read(separation)
     for name in indices:
         if name not in read:
@@ -153,12 +183,15 @@ def problem_of(separation: Separation, box: ToleranceBox) -> BoundProblem:
             )
             for d, k in zip(moving, columns, strict=True)
         ),
-        bodies=tuple(_body(body, number) for body in bodies),
+        bodies=tuple(
+            _body(body, number, displaced=body.name != separation.A) for body in bodies
+        ),
         pairs=tuple(
             BoundPair(
                 A=names.index(A),
                 B=names.index(B),
                 reference=_reference(separation, A, B),
+                spin=_spin(separation, A, B, number),
             )
             for A, B in pairs
         ),
@@ -169,14 +202,14 @@ def problem_of(separation: Separation, box: ToleranceBox) -> BoundProblem:
                 force_max=number(f"{s.name}.force_max"),
                 stroke=number(f"{s.name}.stroke"),
                 design_mass=number(f"{s.name}.design_mass"),
+                lost_stroke=number(f"{s.name}.lost_stroke"),
                 place=_vector(number, f"{a.name}.position"),
-                axis=push_axis(s.axis_A, s.tilt_y, s.tilt_z, math),
+                frame=from_x_axis(s.axis_A),
+                tilt=(number(f"{s.name}.tilt_y"), number(f"{s.name}.tilt_z")),
             )
             for a, s in pushing
         ),
-        attitude=None
-        if attitude.intersection(box.names)
-        else rotation_matrix(quaternion(separation.initial.rpy_WA, math)),
+        attitude=_vector(number, f"{STACK}.attitude", ROLL_PITCH_YAW),
         rate=_vector(number, f"{STACK}.rate"),
         gravity=_gravity(separation.orbit),
     )
@@ -190,20 +223,47 @@ def _number(
     return Number(values[name], indices.get(name))
 
 
-def _vector(number: functools.partial[Number], stem: str) -> Vector:
-    return number(f"{stem}_x"), number(f"{stem}_y"), number(f"{stem}_z")
+def _vector(
+    number: functools.partial[Number], stem: str, axes: tuple[str, ...] = XYZ
+) -> Vector:
+    x, y, z = (number(with_axis(stem, axis)) for axis in axes)
+    return x, y, z
 
 
-def _body(body: Body, number: functools.partial[Number]) -> BoundBody:
+def _body(
+    body: Body, number: functools.partial[Number], *, displaced: bool
+) -> BoundBody:
     place = nominal_place(body)
     entries = ("xx", "yy", "zz", "xy", "xz", "yz")
+    turn = offset = (Number(0.0),) * 3
+    if displaced:
+        turn = _vector(number, f"{body.name}.mated_misalignment", ROLL_PITCH_YAW)
+        offset = _vector(number, f"{body.name}.mated_offset")
     return BoundBody(
         name=body.name,
         mass=number(f"{body.name}.mass"),
         cg=_vector(number, f"{body.name}.cg"),
         inertia=tuple(number(f"{body.name}.inertia_{e}") for e in entries),
         orientation=rotation_matrix(place.q_SB),
+        turn=turn,
         place=place.p_SBo,
+        offset=offset,
+    )
+
+
+def _spin(
+    separation: Separation, A: str, B: str, number: functools.partial[Number]
+) -> BoundSpin | None:
+    """Return how a body spins on its carrier; None if it does not."""
+    attachment = separation.spins_on(separation.body(B))
+    if attachment is None or number(f"{B}.spin") == Number(0.0):
+        return None
+    if (attachment.A, attachment.B) != (A, B):
+        raise NotCovered(f"{B}: bounds cover bodies that spin on what pushes them")
+    return BoundSpin(
+        rate=number(f"{B}.spin"),
+        axis=attachment.joint.x_axis_A,
+        place=_vector(number, f"{attachment.name}.position"),
     )
 
 
@@ -220,8 +280,8 @@ def _reference(separation: Separation, A: str, B: str) -> Vector3:
     return x, y, z
 
 
-_BODY = ("mass", "cg_", "inertia_")
-_SPRING = ("force_max", "stroke", "design_mass")
+_BODY = ("mass", "cg_", "inertia_", "mated_", "spin")
+_SPRING = ("force_max", "stroke", "design_mass", "lost_stroke", "tilt_")
 
 
 def _read(separation: Separation) -> set[str]:
@@ -229,7 +289,7 @@ def _read(separation: Separation) -> set[str]:
     owned: dict[str, tuple[str, ...]] = {body.name: _BODY for body in separation.bodies}
     owned |= {spring.name: _SPRING for spring in separation.springs}
     owned |= {a.name: ("position_",) for a in separation.attachments}
-    owned[STACK] = ("rate_",)
+    owned[STACK] = ("attitude_", "rate_")
     found = set()
     for name in parameters(separation):
         owner, _, quantity = name.rpartition(".")
@@ -258,14 +318,23 @@ def _check_separation(separation: Separation) -> None:
         raise NotCovered("recontact: bounds do not cover contact")
     for load in separation.loads:
         raise NotCovered(f"{load.name}: bounds do not cover loads")
-    for body in separation.bodies:
-        if body.spin != 0.0 or any((*body.mated_offset, *body.mated_misalignment)):
-            raise NotCovered(
-                f"{body.name}: bounds do not cover bodies that spin, or are displaced, "
-                "in the stack"
-            )
     for attachment in separation.attachments:
         _check_attachment(attachment)
+
+
+def _check_displaced(separation: Separation, varied: Collection[str]) -> None:
+    """Refuse bodies that hang on a displaced one: they move with it."""
+    displaced = {
+        body.name
+        for body in separation.bodies
+        if any((*body.mated_offset, *body.mated_misalignment))
+        or not set(names_of([body], MATED)).isdisjoint(varied)
+    }
+    for name, carrier in carriers(separation).items():
+        if carrier in displaced:
+            raise NotCovered(
+                f"{name}: bounds do not cover what hangs on a body that is displaced"
+            )
 
 
 def _check_attachment(attachment: Attachment) -> None:
@@ -274,12 +343,8 @@ def _check_attachment(attachment: Attachment) -> None:
             f"{attachment.name}: bounds cover attachments that let go at t = 0"
         )
     spring = attachment.spring
-    if spring is None:
-        return
-    if not isinstance(spring, Spring):
+    if spring is not None and not isinstance(spring, Spring):
         raise NotCovered(f"{spring.name}: bounds cover springs of Eq. 5 alone")
-    if spring.lost_stroke != 0.0:
-        raise NotCovered(f"{spring.name}: bounds do not cover stuck springs")
 
 
 def _check_forces(problem: BoundProblem) -> None:

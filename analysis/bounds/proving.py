@@ -22,8 +22,7 @@ from drakesep.analysis.bounds.claims import (
     moments,
     side_of,
 )
-from drakesep.analysis.bounds.grid import make_grid
-from drakesep.analysis.bounds.motion import Grid
+from drakesep.analysis.bounds.grid import Grid, make_grid
 from drakesep.analysis.bounds.problem import BoundProblem, NotCovered, problem_of
 from drakesep.analysis.metrics.registry import find_metric
 from drakesep.analysis.metrics.requirements import Requirement

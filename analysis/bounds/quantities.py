@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from drakesep.analysis.bounds.box import Matrix, entry, matrix, product, transposed
+from drakesep.analysis.bounds.grid import Grid
 from drakesep.analysis.bounds.integrals import (
     by_mean,
     by_sign,
@@ -23,9 +23,16 @@ from drakesep.analysis.bounds.integrals import (
     sign_of,
 )
 from drakesep.analysis.bounds.intervals import Interval, arcsin, arctan2, total
-from drakesep.analysis.bounds.jets import Jet, combined, rotated
-from drakesep.analysis.bounds.motion import Enclosure, Grid
+from drakesep.analysis.bounds.jets import Affine, Jet, combined, turned
+from drakesep.analysis.bounds.motion import Enclosure
 from drakesep.analysis.bounds.options import Options, beside, option, summed
+from drakesep.analysis.bounds.rotations import (
+    Matrix,
+    entry,
+    matrix,
+    product,
+    transposed,
+)
 from drakesep.systems.arrays import Array
 from drakesep.systems.checks import Vector3
 
@@ -179,7 +186,7 @@ def _signal(enclosure: Enclosure, term: Term) -> Jet:
         case "length_squared":
             return total([x.squared() for x in vector])
         case "across_squared":
-            across = rotated(_across(constants), vector)
+            across = turned(_across(constants), vector)
             return total([x.squared() for x in across])
 
 
@@ -194,14 +201,15 @@ def _change(enclosure: Enclosure, term: Term) -> Jet:
     return enclosure.relative_acceleration(signal.pair)[signal.component]
 
 
-def _across(v: Sequence[Interval]) -> Matrix:
+def _across(vector: Sequence[Affine]) -> Matrix:
     """Return the matrix that takes the part of a vector across a unit vector."""
+    v = [x.value for x in vector]
     exact = all(float(x.lo) == float(x.hi) for x in v)
 
-    def of(i: int, j: int) -> Interval:
+    def of(i: int, j: int) -> Affine:
         if exact:
-            return Interval(float(i == j) - float(v[i].lo) * float(v[j].lo))
-        return Interval(float(i == j)) - v[i] * v[j]
+            return Affine(Interval(float(i == j) - float(v[i].lo) * float(v[j].lo)))
+        return Affine(Interval(float(i == j)) - v[i] * v[j])
 
     return [[of(i, j) for j in range(3)] for i in range(3)]
 
@@ -225,15 +233,13 @@ def _field(enclosure: Enclosure, signal: Signal) -> list[Jet]:
 def _angles(enclosure: Enclosure, j: int) -> list[Jet]:
     """Return roll, pitch and yaw from the mated attitude in the nominal stack."""
     problem = enclosure.problem
-    assert problem.attitude is not None
-    R_SB = matrix(problem.bodies[problem.pairs[j].B].orientation)
-    start = product(transposed(R_SB), product(matrix(problem.attitude), R_SB))
+    body = problem.bodies[problem.pairs[j].B]
+    start = product(transposed(matrix(body.orientation)), enclosure.attitude(body))
     P = enclosure.state.P[j]
     columns = [[P[k][c] for k in range(3)] for c in range(3)]
 
     def M(i: int, c: int) -> Jet:
-        moved = combined(start[i], columns[c])
-        return moved + start[i][c]
+        return combined(start[i], columns[c]) + start[i][c]
 
     return [
         _angle_of(M(2, 1), M(2, 2)),

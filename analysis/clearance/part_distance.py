@@ -29,6 +29,8 @@ from drakesep.systems.model.parts import Mesh
 
 _OPENED = 256
 """Boxes that are opened for a stretch of time, before it is rather halved."""
+_ABOUT = 0.5
+"""Part of the smallest distance by which another may be nearer, where any will do."""
 
 
 class PartDistance:
@@ -87,18 +89,18 @@ class PartDistance:
 
     def overlap(self, t: float) -> bool:
         """Return whether they overlap, or one is inside the other, at a time, s."""
-        if self.may_come_below(t, t, TOUCHING) is None and self.solid:
+        touching = self.may_come_below(t, t, TOUCHING)
+        if touching is not None and touching.distance <= TOUCHING:
+            return True
+        if self.solid:
             return False
+        # Surfaces that are apart: where they are about nearest, one is inside, or none.
         pose = self.path.at(t)
-        nearest = self._nearest(pose)
+        nearest = self._nearest(pose, within=_ABOUT)
         first, second = self._parts
         p_AoCb_A = pose.R_AB @ nearest.p_BoCb_B + pose.p_AoBo_A
         p_BoCa_B = pose.R_AB.T @ (nearest.p_AoCa_A - pose.p_AoBo_A)
-        return (
-            nearest.distance <= TOUCHING
-            or is_inside(first, p_AoCb_A)
-            or is_inside(second, p_BoCa_B)
-        )
+        return is_inside(first, p_AoCb_A) or is_inside(second, p_BoCa_B)
 
     def may_come_below(self, start: float, end: float, limit: float) -> Nearest | None:
         """Return None if they come no nearer than a limit, m, between two times, s.
@@ -140,13 +142,20 @@ class PartDistance:
             fresh[k] = self._certify(k, pose, fresh[k])
         return bool(stale or vague)
 
-    def _nearest(self, pose: Pose) -> Nearest:
-        """Return the nearest pair of pieces where B is at a pose in A."""
-        nearest = self._nearest_below(pose, math.inf)
+    def _nearest(self, pose: Pose, within: float = 0.0) -> Nearest:
+        """Return the nearest pair of pieces where B is at a pose in A.
+
+        Args:
+            pose: of B in A.
+            within: the part of its distance by which another may be nearer.
+        """
+        nearest = self._nearest_below(pose, math.inf, within)
         assert nearest is not None
         return nearest
 
-    def _nearest_below(self, pose: Pose, limit: float) -> Nearest | None:
+    def _nearest_below(
+        self, pose: Pose, limit: float, within: float = 0.0
+    ) -> Nearest | None:
         """Return the nearest pair of pieces, None if none is nearer than a limit, m.
 
         What may be nearest is measured, from the least bound up; a box that is nearest
@@ -171,12 +180,15 @@ class PartDistance:
                 return nearest_of(self._pairs[k], bound)
             else:
                 bound = self._certify(k, pose, bound)
-            heapq.heappush(heap, (self._least(k, bound), k, bound))
+            heapq.heappush(heap, (self._least(k, bound, within), k, bound))
 
-    def _least(self, k: int, bound: DistanceBound) -> float:
-        """Return how near a pair or what it holds may be: of a piece, what is known."""
+    def _least(self, k: int, bound: DistanceBound, within: float) -> float:
+        """Return how near a pair or what it holds may be: of a piece, what is known.
+
+        Of a piece, less the part of it by which another may be nearer.
+        """
         certain = is_leaf(self._pairs[k]) and bound.is_certified
-        return bound.distance if certain else bound.low
+        return (1.0 - within) * bound.distance if certain else bound.low
 
     def _measure(self, k: int, pose: Pose) -> DistanceBound:
         bound = self._proximity.measure(self._pairs[k], pose)

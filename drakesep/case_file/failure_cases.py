@@ -81,9 +81,8 @@ def failure_cases_in_si(
     failures = []
     for name, changes in stated.items():
         with named(name):
-            failures.append(
-                FailureCase(name=name, values=_values(separation, tolerances, changes))
-            )
+            values = _values(separation, tolerances, changes)
+        failures.append(FailureCase(name=name, values=values))
     return tuple(failures)
 
 

@@ -4,8 +4,22 @@ from functools import cached_property
 
 from flint import arb
 
-from .certificate import Box, Problem, Value
-from .intervals import NONE, Interval, Jet, Vector, point
+from .certificate import Body, Box, Pair, Problem, Spring, Value
+from .intervals import (
+    NONE,
+    Interval,
+    Jet,
+    Rows,
+    Vector,
+    applied,
+    cross,
+    jet_product,
+    point,
+    transposed,
+    vector_minus,
+    vector_sum,
+)
+from .rotations import composed, constant, rotation, tilted
 
 
 class Constants:
@@ -26,7 +40,7 @@ class Constants:
     def interval(self, value: Value) -> Interval:
         """Enclose a value."""
         if value.parameter is None:
-            return NONE if value.value == 0 else point(value.value)
+            return _exact(value.value)
         return self.parameter(value.parameter)
 
     def jet(self, value: Value) -> Jet:
@@ -51,9 +65,55 @@ class Constants:
         """Return a vector that no parameter varies."""
         return [self.jet_of(value, {}) for value in values]
 
+    def orientation(self, body: Body) -> Rows:
+        """Return the orientation of a body in the stack."""
+        meant = constant(body.R_S, self.zero)
+        return composed(meant, rotation(self.vector(body.turn)))
+
+    def origin(self, body: Body) -> Vector:
+        """Return where a body's origin is in the stack."""
+        meant = self.constant([_exact(x) for x in body.origin_S])
+        return vector_sum(meant, self.vector(body.offset))
+
+    def cg(self, body: Body) -> Vector:
+        """Return where a body's CG is in the stack."""
+        arm = applied(self.orientation(body), self.vector(body.cg))
+        return vector_sum(self.origin(body), arm)
+
+    def mating(self, pair: Pair) -> tuple[Rows, Vector]:
+        """Return the orientation and the origin of a pair's B in its A."""
+        A, B = (self.problem.bodies[b] for b in (pair.carrier, pair.leaver))
+        to_A = transposed(self.orientation(A))
+        apart = vector_minus(self.origin(B), self.origin(A))
+        return composed(to_A, self.orientation(B)), applied(to_A, apart)
+
+    def axis(self, spring: Spring) -> Vector:
+        """Return along which axis of the carrier a spring pushes."""
+        return tilted(constant(spring.frame, self.zero), self.vector(spring.tilt))
+
+    def spin(self, pair: Pair) -> Vector:
+        """Return the rate of a pair's B relative to its A at first, in A."""
+        if pair.spin is None:
+            return [self.zero] * 3
+        rate = self.jet(pair.spin.rate)
+        return [jet_product(x, rate) for x in self.constant(pair.spin.axis)]
+
+    def swing(self, pair: Pair, point_B: Vector) -> Vector:
+        """Return how fast a point fixed in a pair's B moves in its A at first."""
+        if pair.spin is None:
+            return [self.zero] * 3
+        R0, origin = self.mating(pair)
+        place = vector_sum(origin, applied(R0, point_B))
+        arm = vector_minus(place, self.vector(pair.spin.place))
+        return cross(self.spin(pair), arm)
+
     @cached_property
     def with_nominal(self) -> "Constants":
         """The same on the hull of the box and the nominal values, s = 0."""
         lower = tuple(min(s, 0.0) for s in self.box.lower)
         upper = tuple(max(s, 0.0) for s in self.box.upper)
         return Constants(self.problem, Box(lower, upper), self.live)
+
+
+def _exact(x: float) -> Interval:
+    return NONE if x == 0 else point(x)

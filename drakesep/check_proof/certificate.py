@@ -17,15 +17,12 @@ from .intervals import (
     Matrix,
     cross,
     dot,
-    minus,
-    point,
-    scaled,
     square,
-    transposed,
 )
 
 
-FORMAT = "drakesep proof 1"
+FORMAT = "drakesep proof 2"
+ROUNDED = 1e-9
 ENTRY = arb(10) ** -15  # by which entries of rotations are widened
 
 
@@ -145,19 +142,29 @@ class Body:
     mass: Value
     cg: list[Value]
     inertia: list[Value]
-    R_S: Matrix
+    R_S: Matrix  # as it is meant to stand in the stack
+    turn: list[Value]  # roll, pitch and yaw from there
     origin_S: list[float]
+    offset: list[Value]  # from there, in the stack
+
+
+@dataclass(frozen=True)
+class Spin:
+    """How a body spins on its carrier before it lets go."""
+
+    rate: Value
+    axis: list[Interval]  # in the carrier
+    place: list[Value]  # of a point of the axis, in the carrier
 
 
 @dataclass(frozen=True)
 class Pair:
-    """A carrier and the body that leaves it, as they are mated."""
+    """A carrier and the body that leaves it."""
 
     carrier: int
     leaver: int
-    R0: Matrix
-    origin: list[Interval]
     reference: list[float]
+    spin: Spin | None
 
 
 @dataclass(frozen=True)
@@ -169,13 +176,15 @@ class Spring:
     force: Value
     stroke: Value
     mass: Value
+    lost: Value  # part of the stroke before which it is stuck
     place: list[Value]
-    axis: list[Interval]
+    frame: Matrix  # its x axis is that of the push if it is not tilted
+    tilt: list[Value]  # about y of the frame, then about z
 
     @property
-    def law(self) -> tuple[Value, Value, Value]:
-        """Force, stroke and mass."""
-        return self.force, self.stroke, self.mass
+    def law(self) -> tuple[Value, Value, Value, Value]:
+        """Force, stroke, mass and what is lost of the stroke."""
+        return self.force, self.stroke, self.mass, self.lost
 
     def depends_on(self, i: int) -> bool:
         """Whether its impulse varies with a parameter."""
@@ -198,7 +207,7 @@ class Problem:
     bodies: list[Body]
     pairs: list[Pair]
     springs: list[Spring]
-    R_W: Matrix | None
+    attitude: list[Value]
     rate: list[Value]
     gravity: Gravity | None
     grid: list[float]
@@ -218,9 +227,8 @@ class Problem:
         """The springs of a pair that push alike at nominal values."""
         alike: dict[Any, list[int]] = {}
         for k, spring in enumerate(self.springs):
-            axis = tuple(float(x[0].mid()) for x in spring.axis)
             law = tuple(value.value for value in spring.law)
-            alike.setdefault((spring.pair, axis, law), []).append(k)
+            alike.setdefault((spring.pair, law), []).append(k)
         return list(alike.values())
 
     @property
@@ -338,7 +346,7 @@ def _problem(record: object, grid: list[float]) -> Problem:
         raise Unreadable("problem.parameters: two have the same name")
     bodies = _bodies(top, parameters)
     pairs = [
-        _pair(p, f"problem.pairs[{j}]", bodies)
+        _pair(p, f"problem.pairs[{j}]", parameters, len(bodies))
         for j, p in enumerate(items(top["pairs"], "problem.pairs"))
     ]
     springs = [
@@ -353,10 +361,8 @@ def _problem(record: object, grid: list[float]) -> Problem:
             positive(g["mu"], "problem.gravity.mu"),
             positive(g["least_radius"], "problem.gravity.least_radius"),
         )
-    R_W = None
-    if top["attitude"] is not None:
-        R_W = rotation(top["attitude"], "problem.attitude")
-    problem = Problem(parameters, bodies, pairs, springs, R_W, rate, gravity, grid)
+    attitude = _values(top["attitude"], "problem.attitude", parameters, 3)
+    problem = Problem(parameters, bodies, pairs, springs, attitude, rate, gravity, grid)
     _check_pairs(problem)
     return problem
 
@@ -394,7 +400,7 @@ def _value(
             raise Unreadable(
                 f"{name}: its value is not the nominal one of its parameter"
             )
-        least = value - parameters[i].scale * (1 + 1e-9)
+        least = value - parameters[i].scale * (1 + ROUNDED)
     if above_zero and not least > 0:
         raise Unreadable(f"{name}: wanted more than 0 over the box, got {least!r}")
     return Value(value, i)
@@ -413,7 +419,7 @@ def _bodies(top: dict[str, Any], parameters: list[Parameter]) -> list[Body]:
     bodies = []
     for b, record in enumerate(items(top["bodies"], "problem.bodies")):
         name = f"problem.bodies[{b}]"
-        r = keys(record, name, "name mass cg inertia orientation place")
+        r = keys(record, name, "name mass cg inertia orientation turn place offset")
         place = items(r["place"], f"{name}.place", 3)
         bodies.append(
             Body(
@@ -422,35 +428,38 @@ def _bodies(top: dict[str, Any], parameters: list[Parameter]) -> list[Body]:
                 _values(r["cg"], f"{name}.cg", parameters, 3),
                 _values(r["inertia"], f"{name}.inertia", parameters, 6),
                 rotation(r["orientation"], f"{name}.orientation"),
+                _values(r["turn"], f"{name}.turn", parameters, 3),
                 [number(x, f"{name}.place") for x in place],
+                _values(r["offset"], f"{name}.offset", parameters, 3),
             )
         )
     return bodies
 
 
-def _pair(record: object, name: str, bodies: list[Body]) -> Pair:
-    """Return a pair as it is mated, from how its bodies stand in the stack."""
-    p = keys(record, name, "A B reference")
-    a, b = (index(p[key], f"{name}.{key}", len(bodies)) for key in "AB")
-    A, B = bodies[a], bodies[b]
-    to_A = transposed(A.R_S)
-    columns = [scaled(to_A, [[x] for x in column]) for column in transposed(B.R_S)]
-    apart = [
-        [minus(point(y), point(x))] for x, y in zip(A.origin_S, B.origin_S, strict=True)
-    ]
+def _pair(record: object, name: str, parameters: list[Parameter], bodies: int) -> Pair:
+    p = keys(record, name, "A B reference spin")
     return Pair(
-        a,
-        b,
-        transposed([[jet[0] for jet in column] for column in columns]),
-        [jet[0] for jet in scaled(to_A, apart)],
+        index(p["A"], f"{name}.A", bodies),
+        index(p["B"], f"{name}.B", bodies),
         [number(x, f"{name}.reference") for x in items(p["reference"], name, 3)],
+        None if p["spin"] is None else _spin(p["spin"], f"{name}.spin", parameters),
+    )
+
+
+def _spin(record: object, name: str, parameters: list[Parameter]) -> Spin:
+    s = keys(record, name, "rate axis place")
+    return Spin(
+        _value(s["rate"], f"{name}.rate", parameters),
+        unit_vector(s["axis"], f"{name}.axis"),
+        _values(s["place"], f"{name}.place", parameters, 3),
     )
 
 
 def _spring(
     record: object, name: str, parameters: list[Parameter], pairs: int
 ) -> Spring:
-    s = keys(record, name, "name pair force_max stroke design_mass place axis")
+    wanted = "name pair force_max stroke design_mass lost_stroke place frame tilt"
+    s = keys(record, name, wanted)
     force, stroke, mass = (
         _value(s[key], f"{name}.{key}", parameters, above_zero=True)
         for key in ("force_max", "stroke", "design_mass")
@@ -461,9 +470,23 @@ def _spring(
         force,
         stroke,
         mass,
+        _part(s["lost_stroke"], f"{name}.lost_stroke", parameters),
         _values(s["place"], f"{name}.place", parameters, 3),
-        unit_vector(s["axis"], f"{name}.axis"),
+        rotation(s["frame"], f"{name}.frame"),
+        _values(s["tilt"], f"{name}.tilt", parameters, 2),
     )
+
+
+def _part(record: object, name: str, parameters: list[Parameter]) -> Value:
+    """Return a part of something: from 0 on, below 1, over the whole box."""
+    part = _value(record, name, parameters)
+    low, high = part.value, part.value
+    if part.parameter is not None:
+        p = parameters[part.parameter]
+        low, high = (part.value + p.scale * s for s in (p.lower, p.upper))
+    if not (low >= -ROUNDED and high < 1 - ROUNDED):
+        raise Unreadable(f"{name}: wanted from 0 to below 1, got {low!r} to {high!r}")
+    return part
 
 
 def _check_pairs(problem: Problem) -> None:
@@ -515,8 +538,6 @@ def _term(record: object, name: str, problem: Problem, kind: str) -> Term:
     for key, allowed in (("field", FIELDS), ("law", LAWS)):
         if t[key] not in allowed:
             raise Unreadable(f"{name}.{key}: wanted one of {allowed}, got {t[key]!r}")
-    if t["field"] == "angle" and problem.R_W is None:
-        raise Unreadable(f"{name}.field: of angles, problem.attitude is wanted")
     component, vector = None, None
     if t["law"] == "component":
         component = index(t.get("component"), f"{name}.component", 3)

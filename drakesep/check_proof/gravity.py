@@ -13,10 +13,7 @@ from .intervals import (
     cross,
     jet_square,
     magnitude,
-    point,
-    scaled,
     vector_minus,
-    vector_sum,
 )
 
 
@@ -79,23 +76,21 @@ def _moved(b: int, problem: Problem, constants: Constants, duration: arb) -> arb
     """Return how far from W's origin a CG may be but for gravity."""
     assert problem.gravity is not None
     body, first = problem.bodies[b], problem.bodies[0]
-    place, at_rest = (_place(x, constants) for x in (body, first))
+    place, at_rest = (constants.cg(x) for x in (body, first))
     velocity = cross(constants.vector(problem.rate), vector_minus(place, at_rest))
+    speed = _length(velocity)
+    for pair in problem.pairs:
+        if b == pair.leaver:
+            speed += _length(constants.swing(pair, constants.vector(body.cg)))
     impulse = ZERO
     for spring in problem.springs:
         pair = problem.pairs[spring.pair]
         if b in (pair.carrier, pair.leaver):
-            force, stroke, mass = law_of(spring, constants)
+            force, stroke, mass, _ = law_of(spring, constants)
             impulse += (force[1] * stroke[1] * mass[1]).sqrt()
     push = impulse / constants.interval(body.mass)[0]
-    return _length(place) + duration * (_length(velocity) + push)
+    return _length(place) + duration * (speed + push)
 
 
 def _length(x: Vector) -> arb:
     return sum((jet_square(jet)[0][1] for jet in x), ZERO).sqrt()
-
-
-def _place(body: Body, constants: Constants) -> Vector:
-    """Return the CG at t = 0, in the axes of the stack."""
-    origin = [[point(x)] for x in body.origin_S]
-    return vector_sum(origin, scaled(body.R_S, constants.vector(body.cg)))

@@ -1,6 +1,7 @@
 """Impulses of springs of Eq. 5, their derivatives, and the kernels made of them.
 
-With sigma(theta) = sin(min(theta, pi/2)), an impulse is J = A sigma(omega t).
+With sigma(theta) = sin(min(theta, end)), an impulse is J = A sigma(omega t); the end is
+arccos of the lost part of the stroke, pi/2 if none is.
 """
 
 from itertools import pairwise
@@ -24,24 +25,17 @@ from .kernels import PositiveKernel
 
 
 HALF_TURN = arb.pi() / 2
-Law = tuple[Interval, Interval, Interval]
-
-
-def sigma(theta: arb) -> arb:
-    """Return sin(min(theta, pi/2))."""
-    return theta.min(HALF_TURN).sin()
+Law = tuple[Interval, Interval, Interval, Interval]
 
 
 def falling(theta: arb) -> arb:
-    """Return sigma - theta sigma', which grows from 0 to 1."""
-    capped = theta.min(HALF_TURN)
-    return capped.sin() - capped * capped.cos()
+    """Return sin - theta cos, which grows from 0 to 1."""
+    return theta.sin() - theta * theta.cos()
 
 
 def rising(theta: arb) -> arb:
-    """Return sigma + theta sigma', which grows until `TOP` and then falls to 1."""
-    capped = theta.min(HALF_TURN)
-    return capped.sin() + capped * capped.cos()
+    """Return sin + theta cos, which grows until `TOP` and then falls to 1."""
+    return theta.sin() + theta * theta.cos()
 
 
 def _top() -> arb:
@@ -68,51 +62,104 @@ def root(a: Interval, b: Interval, c: Interval) -> Interval:
     return (a[0] * b[0] / c[1]).sqrt(), (a[1] * b[1] / c[0]).sqrt()
 
 
-def angles(law: Law, start: float, end: float) -> Interval:
-    """Enclose omega t from one time to another."""
-    force, stroke, mass = law
-    low = (force[0] / (mass[1] * stroke[1])).sqrt() * arb(start)
-    high = (force[1] / (mass[0] * stroke[0])).sqrt() * arb(end)
-    return low, high
+class Phase:
+    """The angle omega t from one time to another, and where the push ends."""
+
+    def __init__(self, law: Law, start: float, end: float):
+        force, stroke, mass, lost = law
+        self.low = (force[0] / (mass[1] * stroke[1])).sqrt() * arb(start)
+        self.high = (force[1] / (mass[0] * stroke[0])).sqrt() * arb(end)
+        self.ends = last_angle(lost)
+        self.first = self.low.min(self.ends[0])  # of what pushes, the least
+        self.last = self.high.min(self.ends[1])
+        self.pushes = not self.low > self.ends[1]  # perhaps
+        self.over = not self.high < self.ends[0]
+
+    @property
+    def sigma(self) -> Interval:
+        """Enclose sigma, which grows."""
+        return self.first.sin(), self.last.sin()
+
+    @property
+    def after(self) -> Interval:
+        """Enclose sigma after the push."""
+        return self.ends[0].sin(), self.ends[1].sin()
+
+    @property
+    def fall(self) -> Interval:
+        """Enclose sigma - theta sigma'; it grows, by a jump where a spring is stuck."""
+        return (
+            falling(self.first) if self.pushes else self.after[0],
+            self.after[1] if self.over else falling(self.last),
+        )
+
+    @property
+    def rise(self) -> Interval:
+        """Enclose sigma + theta sigma'; it falls by a jump where a spring is stuck."""
+        if not self.pushes:
+            return self.after
+        pushing = rising_on(self.first, self.last)
+        return hull(pushing, self.after) if self.over else pushing
+
+
+def last_angle(lost: Interval) -> Interval:
+    """Enclose arccos of what is lost of a stroke."""
+    low, high = (_arccosine(x) for x in lost)
+    return high, low
+
+
+def _arccosine(x: arb) -> arb:
+    return HALF_TURN if x.is_zero() else x.max(ZERO).acos()
 
 
 def impulse(law: Law, start: float, end: float) -> Interval:
     """Eq. 2."""
-    force, stroke, mass = law
-    low, high = angles(law, start, end)
+    force, stroke, mass, _ = law
+    low, high = Phase(law, start, end).sigma
     return (
-        (force[0] * stroke[0] * mass[0]).sqrt() * sigma(low),
-        (force[1] * stroke[1] * mass[1]).sqrt() * sigma(high),
+        (force[0] * stroke[0] * mass[0]).sqrt() * low,
+        (force[1] * stroke[1] * mass[1]).sqrt() * high,
     )
 
 
 def slopes(law: Law, start: float, end: float) -> Law:
-    """Eq. 3: by force, stroke and mass; A / F is sqrt(m L / F)."""
-    force, stroke, mass = law
-    low, high = angles(law, start, end)
-    fall = (falling(low) / 2, falling(high) / 2)
-    rise_low, rise_high = rising_on(low, high)
+    """Eq. 3: by force, stroke, mass and lost part; A / F is sqrt(m L / F)."""
+    force, stroke, mass, _ = law
+    phase = Phase(law, start, end)
+    fall, rise = ((low / 2, high / 2) for low, high in (phase.fall, phase.rise))
     return (
-        product(root(mass, stroke, force), (rise_low / 2, rise_high / 2)),
+        product(root(mass, stroke, force), rise),
         product(root(force, mass, stroke), fall),
         product(root(force, stroke, mass), fall),
+        _by_lost(law, phase),
     )
 
 
+def _by_lost(law: Law, phase: Phase) -> Interval:
+    """Return less A cot(end), once the push is over."""
+    if not phase.over:
+        return ZERO, ZERO
+    force, stroke, mass, lost = law
+    low, high = (x.max(ZERO) / (1 - x.max(ZERO) ** 2).sqrt() for x in lost)
+    least = -((force[1] * stroke[1] * mass[1]).sqrt() * high)
+    most = -((force[0] * stroke[0] * mass[0]).sqrt() * low)
+    return least, ZERO if phase.pushes else most
+
+
 def end_of_stroke(law: Law) -> Interval:
-    """Enclose pi / (2 omega)."""
-    force, stroke, mass = law
-    quarter = HALF_TURN
+    """Enclose the angle of the end over omega."""
+    force, stroke, mass, lost = law
+    low, high = last_angle(lost)
     return (
-        quarter * (mass[0] * stroke[0] / force[1]).sqrt(),
-        quarter * (mass[1] * stroke[1] / force[0]).sqrt(),
+        low * (mass[0] * stroke[0] / force[1]).sqrt(),
+        high * (mass[1] * stroke[1] / force[0]).sqrt(),
     )
 
 
 def law_of(spring: Spring, constants: Constants) -> Law:
-    """Enclose force, stroke and mass of a spring."""
-    force, stroke, mass = (constants.interval(value) for value in spring.law)
-    return force, stroke, mass
+    """Enclose force, stroke, mass and lost part of a spring."""
+    force, stroke, mass, lost = (constants.interval(value) for value in spring.law)
+    return force, stroke, mass, lost
 
 
 def _by_parameters(
@@ -151,10 +198,10 @@ class SpringImpulse:
         self.varies = any(value.parameter is not None for value in spring.law)
 
 
-def _held(theta: arb) -> arb:
+def _held(theta: arb, end: arb) -> arb:
     """Return the integral of sigma from 0 to theta."""
-    capped = theta.min(HALF_TURN)
-    return 1 - capped.cos() + (theta - capped)
+    capped = theta.min(end)
+    return 1 - capped.cos() + (theta - capped) * end.sin()
 
 
 class NominalImpulse:
@@ -165,12 +212,13 @@ class NominalImpulse:
 
     def __init__(self, problem: Problem, spring: Spring, push: int):
         law: Law = tuple(point(value.value) for value in spring.law)  # type: ignore
-        (force, _), (stroke, _), (mass, _) = law
+        (force, _), (stroke, _), (mass, _), lost = law
+        turn, _ = last_angle(lost)
         omega, most = (force / (mass * stroke)).sqrt(), (force * mass * stroke).sqrt()
-        at = [most * sigma(omega * arb(t)) for t in problem.grid]
+        at = [most * (omega * arb(t)).min(turn).sin() for t in problem.grid]
         ends = list(pairwise(at))
         self.impulse: list[Interval] = ends
-        held = [_held(omega * arb(t)) for t in problem.grid]
+        held = [_held(omega * arb(t), turn) for t in problem.grid]
         means = []
         for m, length in enumerate(problem.lengths):
             mean = most / (omega * length) * (held[m + 1] - held[m])
@@ -180,7 +228,8 @@ class NominalImpulse:
             + [(ZERO, high - means[n][0])]
             for n, (low, high) in enumerate(ends[:push])
         ]
-        rows.append([((most - b).max(ZERO), most - a) for a, b in means[:push]])
+        last = most * turn.sin()
+        rows.append([((last - b).max(ZERO), last - a) for a, b in means[:push]])
         self.kernel = PositiveKernel(rows)
 
 

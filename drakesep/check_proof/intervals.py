@@ -18,6 +18,7 @@ Interval = tuple[arb, arb]
 Jet = list[Interval]
 Vector = list[Jet]
 Matrix = list[list[Interval]]
+Rows = list[Vector]  # of a matrix of jets
 
 ZERO = arb(0)
 NONE: Interval = (ZERO, ZERO)  # zero exactly: told by identity, to skip it
@@ -162,7 +163,7 @@ def jet_negative(x: Jet) -> Jet:
 def jet_product(x: Jet, y: Jet) -> Jet:
     """Return x y, by the rule of products."""
     by_x = times(x[0], y)
-    if len(x) == 1:
+    if all(slope is NONE for slope in x[1:]):
         return by_x
     by_y = times(y[0], x[1:])
     return [by_x[0], *(plus(a, b) for a, b in zip(by_x[1:], by_y, strict=True))]
@@ -208,6 +209,11 @@ def scaled(matrix: Sequence[Sequence[Interval]], x: Vector) -> Vector:
         jet_sum(*(times(m, jet) for m, jet in zip(row, x, strict=True)))
         for row in matrix
     ]
+
+
+def applied(rows: Rows, x: Vector) -> Vector:
+    """Return a matrix of jets times a vector of jets."""
+    return [dot(row, x) for row in rows]
 
 
 def transposed(matrix: Sequence[Sequence[Any]]) -> list[list[Any]]:

@@ -16,7 +16,9 @@ from .intervals import (
     Jet,
     Matrix,
     NotVerified,
+    Rows,
     Vector,
+    applied,
     cross,
     intersection,
     inverse,
@@ -42,7 +44,6 @@ from .intervals import (
 from .kernels import Columns, DifferenceKernel, integrated
 
 
-Rows = list[Vector]  # three rows of a matrix
 WIDER = arb(1) / 4000  # by how much of its width an interval is widened to be entered
 TINY = arb(10) ** -18
 FIRST, ROUNDS, TRIES = 2, 2, 8
@@ -128,14 +129,6 @@ def included(inner: Nested, outer: Nested) -> bool:
     return bool(outer[0] <= inner[0] and inner[1] <= outer[1])
 
 
-def by_vector(rows: Rows, x: Vector) -> Vector:
-    """Return a matrix of jets times a vector of jets."""
-    return [
-        jet_sum(*(jet_product(a, b) for a, b in zip(row, x, strict=True)))
-        for row in rows
-    ]
-
-
 def turned(rows: Rows, rate: Vector) -> Rows:
     """Return (1 + Q) [rate]x."""
     out = []
@@ -168,9 +161,8 @@ class MovingBody:
         slope = negative(square(inverse_mass))
         self.inverse_mass: Jet = [inverse_mass, *times(slope, mass[1:])]
         self.cg = constants.vector(body.cg)
-        rate_S = constants.vector(constants.problem.rate)
-        self.mated_rate = scaled(transposed(body.R_S), rate_S)
-        self.mated_momentum = by_vector(self.inertia, self.mated_rate)
+        self.mated_rate = _mated_rate(b, constants)
+        self.mated_momentum = applied(self.inertia, self.mated_rate)
 
     def change_of_rate(self, S: Vector) -> Vector:
         """Return u = G S, and its derivatives G (S_i - I_i u)."""
@@ -203,6 +195,18 @@ class MovingBody:
             )
             second.append(jet_minus(terms, jet_product(self.off[c], products[b])))
         return [jets_intersected(x, y) for x, y in zip(first, second, strict=True)]
+
+
+def _mated_rate(b: int, constants: Constants) -> Vector:
+    """Return the rate of a body before separation, in its axes."""
+    problem = constants.problem
+    R_S = constants.orientation(problem.bodies[b])
+    rate = applied(transposed(R_S), constants.vector(problem.rate))
+    for pair in problem.pairs:
+        if pair.leaver == b and pair.spin is not None:
+            R0, _ = constants.mating(pair)
+            rate = vector_sum(rate, applied(transposed(R0), constants.spin(pair)))
+    return rate
 
 
 def _inverse(inertia: Matrix) -> Matrix:
@@ -245,9 +249,8 @@ class Pushing:
         problem = setting.problem
         pair: Pair = problem.pairs[j]
         self.pair = pair
-        self.R0 = pair.R0
-        self.R0T = transposed(pair.R0)
-        origin = constants.constant(pair.origin)
+        self.R0, origin = constants.mating(pair)
+        self.R0T = transposed(self.R0)
         cg_B = constants.vector(problem.bodies[pair.leaver].cg)
         self.cg_A = constants.vector(problem.bodies[pair.carrier].cg)
         self.groups = [
@@ -259,26 +262,38 @@ class Pushing:
         places = {k: constants.vector(problem.springs[k].place) for k in self.springs}
         reference = constants.constant([point(x) for x in pair.reference])
         self.epsilon = vector_minus(reference, cg_B)
-        self.r0 = vector_minus(vector_sum(origin, scaled(self.R0, cg_B)), self.cg_A)
-        reference_A = vector_sum(origin, scaled(self.R0, reference))
+        self.r0 = vector_minus(vector_sum(origin, applied(self.R0, cg_B)), self.cg_A)
+        reference_A = vector_sum(origin, applied(self.R0, reference))
         self.b0 = vector_minus(reference_A, self.cg_A)
-        self.arms = {
-            k: vector_minus(scaled(self.R0T, vector_minus(place, origin)), reference)
+        self.spin = applied(self.R0T, constants.spin(pair))
+        self.swing = constants.swing(pair, cg_B)
+        self.reference_swing = constants.swing(pair, reference)
+        pads = {
+            k: applied(self.R0T, vector_minus(place, origin))
             for k, place in places.items()
         }
-        axes = {k: constants.constant(problem.springs[k].axis) for k in self.springs}
-        axes_B = {k: scaled(self.R0T, axis) for k, axis in axes.items()}
-        self.axes, self.axes_B = axes, axes_B
-        self.e = {
-            k: vector_minus(scaled(self.R0T, vector_minus(place, origin)), cg_B)
-            for k, place in places.items()
+        axes = {k: constants.axis(problem.springs[k]) for k in self.springs}
+        axes_B = {k: applied(self.R0T, axis) for k, axis in axes.items()}
+        e = {k: vector_minus(pad, cg_B) for k, pad in pads.items()}
+        arms = {k: vector_minus(pad, reference) for k, pad in pads.items()}
+        self.moments = {
+            group: Moments(
+                [e[k] for k in group],
+                [arms[k] for k in group],
+                [axes[k] for k in group],
+                [axes_B[k] for k in group],
+            )
+            for group in (
+                *(tuple(group) for _, group in self.groups),
+                *((k,) for k in self.springs),
+            )
         }
         self.impulses = {
             k: SpringImpulse(problem.springs[k], constants, setting.nominal[g])
             for g, group in self.groups
             for k in group
         }
-        levers_B = {k: cross(self.e[k], axes_B[k]) for k in self.springs}
+        levers_B = {k: cross(e[k], axes_B[k]) for k in self.springs}
         levers_A = {
             k: cross(vector_minus(places[k], self.cg_A), axes[k]) for k in self.springs
         }
@@ -344,7 +359,7 @@ class Pushing:
         columns = Columns([column for part in by_slope for column in part], lengths)
         values = Columns(by_slope[0], lengths)
         acting = [
-            self._acting(setting.nominal[g].kernel(columns), group, size)
+            self._acting(setting.nominal[g].kernel(columns), tuple(group))
             for g, group in self.groups
         ]
         for k, kernel in self.kernels.items():
@@ -353,7 +368,7 @@ class Pushing:
                 if (k, i) in self.slope_kernels:
                     for c, more in enumerate(self.slope_kernels[k, i](values), 12 * i):
                         q[c] = [plus(a, b) for a, b in zip(q[c], more, strict=True)]
-            acting.append(self._acting(q, [k], size))
+            acting.append(self._acting(q, (k,)))
         both = []
         for at in zip(*acting, strict=True):
             on_B, on_A = zip(*at, strict=True)
@@ -363,22 +378,54 @@ class Pushing:
         return [on_B for on_B, _ in both], [on_A for _, on_A in both]
 
     def _acting(
-        self, q: list[list[Interval]], group: list[int], size: int
+        self, q: list[list[Interval]], group: tuple[int, ...]
     ) -> list[tuple[Vector, Vector]]:
         """Return what q of springs that are alike adds to the sums of `delayed`."""
-        k, count = group[0], point(len(group))
-        e = vector_sum(*(self.e[i] for i in group))
-        arms = vector_sum(*(self.arms[i] for i in group))
-        out = []
+        moments, out = self.moments[group], []
         for row in zip(*q, strict=True):
             jets = [list(row[c::12]) for c in range(12)]
             X = [jets[0:3], jets[3:6], jets[6:9]]
-            pushed = by_vector(transposed(X), self.axes_B[k])
-            moved = scaled(self.R0, by_vector(X, arms))
-            many = [times(count, jet) for jet in jets[9:]]
-            on_A = cross(vector_sum(many, moved), self.axes[k])
-            out.append((cross(e, pushed), on_A))
+            on_B = moments.on_B(X)
+            on_A = applied(self.R0, moments.turned_on_A(X))
+            out.append((on_B, vector_sum(on_A, cross(jets[9:], moments.pushes))))
         return out
+
+
+class Moments:
+    """What makes torques of some springs out of q[X] and q[Y] (Eq. 6 and 7)."""
+
+    def __init__(
+        self,
+        e: list[Vector],
+        arms: list[Vector],
+        axes: list[Vector],
+        axes_B: list[Vector],
+    ):
+        self.of_rows = [_weighted([d[i] for d in axes_B], e) for i in range(3)]
+        self.of_columns = [_weighted([x[c] for x in arms], axes_B) for c in range(3)]
+        self.pushes = vector_sum(*axes)
+
+    def on_B(self, X: Rows) -> Vector:
+        """Return the sum of e times X^T d, in B."""
+        return vector_sum(
+            *(cross(m, row) for m, row in zip(self.of_rows, X, strict=True))
+        )
+
+    def turned_on_A(self, X: Rows) -> Vector:
+        """Return the sum of X epsilon times d, in B while mated."""
+        columns = transposed(X)
+        return vector_sum(
+            *(cross(x, n) for x, n in zip(columns, self.of_columns, strict=True))
+        )
+
+
+def _weighted(weights: list[Jet], vectors: list[Vector]) -> Vector:
+    return vector_sum(
+        *(
+            [jet_product(weight, x) for x in vector]
+            for weight, vector in zip(weights, vectors, strict=True)
+        )
+    )
 
 
 @dataclass
@@ -461,14 +508,16 @@ class Motion:
             rates, velocities = [], []
             mated = self.bodies[a].mated_rate
             for n, Q in enumerate(x.Q[j]):
-                seen = by_vector(transposed(Q), scaled(pushing.R0T, w[a][n]))
-                change = vector_minus(u[b][n], scaled(pushing.R0T, u[a][n]))
+                seen = applied(transposed(Q), applied(pushing.R0T, w[a][n]))
+                change = vector_minus(u[b][n], applied(pushing.R0T, u[a][n]))
+                change = vector_sum(pushing.spin, change)
                 rates.append(vector_minus(change, seen))  # (4)
                 swing = cross(u[b][n], pushing.epsilon)
-                turning = by_vector(Q, cross(w[b][n], pushing.epsilon))
+                turning = applied(Q, cross(w[b][n], pushing.epsilon))
                 place = vector_sum(pushing.b0, x.y[j][n])
                 carried = vector_sum(cross(u[a][n], place), cross(mated, x.y[j][n]))
-                swing = scaled(pushing.R0, vector_sum(swing, turning))
+                swing = applied(pushing.R0, vector_sum(swing, turning))
+                swing = vector_sum(pushing.reference_swing, swing)
                 velocity = vector_sum(vector_minus(x.U[j][n], carried), swing)
                 velocities.append(velocity)  # (4a)
             relative.append(rates)
@@ -571,7 +620,8 @@ class Motion:
         a, b = pushing.pair.carrier, pushing.pair.leaver
         gravity = symmetric(self.setting.disturbance.acceleration)
         of_A = [p for p in self.pushing if p.pair.carrier == a]
-        at_start = cross(self.bodies[a].mated_rate, pushing.r0)
+        carried = cross(self.bodies[a].mated_rate, pushing.r0)
+        at_start = vector_sum(carried, pushing.swing)
         turning, now = [], []
         for n in range(self.problem.pieces):
             bent = cross(k.w[a][n], vector_sum(at_start, x.U[j][n]))
@@ -592,9 +642,9 @@ class Motion:
     def way_of_cg(self, j: int) -> list[Vector]:
         """Return r - r(0) on each piece."""
         pushing = self.pushing[j]
-        turns = (by_vector(Q, pushing.epsilon) for Q in self.state.Q[j])
+        turns = (applied(Q, pushing.epsilon) for Q in self.state.Q[j])
         return [
-            vector_minus(y, scaled(pushing.R0, turn))
+            vector_minus(y, applied(pushing.R0, turn))
             for y, turn in zip(self.state.y[j], turns, strict=True)
         ]
 
@@ -609,7 +659,8 @@ class Motion:
             carried = vector_sum(
                 cross(self.kinematics.u[a][n], place), cross(mated, way)
             )
-            out.append(vector_minus(self.state.U[j][n], carried))
+            moved = vector_sum(pushing.swing, self.state.U[j][n])
+            out.append(vector_minus(moved, carried))
         return out
 
     def change_of_rate(self, b: int) -> list[Vector]:
@@ -627,9 +678,9 @@ class Motion:
         ):
             Q = self.state.Q[j][n]
             X = turned(Q, self.kinematics.relative[j][n])
-            seen = by_vector(transposed(X), scaled(R0T, self.kinematics.w[a][n]))
-            of_A = scaled(R0T, of_A)
-            by_A = vector_sum(of_A, seen, by_vector(transposed(Q), of_A))
+            seen = applied(transposed(X), applied(R0T, self.kinematics.w[a][n]))
+            of_A = applied(R0T, of_A)
+            by_A = vector_sum(of_A, seen, applied(transposed(Q), of_A))
             out.append(vector_minus(of_B, by_A))
         return out
 

@@ -16,6 +16,7 @@ from .intervals import (
     Matrix,
     NotVerified,
     Vector,
+    applied,
     dot,
     hull,
     inverse,
@@ -33,6 +34,7 @@ from .intervals import (
     transposed,
 )
 from .motion import Motion
+from .rotations import composed, constant, rotation
 
 
 Alternatives = list[list[Jet]]  # of a term: options by choice
@@ -250,17 +252,16 @@ def _across(v: list[Interval]) -> Matrix:
 
 def _angles(b: int, motion: Motion) -> list[Vector]:
     """Return roll, pitch and yaw on each piece."""
-    body, R_W = motion.problem.bodies[b], motion.problem.R_W
-    assert R_W is not None  # no claim of an angle is read without it
-    in_W = [scaled(R_W, [[x] for x in c]) for c in transposed(body.R_S)]
-    in_S = [scaled(transposed(body.R_S), column) for column in in_W]
-    fixed = transposed([[jet[0] for jet in column] for column in in_S])
+    body, constants = motion.problem.bodies[b], motion.constants
+    attitude = rotation(constants.vector(motion.problem.attitude))
+    meant = constant(transposed(body.R_S), constants.zero)
+    fixed = composed(meant, composed(attitude, constants.orientation(body)))
     out = []
     for P in motion.orientation(b):
         columns = []
         for c, column in enumerate(transposed(P)):
             column[c] = [plus(ONE, column[c][0]), *column[c][1:]]
-            columns.append(scaled(fixed, column))
+            columns.append(applied(fixed, column))
         M = transposed(columns)
         out.append(
             [

@@ -98,6 +98,7 @@ def _draw(axes: Axes, mine: pd.DataFrame, cell: float) -> None:
     for k in y[untold]:
         words = axes.text(0.02, float(k), "not looked at", transform=beside)
         words.set(fontsize=7, va="center", color="#555555", backgroundcolor="white")
+        words.set_zorder(5)  # before the limit
     first = mine.iloc[0]
     axes.axvline(first["limit"], **LIMIT)
     axes.axhline(0.5, color="#cccccc", linewidth=0.8)

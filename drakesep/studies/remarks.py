@@ -12,6 +12,7 @@ import pandas as pd
 from drakesep.analysis.metrics.of_run import metric_named, signal_of_run
 from drakesep.systems.arrays import Array
 from drakesep.systems.equations.forces_of_run import spring_work
+from drakesep.systems.equations.loads_of_run import joint_loads, largest_loads
 from drakesep.systems.equations.mated_stack import mated_places, place_in_stack
 from drakesep.systems.equations.pair_signals import PairFacts
 from drakesep.systems.model.run import Run
@@ -115,10 +116,12 @@ def _of_held(run: Run, told: set[str]) -> _Told:
     if names:
         kept = dict.fromkeys(run.separation.leaving_at(a) for a in held)
         holds, does = _verbs(names, "holds", "hold"), _verbs(kept, "does", "do")
+        loads = joint_loads(run)
+        force, torque = largest_loads(loads[name] for name in names)
         yield (
             tuple(names),
-            f"{_listed(names)} {holds} to the end: {_listed([*kept])} {does} not "
-            "separate.",
+            f"{_listed(names)} {holds} to the end, with up to {force:.4g} N and "
+            f"{torque:.4g} N m: {_listed([*kept])} {does} not separate.",
         )
     back = [name for name in run.held_back if name not in told]
     if back:

@@ -2,7 +2,7 @@
 
 import functools
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pandas as pd
@@ -25,7 +25,7 @@ from drakesep.tables.columns import write_csv
 from drakesep.tables.contact_tables import contact_forces_table, contacts_table
 from drakesep.tables.labelled_run import LabelledRun, measured
 from drakesep.tables.requirement_tables import requirements_of_run_table
-from drakesep.tables.roles import Changed, Nominal
+from drakesep.tables.roles import COMPLETED, Changed, Nominal
 from drakesep.tables.run_tables import motion_table, runs_table
 
 
@@ -149,6 +149,9 @@ def simulate(
         run = shared_simulation(case.separation, case.integration).run(changed)
         role = Changed() if values else Nominal()
         labelled = measured(role, run, case, clearances)
+        if run.motion is not None:
+            # What does not separate is told by its motion: one run is no verdict.
+            labelled = replace(labelled, outcome=COMPLETED)
         result = Simulated(asked=asked.over(), labelled=labelled, values=values)
         if folder is not None:
             result.write(folder)

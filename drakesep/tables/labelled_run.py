@@ -5,15 +5,13 @@ import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from drakesep.analysis.analysis_case import AnalysisCase, PublishedCase
 from drakesep.analysis.clearance.objective import LowestClearance
 from drakesep.analysis.clearance.of_pair import Clearance
 from drakesep.analysis.metrics.functions import FunctionRequirement
 from drakesep.analysis.metrics.of_run import metrics_of_run
 from drakesep.systems.checks import named
-from drakesep.systems.equations.loads_of_run import joint_loads
+from drakesep.systems.equations.loads_of_run import joint_loads, largest_loads
 from drakesep.systems.model.run import Run
 from drakesep.tables.roles import (
     COMPLETED,
@@ -75,12 +73,7 @@ class LabelledRun:
         """The largest force, N, and torque, N m, of any joint; NaN if it failed."""
         if self.run.trajectory is None:
             return math.nan, math.nan
-        loads = np.concatenate([*joint_loads(self.run).values()])
-        force, torque = (
-            float(np.linalg.norm(part, axis=1).max())
-            for part in (loads[:, 3:], loads[:, :3])
-        )
-        return force, torque
+        return largest_loads(joint_loads(self.run).values())
 
     @property
     def at_most(self) -> dict[str, float]:

@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import textwrap
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,6 +22,8 @@ from drakesep.systems.design.model_text import bare_model
 
 _SECONDS = 30
 """That reading may take, whether or not the caller still is; a machine may be busy."""
+_MESSAGE = 400
+"""Characters of what the parser says, which may be lines and lines."""
 _BYTES = 8 << 30
 """Of memory, addressed; on Linux."""
 
@@ -100,7 +103,8 @@ def _read(path: Path, frame: str) -> dict[str, Any]:
                 parser.AddModelsFromString(bare.text, bare.suffix)
             plant.Finalize()
         except RuntimeError as error:
-            message = str(error).splitlines()[0].replace(str(path), path.name)
+            message = textwrap.shorten(str(error), _MESSAGE, placeholder=" ...")
+            message = message.replace(str(path), path.name)
             message = re.sub(r"<literal-string>\.\w+", path.name, message)
             message = re.sub(rf"(file:)?/*{re.escape(folder)}/+\d+_", "", message)
             raise InputError(f"{path.name}: must be a model, got: {message}") from error

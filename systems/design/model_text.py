@@ -32,6 +32,7 @@ _ELEMENTS: Mapping[str, set[str]] = {
     "mujoco": {"compiler", "default", "asset", "worldbody"},
     "default": {"default", "geom", "mesh"},
     "asset": {"mesh"},
+    "collision": {"pose", "geometry", "density"},
 }
 """Of what is read: the elements within that are read too, where others are left out."""
 _OF_JOINTS = {"dynamics", "calibration", "safety_controller", "mimic", "sensor"}
@@ -172,6 +173,9 @@ def _drop(parent: Element, unwanted: Iterable[Element]) -> None:
 def _keep(element: Element) -> None:
     """Leave out of an element of URDF or SDF what does not bear on mass."""
     wanted = _ELEMENTS.get(element.tag)
+    inertial = element.find("inertial") if element.tag == "link" else None
+    if inertial is not None and inertial.get("auto") in ("true", "1"):
+        wanted = {*_ELEMENTS["link"], "collision"}  # SDF computes it from these
     if wanted is not None:
         _drop(element, [child for child in element if child.tag not in wanted])
     elif element.tag in ("joint", "axis", "axis2"):
@@ -200,6 +204,7 @@ def _bare_mjcf(root: Element, file: Path, name: str) -> ModelText:
         _bare_body(world, name, from_geoms, in_world=True)
     for geom in root.iter("geom"):
         _only(geom, "geom")
+    _drop_weightless_meshes(root)
     _drop_unused_meshes(root)
     text = ElementTree.tostring(root, encoding="unicode")
     return ModelText(text, "xml", "" if first is None else first.get("name", ""))
@@ -252,6 +257,52 @@ def _bare_body(body: Element, name: str, from_geoms: bool, *, in_world: bool) ->
             held = in_world and child.tag == "frame"
             _bare_body(child, name, from_geoms, in_world=held)
             child.tag = "body"
+
+
+_WEIGHING = "mass", "density"
+"""Attributes of a geom of MJCF: what it weighs, the first before the second."""
+
+
+def _drop_weightless_meshes(root: Element) -> None:
+    """Leave geoms out that are drawn alone: meshes of no mass, which may be missing."""
+    by_class: dict[str, dict[str, str]] = {"main": {}}
+    for default in root.findall("default"):
+        default.attrib.pop("class", None)  # whatever its name, it is of all geoms
+        _weights_of_classes(default, by_class["main"], by_class)
+    for world in root.findall("worldbody"):
+        _drop_weightless_of_body(world, "main", by_class)
+
+
+def _weights_of_classes(
+    default: Element, above: Mapping[str, str], by_class: dict[str, dict[str, str]]
+) -> None:
+    """Find what geoms of a class, and of those within, weigh if they do not say it."""
+    own = {key: g.attrib[key] for g in default.findall("geom") for key in g.attrib}
+    stated = {**above, **{key: own[key] for key in _WEIGHING if key in own}}
+    by_class.setdefault(default.get("class", "main"), {}).update(stated)
+    for child in default.findall("default"):
+        _weights_of_classes(child, stated, by_class)
+
+
+def _drop_weightless_of_body(
+    body: Element, kind: str, by_class: Mapping[str, Mapping[str, str]]
+) -> None:
+    kind = body.get("childclass", kind)
+    for child in list(body):
+        if child.tag == "body":
+            _drop_weightless_of_body(child, kind, by_class)
+        elif child.tag == "geom" and "mesh" in child.attrib:
+            stated = {**by_class.get(child.get("class", kind), {}), **child.attrib}
+            [*weighs] = [stated[key] for key in _WEIGHING if key in stated]
+            if weighs and _is_zero(weighs[0]):
+                body.remove(child)
+
+
+def _is_zero(text: str) -> bool:
+    try:
+        return float(text) == 0.0
+    except ValueError:
+        return False  # for the parser to refuse
 
 
 def _drop_unused_meshes(root: Element) -> None:

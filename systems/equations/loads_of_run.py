@@ -4,6 +4,8 @@ A run keeps its motion; the load of a joint that is a spring follows from it by 
 That of a rigid one follows from all else that acts on its bodies at the same moment.
 """
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from drakesep.systems.argument_types import typed
@@ -60,6 +62,16 @@ def joint_loads(run: Run) -> dict[str, Array]:
         loads |= _loads_of_rigid(run)
     pressed = preloads_of_run(run)
     return {each.name: loads[each.name] + pressed[each.name] for each in attachments}
+
+
+def largest_loads(loads: Iterable[Array]) -> tuple[float, float]:
+    """Return the largest force, N, and torque, N m, among loads (n, 6) of joints."""
+    every = np.concatenate([*loads])
+    force, torque = (
+        float(np.linalg.norm(part, axis=1).max())
+        for part in (every[:, 3:], every[:, :3])
+    )
+    return force, torque
 
 
 @typed

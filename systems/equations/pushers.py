@@ -203,11 +203,15 @@ def push_axis(design_A: Vector, tilt_y: Scalar, tilt_z: Scalar, ops: Ops) -> Vec
     """
     c = ops.cos(tilt_y)
     tilted = c * ops.cos(tilt_z), c * ops.sin(tilt_z), -ops.sin(tilt_y)
-    return tilted if design_A == X_AXIS else rotate(_from_x_axis(design_A), tilted)
+    return tilted if design_A == X_AXIS else rotate(from_x_axis(design_A), tilted)
 
 
-def _from_x_axis(axis: Vector) -> Rotation:
-    """Return the shortest rotation from the x axis; about z to its opposite."""
+def from_x_axis(axis: Vector) -> Rotation:
+    """Return the shortest rotation from the x axis to another; about z to its opposite.
+
+    Args:
+        axis: unit vector.
+    """
     x, y, z = axis
     if 1.0 + x < _OPPOSITE:
         return -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0

@@ -26,10 +26,20 @@ def fault_of(path: Path) -> str:
         case ".stl":
             return _of_stl(data)
         case ".ply":
-            return "" if data[:3] == b"ply" else "a file without the header of a PLY"
+            return _of_ply(data)
         case ".glb":
             return _of_glb(data)
     return ""
+
+
+def _of_ply(data: bytes) -> str:
+    header, end, _ = data.partition(b"end_header")
+    if data[:3] != b"ply" or not end:
+        return "a file without the header of a PLY"
+    names = {line.split()[-1] for line in header.splitlines() if line.split()}
+    if not {b"x", b"y", b"z"} <= names:
+        return "a PLY without corners (x, y and z)"
+    return "" if b"element face" in header else "a PLY without faces"
 
 
 def _of_glb(data: bytes) -> str:

@@ -17,6 +17,7 @@ from drakesep.analysis.metrics.requirements import Requirement
 from drakesep.cli.options import parse_changes
 from drakesep.results.reading import read_results
 from drakesep.studies.before_flight import check_verifiable
+from drakesep.studies.remarks import remarks
 from drakesep.systems.batch.row_checks import RowChecks
 from drakesep.systems.equations.forces_of_run import spring_forces
 from drakesep.systems.equations.loads_of_run import joint_loads
@@ -57,8 +58,9 @@ def test_what_is_told_of_it():
     assert study.completed and study.run.held == ("a4",)
     assert study.run.releases == {"a1": 0.0, "a2": 0.0, "a3": 0.0, "a4": math.inf}
     assert study.run.stroke_ends == dict.fromkeys(["s1", "s2", "s3", "s4"], math.inf)
-    texts = [remark.text for remark in study.remarks]
-    assert texts == ["a4 holds to the end: sc does not separate."]
+    [remark] = study.remarks
+    assert remark.text.startswith("a4 holds to the end, with up to 2")
+    assert remark.text.endswith(": sc does not separate.")
     verdicts = study.requirements["verdict"].tolist()
     assert verdicts == ["met", *["not looked at"] * 4]
     assert math.isnan(study.labelled.metrics["separation_end"])
@@ -84,6 +86,9 @@ def test_a_rigid_lock_carries_what_pushes():
     expected = np.tile([*-torque, *-4.0 * force], (len(load), 1))
     # Round-off of forces of kN, and of the motion of a mm in a hundred billion.
     assert load == pytest.approx(expected, abs=1e-6)
+    # In all 2000 N, 0.4 m beside it.
+    [remark] = remarks({"": run})
+    assert remark.text.startswith("a4 holds to the end, with up to 2000 N and 800 N m:")
     assert abs(run.motion.relative_velocity).max() < 1e-9
 
 

@@ -42,7 +42,7 @@ def cluster(*, joint=TURNS, spin=SPIN, balanced=True, release=0.1, **changes):
 
 
 @pytest.mark.parametrize("joint", [TURNS, SOFT])
-@pytest.mark.parametrize("spin", [SPIN, -4.0])
+@pytest.mark.parametrize("spin", [SPIN, -25.0 * math.pi])  # and 750 rpm
 def test_only_the_cluster_spins(joint, spin):
     """It keeps its spin, the booster has none; v = sqrt(2 E / mu)."""
     pair = cluster(joint=joint, spin=spin)

@@ -4,10 +4,12 @@ import dataclasses
 import math
 
 import numpy as np
+import pandas as pd
 import pytest
 from conserved import of_all_bodies
 from separations import FREE, coaxial, generic_pair
 
+import drakesep
 from drakesep.analysis.engines.jax.batch import Batch
 from drakesep.analysis.engines.run_evaluator import RunEvaluator
 from drakesep.analysis.metrics.objectives import highest
@@ -59,6 +61,18 @@ def test_bodies_that_it_keeps_together():
     assert metrics["longitudinal_speed_max"] == pytest.approx(0.04 * w, rel=1e-6)
     [remark] = [r for r in remarks({"": run}) if r.about == ("spring_1",)]
     assert "do not separate" in remark.text
+
+
+def test_one_run_of_it_is_a_result(tmp_path):
+    """It comes twice as far as where the force is zero, and back: with all tables."""
+    case = drakesep.AnalysisCase(separation=on_one_spring(KEPT))
+    study = drakesep.simulate(case, output=tmp_path)
+    assert study.completed and study.summary["status"].tolist() == ["completed"]
+    places = study.motion["relative_position_x_m"]
+    # A cosine whose top lies between samples of 20 ms.
+    assert places.max() == pytest.approx(0.08, rel=1e-3)
+    assert len(pd.read_csv(tmp_path / "motion.csv")) == len(places)
+    assert drakesep.read_results(tmp_path).record.ended.value == "completed"
 
 
 def test_its_net_work_is_in_the_speed():

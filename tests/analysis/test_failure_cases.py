@@ -4,7 +4,7 @@ import dataclasses
 import math
 
 import pytest
-from separations import generic_pair, vega
+from separations import FREE, generic_pair, vega
 
 import drakesep
 from drakesep.analysis.failure_cases import FailureCase
@@ -12,6 +12,7 @@ from drakesep.analysis.standard_failure_cases import LATE, standard_failure_case
 from drakesep.analysis.tolerances.ellipsoid import Ellipsoid
 from drakesep.analysis.tolerances.sides import Sides
 from drakesep.systems.checks import InputError
+from drakesep.systems.model.connectors import Connector
 from drakesep.systems.model.parameters import parameters, with_values
 
 
@@ -52,8 +53,8 @@ def test_ellipsoid_of_one_is_a_tolerance(case):
 @pytest.mark.parametrize(
     ("name", "values", "message"),
     [
-        ("a b", {"spring_1.force_max": 1.0}, "name must be made of letters"),
-        ("design", {"spring_1.force_max": 1.0}, "name must not be 'design'"),
+        ("a b", {"spring_1.force_max": 1.0}, "failure case must be made of letters"),
+        ("design", {"spring_1.force_max": 1.0}, "failure case must not be 'design'"),
         ("x", {}, "x: must change a parameter, got none"),
         ("x", {"spring_9.force_max": 1.0}, "x: unknown parameter 'spring_9.force_max'"),
         ("x", {"payload.mass": -1.0}, "x: .*mass must be"),
@@ -104,6 +105,21 @@ def test_what_holds_alone_is_not_late():
     one = dataclasses.replace(pair, attachments=pair.attachments[:1])
     names = [case.name for case in standard_failure_cases(one, {})]
     assert not [name for name in names if name.endswith(("late", "held"))]
+
+
+def test_what_holds_nothing_cannot_hold_for_ever():
+    """A pad whose spring pushes may be late; pins are what they are."""
+    separation = vega()
+    pad, *others = separation.attachments
+    pins = Connector(name="pins", force_max=80.0, travel=0.01)
+    pad = dataclasses.replace(pad, joint=FREE)
+    plug = dataclasses.replace(pad, name="plug", spring=pins)
+    attachments = (pad, *others, plug)
+    separation = dataclasses.replace(separation, attachments=attachments)
+    names = [one.name for one in standard_failure_cases(separation, {})]
+    assert [name for name in names if name.startswith(("plug", "pins"))] == []
+    assert "attachment_1_late" in names and "attachment_1_held" not in names
+    assert "attachment_2_late" in names and "attachment_2_held" in names
 
 
 def test_the_usual_ones_change_something():

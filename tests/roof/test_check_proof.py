@@ -2,6 +2,7 @@
 
 import copy
 import json
+import math
 import subprocess
 import sys
 from collections.abc import Callable
@@ -11,6 +12,7 @@ from typing import Any
 import pytest
 from certificates import (
     LARGEST,
+    MASS_A,
     MASS_B,
     TIGHT,
     body,
@@ -21,7 +23,7 @@ from certificates import (
 )
 
 import drakesep.check_proof
-from drakesep.check_proof.__main__ import main
+from drakesep.check_proof.command import main
 
 
 def outcome(
@@ -67,6 +69,82 @@ def test_a_free_top_keeps_its_rate(tmp_path, capsys):
     assert status == 0, said
     claim |= {"bound": hexadecimal(0.0199), "found": hexadecimal(0.0198)}
     assert outcome(record, tmp_path, capsys)[0] == 1
+
+
+def _tilted(record: dict[str, Any]) -> tuple[int, float]:
+    """The velocity across, of a push through both CGs along a tilted axis.
+
+    The carrier hardly turns, whatever the enclosure of the pad's place from its CG.
+    """
+    stiff = body("A", value(MASS_A), (1e13, 1e13, 1e13, 0, 0, 0))
+    record["problem"]["bodies"][0] = stiff
+    record["problem"]["springs"][0]["tilt"] = [value(0.0), value(0.02, 2)]
+    return 1, LARGEST * math.sin(0.03)
+
+
+def _stuck(record: dict[str, Any]) -> tuple[int, float]:
+    """Eq. 5 until the sine of its phase is sqrt(1 - lost^2)."""
+    record["problem"]["springs"][0]["lost_stroke"] = value(0.02, 2)
+    return 0, LARGEST * math.sqrt(1 - 0.01**2)
+
+
+@pytest.mark.parametrize(("vary", "side"), [(_tilted, "upper"), (_stuck, "lower")])
+def test_what_varies_of_a_spring_is_verified_to_round_off(vary, side, tmp_path, capsys):
+    record = push(TIGHT)
+    record["problem"]["parameters"].append(parameter("third", 0.02, 0.01))
+    component, largest = vary(record)
+    [claim] = record["claims"]
+    claim["quantity"]["terms"][0]["component"] = component
+    claim["at"] = [*claim["at"], hexadecimal(1 if side == "upper" else -1)]
+    claim["tree"] = [["collapse", {"2": side}], *claim["tree"]]
+    for node in claim["tree"]:
+        if node[0] == "leaf":
+            node[1] = [*node[1], claim["at"][2]]
+    for bound, status in ((1 + 1e-9, 0), (1 - 1e-9, 1)):
+        claim |= {"bound": hexadecimal(largest * bound)}
+        claim |= {"found": hexadecimal(largest * (1 - 1e-6))}
+        got, said = outcome(record, tmp_path, capsys)
+        assert got == status, said
+
+
+def _spinning(record: dict[str, Any]) -> str:
+    """About an axis of symmetry through the CG: the rate about it stays."""
+    spin = {
+        "rate": value(0.02, 2),
+        "axis": [hexadecimal(x) for x in (1, 0, 0)],
+        "place": [value(0.0)] * 3,
+    }
+    record["problem"]["pairs"][0]["spin"] = spin
+    return "rate"
+
+
+def _misaligned(record: dict[str, Any]) -> str:
+    """Pushed through its CG, at which it is turned: it keeps its attitude."""
+    turn = [value(0.02, 2), value(0.0), value(0.0)]
+    record["problem"]["bodies"][1]["turn"] = turn
+    return "angle"
+
+
+def _turned_stack(record: dict[str, Any]) -> str:
+    record["problem"]["attitude"] = [value(0.02, 2), value(0.0), value(0.0)]
+    return "angle"
+
+
+@pytest.mark.parametrize("vary", [_spinning, _misaligned, _turned_stack])
+def test_what_varies_of_the_stack_is_verified_to_round_off(vary, tmp_path, capsys):
+    record = push(TIGHT)
+    record["problem"]["parameters"].append(parameter("third", 0.02, 0.01))
+    symmetric = body("B", value(MASS_B, 1), (700, 3100, 3100, 0, 0, 0))
+    record["problem"]["bodies"][1] = symmetric
+    [claim] = record["claims"]
+    claim["quantity"]["terms"][0] |= {"field": vary(record), "pieces": [0, 4]}
+    claim["at"] = [hexadecimal(x) for x in (0, 0, 1)]
+    claim["tree"] = [["leaf", None]]
+    for bound, status in ((1 + 1e-9, 0), (1 - 1e-9, 1)):
+        claim |= {"bound": hexadecimal(0.03 * bound)}
+        claim |= {"found": hexadecimal(0.03 * (1 - 1e-6))}
+        got, said = outcome(record, tmp_path, capsys)
+        assert got == status, said
 
 
 def _square_of_a_constant_rate() -> dict[str, Any]:
@@ -204,15 +282,20 @@ FAULTS: dict[str, tuple[Callable[[Record], Any], int, str]] = {
         2,
         "attitude",
     ),
-    "angle without attitude": (
-        lambda r: (_problem(r).update(attitude=None), _term(r).update(field="angle")),
+    "no attitude": (
+        lambda r: _problem(r).update(attitude=None),
         2,
-        "problem.attitude is wanted",
+        "problem.attitude: wanted a list of 3",
     ),
     "axis of a spring altered": (
-        lambda r: _problem(r)["springs"][0]["axis"].__setitem__(1, hexadecimal(1e-3)),
+        lambda r: _problem(r)["springs"][0]["frame"].__setitem__(1, hexadecimal(1e-3)),
         2,
-        "axis: its length is not 1",
+        "frame: its length is not 1",
+    ),
+    "spring that loses all of its stroke": (
+        lambda r: _problem(r)["springs"][0].update(lost_stroke=value(1.0)),
+        2,
+        "lost_stroke: wanted from 0 to below 1",
     ),
     "shorter duration": (
         lambda r: _problem(r).update(duration=hexadecimal(0.5)),
@@ -265,7 +348,7 @@ def test_a_window_that_lacks_pieces_is_not_called_after_the_push(tmp_path, capsy
 
 def test_a_key_that_stands_twice_is_refused(tmp_path, capsys):
     path = tmp_path / "proof.json"
-    path.write_text('{"format": "drakesep proof 1", "format": "drakesep proof 1"}')
+    path.write_text('{"format": "drakesep proof 2", "format": "drakesep proof 2"}')
     assert main([str(path)]) == 2
     assert "stands twice" in capsys.readouterr().out
 
@@ -278,7 +361,7 @@ def test_it_stands_alone(tmp_path):
         (tmp_path / "check_proof" / path.name).write_text(path.read_text())
     (tmp_path / "proof.json").write_text(json.dumps(push(TIGHT)))
     code = (
-        "import sys\nfrom check_proof.__main__ import main\n"
+        "import sys\nfrom check_proof.command import main\n"
         "status = main(['proof.json'])\n"
         "roots = {name.partition('.')[0] for name in sys.modules}\n"
         "alien = roots - set(sys.stdlib_module_names) - {'check_proof', 'flint'}\n"
@@ -288,3 +371,13 @@ def test_it_stands_alone(tmp_path):
         [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True
     )
     assert ran.stdout.splitlines()[-1] == "0 []", ran.stdout + ran.stderr
+
+
+def test_without_flint_it_says_what_it_needs(tmp_path):
+    hidden = "import sys, runpy; sys.modules['flint'] = None; sys.argv = ['x', 'y'];"
+    run = f"{hidden} runpy.run_module('drakesep.check_proof', run_name='__main__')"
+    told = subprocess.run(
+        [sys.executable, "-c", run], capture_output=True, text=True, check=False
+    )
+    assert told.returncode == 2
+    assert told.stderr == "check_proof needs python-flint: pip install python-flint\n"

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from drakesep.analysis.bounds.grid import Grid
 from drakesep.analysis.bounds.integrals import by_mean, by_sign
 from drakesep.analysis.bounds.jets import Jet
-from drakesep.analysis.bounds.motion import Grid
 
 
 GRID = Grid(np.linspace(0.0, 2.0, 41), 10)

@@ -2,23 +2,28 @@
 
 import dataclasses
 import itertools
+from typing import NamedTuple
 
 import free_bodies
 import numpy as np
 import oracle
 import pytest
 from separations import generic_pair
+from turned_stack import OF_EACH_KIND, TURNED
+from turned_stack import TOLERANCES as OF_TURNED
 
 from drakesep.analysis.bounds.box import Boxes
 from drakesep.analysis.bounds.branch_and_bound import Prover
 from drakesep.analysis.bounds.claims import claim_of
 from drakesep.analysis.bounds.gravity import disturbance
 from drakesep.analysis.bounds.grid import make_grid, pieces_between
-from drakesep.analysis.bounds.motion import Enclosure, NominalKernels
+from drakesep.analysis.bounds.motion import Enclosure
 from drakesep.analysis.bounds.problem import BoundProblem, problem_of
+from drakesep.analysis.bounds.pushes import NominalKernels
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.systems.model.orbit import Orbit
 from drakesep.systems.model.parameters import with_values
+from drakesep.systems.model.separation import Separation
 
 
 TOLERANCES = {
@@ -44,11 +49,36 @@ TOLERANCES = {
     "attachment_3.position_x": 0.01,
 }
 PAIR = generic_pair(orbit=Orbit(radius=7.0e6), duration=0.8)
-BOX = ToleranceBox.around(PAIR, TOLERANCES)
-PROBLEM = problem_of(PAIR, BOX)
+
+
+class Varied(NamedTuple):
+    """A separation, what of it varies, and by what derivatives are looked at."""
+
+    separation: Separation
+    box: ToleranceBox
+    looked_at: tuple[str, ...]
+
+    @property
+    def times(self) -> np.ndarray:
+        return np.linspace(0.0, self.separation.duration, 33)
+
+    @property
+    def problem(self) -> BoundProblem:
+        return problem_of(self.separation, self.box)
+
+    def flown(self, s: np.ndarray) -> oracle.LabelledRun:
+        return oracle.fly(with_values(self.separation, self.box.values(s)), self.times)
+
+
+CASES = {
+    "plain": Varied(
+        PAIR, ToleranceBox.around(PAIR, TOLERANCES), tuple(TOLERANCES)[::3]
+    ),
+    "turned": Varied(TURNED, ToleranceBox.around(TURNED, OF_TURNED), OF_EACH_KIND),
+}
 N = len(TOLERANCES)
-GRID = make_grid(PROBLEM, 12, 4)
-TIMES = np.linspace(0.0, 0.8, 33)
+assert len(OF_TURNED) == N
+each_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES.keys())
 
 
 def enclosed(problem: BoundProblem, grid, lower, upper, slopes=()) -> dict:
@@ -67,10 +97,6 @@ def enclosed(problem: BoundProblem, grid, lower, upper, slopes=()) -> dict:
     }
 
 
-def flown(s: np.ndarray) -> oracle.LabelledRun:
-    return oracle.fly(with_values(PAIR, BOX.values(s)), TIMES)
-
-
 ERROR = 1e-8
 """Of the oracle, in SI, above that of its integration."""
 
@@ -81,14 +107,16 @@ def boxes_around(rng, count: int):
     return np.clip(middle - half, -1, 1), np.clip(middle + half, -1, 1)
 
 
-def test_enclosures_hold_runs_of_their_boxes():
+@each_case
+def test_enclosures_hold_runs_of_their_boxes(case):
     rng = np.random.default_rng(5)
     lower, upper = boxes_around(rng, 8)
-    found = enclosed(PROBLEM, GRID, lower, upper)
+    grid = make_grid(case.problem, 12, 4)
+    found = enclosed(case.problem, grid, lower, upper)
     for b in range(len(lower)):
-        run = flown(lower[b] + (upper[b] - lower[b]) * rng.integers(0, 2, N))
-        for n, t in enumerate(TIMES):
-            first, last = pieces_between(GRID, t, t)
+        run = case.flown(lower[b] + (upper[b] - lower[b]) * rng.integers(0, 2, N))
+        for n, t in enumerate(case.times):
+            first, last = pieces_between(grid, t, t)
             for name, c in itertools.product(found, range(3)):
                 x, value = found[name][c], getattr(run, name)[n, c]
                 for piece in {first, last}:
@@ -96,14 +124,16 @@ def test_enclosures_hold_runs_of_their_boxes():
                     assert value <= x.hi[0, b, piece] + ERROR, (name, c, t)
 
 
-def test_enclosures_hold_derivatives():
+@each_case
+def test_enclosures_hold_derivatives(case):
     s, h = np.full(N, 0.3), 1e-3
-    found = enclosed(PROBLEM, GRID, s[None] - h, s[None] + h, range(N))
-    for i in range(0, N, 3):
+    grid = make_grid(case.problem, 12, 4)
+    found = enclosed(case.problem, grid, s[None] - h, s[None] + h, range(N))
+    for i in map(case.box.names.index, case.looked_at):
         step = h * (np.arange(N) == i)
-        ahead, behind = flown(s + step), flown(s - step)
-        for n, t in enumerate(TIMES[::8]):
-            piece = pieces_between(GRID, t, t)[0]
+        ahead, behind = case.flown(s + step), case.flown(s - step)
+        for n, t in enumerate(case.times[::8]):
+            piece = pieces_between(grid, t, t)[0]
             for name, c in itertools.product(found, range(3)):
                 x = found[name][c]
                 ends = (getattr(run, name)[8 * n, c] for run in (ahead, behind))
@@ -113,11 +143,12 @@ def test_enclosures_hold_derivatives():
                 assert slope <= x.hi[1 + i, 0, piece] + ERROR / h, (name, c, i, t)
 
 
-def test_enclosures_of_points_close_with_the_pieces_of_time():
+@each_case
+def test_enclosures_of_points_close_with_the_pieces_of_time(case):
     s = np.zeros((1, N))
-    run = flown(s[0])
+    run = case.flown(s[0])
     coarse, fine = (
-        enclosed(PROBLEM, make_grid(PROBLEM, push, push // 4), s, s)
+        enclosed(case.problem, make_grid(case.problem, push, push // 4), s, s)
         for push in (12, 48)
     )
     for name, c in itertools.product(fine, range(3)):

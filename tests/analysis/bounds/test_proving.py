@@ -11,6 +11,7 @@ import oracle
 import pytest
 from separations import by_displacement, generic_pair, pushed_on_axis, staged_pair
 from six_springs import six_springs_case
+from three_bodies import three_bodies
 
 import drakesep
 from drakesep.analysis import AnalysisCase, Requirement
@@ -20,8 +21,9 @@ from drakesep.analysis.bounds.grid import make_grid
 from drakesep.analysis.bounds.problem import problem_of
 from drakesep.analysis.bounds.proving import ProofSettings, prove_bounds
 from drakesep.analysis.tolerances.box import ToleranceBox
+from drakesep.analysis.tolerances.sides import Sides
 from drakesep.systems.model.parameters import with_values
-from drakesep.systems.model.separation import InitialMotion
+from drakesep.systems.model.separation import InitialMotion, Separation
 
 
 FAST = ProofSettings(gap=0.02, seconds=20.0, push=8, coast=4)
@@ -125,11 +127,30 @@ def test_bounds_say_whether_a_requirement_is_met():
     assert not met.meets(slow)
 
 
+def stacked() -> Separation:
+    """A third body hangs on the upper one."""
+    bodies = three_bodies()
+    attachments = [
+        dataclasses.replace(
+            a, release_time=0.0, spring=None if a.name == "port" else a.spring
+        )
+        for a in bodies.attachments
+    ]
+    attachments[-1] = dataclasses.replace(attachments[-1], A="upper")
+    return dataclasses.replace(bodies, attachments=tuple(attachments))
+
+
+LATE = Sides(minus=0.0, plus=0.01)
 REFUSED = {
     "stays": (staged_pair(), {}, "loads"),
     "displacement": (by_displacement(generic_pair()), {}, "Eq. 5"),
     "late": (generic_pair(release_times=(0.0, 0.1)), {}, "t = 0"),
-    "tilt": (generic_pair(), {"spring_1.tilt_y": 0.01}, "tilt_y"),
+    "when": (generic_pair(), {"attachment_1.release_time": LATE}, "release_time"),
+    "on a displaced one": (
+        stacked(),
+        {"upper.mated_offset_x": 0.01},
+        "third: bounds do not cover what hangs on a body that is displaced",
+    ),
 }
 
 
@@ -152,13 +173,22 @@ def test_metrics_that_are_not_covered_are_refused_by_name(metric):
     assert metric in bounds.not_covered[f"highest_{metric}"]
 
 
-def test_angles_in_w_are_not_bounded_where_the_attitude_varies():
-    tolerances = {"before_separation.attitude_roll": 0.01, "upper.cg_y": 0.001}
-    case = AnalysisCase(separation=generic_pair(), tolerances=tolerances)
-    asked = [("angle_at_end_yaw", "highest"), ("rate_at_end_x", "highest")]
-    bounds = prove_bounds(case, asked, FAST)
-    assert "attitude" in bounds.not_covered["highest_angle_at_end_yaw"]
-    assert "highest_rate_at_end_x" in bounds.proven
+def test_angles_in_w_are_bounded_where_the_attitude_varies():
+    """Nothing pushes and nothing turns: all that there is is how the stack stands."""
+    tolerances = {
+        "before_separation.attitude_roll": 0.01,
+        "upper.mated_misalignment_roll": 0.02,
+        "upper.mated_misalignment_yaw": 0.01,
+    }
+    still = generic_pair(springs=False, initial=InitialMotion(rpy_WA=(0.3, 0.0, 0.0)))
+    case = AnalysisCase(separation=still, tolerances=tolerances)
+    asked = [("angle_at_end_roll", "highest"), ("angle_at_end_yaw", "highest")]
+    bounds = prove_bounds(case, asked, FAST).proven
+    roll = 0.3 + 0.01 + 0.02  # about one axis where there is no yaw
+    assert roll <= bounds["highest_angle_at_end_roll"].value <= 1.02 * roll
+    # Rx Rz of roll and yaw: the yaw is that of (cos yaw, cos roll sin yaw).
+    yaw = math.atan(math.cos(0.29) * math.tan(0.01))
+    assert yaw <= bounds["highest_angle_at_end_yaw"].value <= 1.02 * yaw
 
 
 def volume(nodes, lower, upper) -> float:
@@ -188,7 +218,7 @@ def test_a_certificate_covers_the_box_and_keeps_every_digit(tmp_path):
     path = tmp_path / "proof.json"
     bounds.write_certificate(path)
     told = json.loads(path.read_text(encoding="utf-8"))
-    assert told["format"] == "drakesep proof 1"
+    assert told["format"] == "drakesep proof 2"
     spring = told["problem"]["springs"][1]
     assert float.fromhex(spring["force_max"]["value"]) == 1240.0
     assert told["problem"]["bodies"][1]["cg"][1]["parameter"] == 0

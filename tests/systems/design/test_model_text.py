@@ -122,6 +122,31 @@ def test_what_bears_on_mass_and_is_not_known_is_refused(tmp_path, old, new, mess
             mass_properties_of_model(file)
 
 
+@pytest.mark.parametrize(
+    ("defaults", "geom"),
+    [
+        ("", '<geom type="mesh" mesh="dish" mass="0"/>'),
+        ("", '<geom type="mesh" mesh="dish" density="0.0"/>'),
+        ('<default class="seen"><geom mass="0"/></default>', '<geom class="seen" {}/>'),
+        ('<geom density="0"/>', "<geom {}/>"),
+        ('<geom mass="0"/><default class="seen"/>', '<geom class="seen" {}/>'),
+    ],
+)
+def test_a_mesh_that_is_drawn_alone_may_be_missing(tmp_path, defaults, geom):
+    """A cube of 1 m of 30 kg, and a dish of no mass."""
+    file = tmp_path / "satellite.xml"
+    file.write_text(
+        f"<mujoco><default>{defaults}</default><asset><mesh name='dish' file='no.stl'/>"
+        '</asset><worldbody><body><geom type="box" size="0.5 0.5 0.5" mass="30"/>'
+        + geom.format('type="mesh" mesh="dish"')
+        + "</body></worldbody></mujoco>"
+    )
+    check(file, composite((30.0, (0.0, 0.0, 0.0), box(30.0, 1.0, 1.0, 1.0))))
+    file.write_text(file.read_text().replace('="0"', '="2"').replace('"0.0"', '"2"'))
+    with pytest.raises(InputError, match=r"satellite.xml: .*no.stl"):
+        mass_properties_of_model(file)
+
+
 def test_a_mesh_that_bodies_are_weighed_by_must_be_there(tmp_path):
     file = tmp_path / "satellite.xml"
     start = MJCF.index("<inertial")
@@ -191,6 +216,29 @@ def test_sdf_with_all_that_worlds_have(tmp_path):
     file.write_text(SDF)
     (tmp_path / "bus.sdf").write_text(INCLUDED)
     check(file, WEIGHED)
+
+
+def test_an_sdf_whose_inertia_follows_from_its_shapes(tmp_path):
+    """Of 10 kg/m3, in 1 m by 2 m by 3 m, beside one that says its own."""
+    file = tmp_path / "satellite.sdf"
+    file.write_text(
+        '<sdf version="1.11"><model name="m"><link name="bus"><inertial auto="true">'
+        '<density>10</density></inertial><collision name="c"><pose>1 0 0 0 0 0</pose>'
+        "<geometry><box><size>1 2 3</size></box></geometry><surface/>"
+        '</collision></link><link name="wing"><inertial><mass>20</mass></inertial>'
+        '<collision name="c"><geometry><mesh><uri>no.dae</uri></mesh></geometry>'
+        "</collision></link></model></sdf>"
+    )
+    # That SDF takes for 1 kg m2 each what is left out.
+    wing = (20.0, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    check(file, composite((60.0, (1.0, 0.0, 0.0), box(60.0, 1.0, 2.0, 3.0)), wing))
+
+
+def test_what_the_parser_says_is_told_whole(tmp_path):
+    file = tmp_path / "satellite.urdf"
+    file.write_text(URDF.replace('izz="25"', 'izz="40"'))
+    with pytest.raises(InputError, match="do not satisfy the triangle inequality"):
+        mass_properties_of_model(file)
 
 
 def test_a_body_of_a_mujoco_model_flies(tmp_path):

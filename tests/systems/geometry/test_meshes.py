@@ -34,6 +34,20 @@ def saying(count):
     return STL[:80] + struct.pack("<I", count) + STL[84:]
 
 
+PLY = b"""ply
+format ascii 1.0
+element vertex 3
+property float x
+property float y
+property float z
+element face 1
+property list uchar int vertex_indices
+end_header
+0 0 0
+1 0 0
+0 1 0
+3 0 1 2
+"""
 BAD = {
     "empty.stl": (b"", "an empty file"),
     "empty.obj": (b" \n", "an empty file"),
@@ -59,6 +73,9 @@ BAD = {
     "two.obj": (b"v 0 0 0\nv 1 0\nf 1 2 1\n", "finite numbers in line 2: v 1 0"),
     "index.obj": (OBJ.replace("f 2", "f 999", 1).encode(), "corner 999 of 8 in line"),
     "words.ply": (b"a mesh\n", "PLY"),
+    "none.ply": (PLY.replace(b" x", b" q"), "a PLY without corners"),
+    "open.ply": (PLY[:40], "a file without the header of a PLY"),
+    "bare.ply": (PLY.replace(b"element face", b"element edge"), "a PLY without faces"),
     "words.glb": (b"a mesh\n", "GLB"),
     "words.gltf": (b"a mesh\n", "a file that is no glTF"),
     "zero.obj": (OBJ.replace("f 2", "f 0", 1).encode(), "no triangle in line"),
