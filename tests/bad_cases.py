@@ -139,7 +139,7 @@ BAD = {
     ),
     "unknown integrator": (
         changed("run.integrator", "runge_kutta4"),
-        "run.integrator: must be 'runge_kutta3', 'bogacki_shampine3' or 'radau3', got",
+        "run.integrator: must be 'runge_kutta5', 'runge_kutta3', 'bogacki_shampine3'",
     ),
     "zero accuracy": (changed("run.accuracy", 0.0), "run.accuracy: must be > 0, got 0"),
     "unknown quantity": (

@@ -346,9 +346,10 @@ class RunSection(Section):
     duration_s: Positive
     """From t = 0."""
     integrator: Scheme = Integration().scheme
-    """Drake's; the third is implicit, for stiff joints with much damping."""
+    """Drake's; the last is implicit, for stiff joints with much damping."""
     accuracy: Positive = Integration().accuracy
-    """Of the error control, in m, rad, m/s and rad/s a step: 1e-12 to 1e-3."""
+    """Of the error control, in m, rad, m/s and rad/s a step: 1e-12 to 1e-3.
+    runge_kutta5 is held to a tenth of it."""
     max_step_s: Positive = Integration().max_step
     """Longest step."""
     time_limit_s: Positive = Integration().time_limit

@@ -18,7 +18,7 @@ from drakesep.systems.diagram.preload import Preload
 from drakesep.systems.diagram.release import Release
 from drakesep.systems.diagram.rigid_joints import RigidJoints
 from drakesep.systems.diagram.springs import Springs
-from drakesep.systems.diagram.state_layout import StateLayout
+from drakesep.systems.diagram.state_layout import BodyStates, StateLayout
 from drakesep.systems.equations.springs import law_of
 from drakesep.systems.model.separation import Separation
 from drakesep.systems.vectors import Vector
@@ -275,6 +275,21 @@ class SeparationForces(Diagram):
             context: of this diagram.
         """
         return self._release.time_left(self.GetSubsystemContext(self._release, context))
+
+    def times_to_kinks(
+        self, context: Context, later: BodyStates, moment: float
+    ) -> tuple[float, float]:
+        """Return in which time the next pad reaches a kink of its spring's force, s.
+
+        See `Springs.times_to_kinks`.
+
+        Args:
+            context: of this diagram.
+            later: the bodies a moment later.
+            moment: s.
+        """
+        springs = self.GetSubsystemContext(self._springs, context)
+        return self._springs.times_to_kinks(springs, later, moment)
 
 
 def _add_sum(

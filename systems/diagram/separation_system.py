@@ -34,6 +34,8 @@ _OF_BODIES = ("mass", "p_BoBcm_B", "I_BBcm_B", *MATED, SPIN)
 """Fields of bodies that `spatial_inertia` reads, and `set_mated_motion`."""
 _OF_MOTION = ("rpy_WA", "w_WA_A")
 """Fields of the mated stack's motion that `set_mated_motion` reads."""
+_MOMENT = 1e-6
+"""Over which accelerations are told by how velocities change, s."""
 
 
 @typed
@@ -273,6 +275,18 @@ class SeparationSystem(Diagram):
         """
         return self.forces.time_to_release(
             self.GetSubsystemContext(self.forces, context)
+        )
+
+    def times_to_kinks(self, context: Context) -> tuple[float, float]:
+        """Return in which time the next pad reaches a kink of its spring's force, s.
+
+        And in which the next one an end that is a jump; see `Springs.times_to_kinks`.
+        """
+        x = context.get_continuous_state_vector().CopyToVector()
+        slope = self.EvalTimeDerivatives(context).CopyToVector()
+        later = self.layout.bodies((x + _MOMENT * slope).tolist())
+        return self.forces.times_to_kinks(
+            self.GetSubsystemContext(self.forces, context), later, _MOMENT
         )
 
 

@@ -21,13 +21,19 @@ from drakesep.systems.equations.pushers import (
     push_place,
     push_progress,
     push_wrenches,
+    time_to_go,
     values_of,
 )
 from drakesep.systems.equations.relative_motion import BodyState, Wrench
 from drakesep.systems.equations.springs import law_of
-from drakesep.systems.equations.straight_line import LINE_OPS, line_if_straight
+from drakesep.systems.equations.straight_line import (
+    LINE_OPS,
+    line_if_straight,
+    straight_line,
+)
 from drakesep.systems.model.parameters import names_of
 from drakesep.systems.model.separation import Separation
+from drakesep.systems.sampling import NANOSECOND
 from drakesep.systems.vectors import Ops, Vector
 
 
@@ -61,10 +67,88 @@ class _Push(NamedTuple):
     """Whether it is one by time that ends in a jump."""
     now: Pushing
 
+    @property
+    def foreseen(self) -> "_Foreseen":
+        """Return what it comes to, as one by displacement."""
+        law, values = self.law, self.now.values
+        damped = any(getattr(values, name) for name in law.dampers)
+        kinks = [law.stroke(values, math) * corner for corner in law.corners]
+        abrupt = law.ends_in_jump(values)
+        if not abrupt:
+            kinks.append(self.now.end)
+        along_x = self.now.axis_A is None
+        return _Foreseen(
+            self.a,
+            self.b,
+            law,
+            self.now,
+            kinks,
+            abrupt,
+            bool(law.way) and (damped or law.may_lift),
+            straight_line(_paces, along_x),
+        )
+
     def force(self, bodies: BodyStates, t: float) -> float:
         """Return its force, N; nothing from the end of its stroke on."""
         A, B = bodies[self.a], bodies[self.b]
         return float(push_force(self.law, self.jumps, self.now, A, B, t, math))
+
+
+class _Foreseen(NamedTuple):
+    """What a spring by displacement comes to, foreseen from how its pad moves."""
+
+    a: int
+    b: int
+    law: PushLaw
+    now: Pushing
+    kinks: list[float]
+    """Places of its force's kinks, m: corners of its profile, the end of its stroke."""
+    ends_in_jump: bool
+    lifts: bool
+    """Whether its pad may lift off before its end."""
+    paces: Callable[..., tuple[float, float, float, float]]
+
+    def times(
+        self, bodies: BodyStates, later: BodyStates, moment: float
+    ) -> tuple[float, float]:
+        """Return until the next kink of its force, s, and until a jump that ends it.
+
+        By parabolas; of a lift-off by the line of its force. Within a nanosecond of a
+        kink a step has ended there.
+        """
+        a, b, push = self.a, self.b, self.now
+        place = push.p_AoPad_A, push.p_BoPad_B, push.axis_A
+        paces = self.paces(bodies[a], bodies[b], later[a], later[b], place)
+        at, speed, at_later, speed_later = paces
+        acceleration = (speed_later - speed) / moment
+        times = [time_to_go(kink - at, speed, acceleration) for kink in self.kinks]
+        if self.lifts:
+            passed = self.law.passed(push.values, at, math)
+            force, force_later = (
+                self.law.force(push.values, *pace, passed, math)
+                for pace in ((at, speed), (at_later, speed_later))
+            )
+            if (gone := force - force_later) != 0.0:
+                times.append(force * moment / gone)
+        kink = min((t for t in times if t > NANOSECOND), default=math.inf)
+        if not self.ends_in_jump:
+            return kink, math.inf
+        return kink, time_to_go(push.end - at, speed, acceleration)
+
+
+def _paces(
+    along_x: bool,
+    A: BodyState,
+    B: BodyState,
+    A_later: BodyState,
+    B_later: BodyState,
+    place: tuple[Vector, Vector, Vector | None],
+) -> tuple[float, float, float, float]:
+    """Return how far a pad has gone, m, and how fast, m/s; and so a moment later."""
+    return (
+        *push_displacement(A, B, *place),
+        *push_displacement(A_later, B_later, *place),
+    )
 
 
 class _Pushes(NamedTuple):
@@ -76,6 +160,8 @@ class _Pushes(NamedTuple):
     now: tuple[Pushing, ...]
     line: Callable[..., tuple[Wrench, Wrench]]
     over: Callable[..., tuple[bool, ...]]
+    foreseen: list[_Foreseen]
+    """Of those by displacement."""
 
     @classmethod
     def of(cls, a: int, b: int, springs: list[_Push]) -> "_Pushes":
@@ -83,7 +169,8 @@ class _Pushes(NamedTuple):
         kinds = tuple((s.law, s.jumps, s.now.axis_A is None) for s in springs)
         line = line_if_straight(_pushed, kinds, LINE_OPS)
         over = line_if_straight(_over, kinds)
-        return cls(a, b, springs, tuple(s.now for s in springs), line, over)
+        foreseen = [s.foreseen for s in springs if not s.law.by_time]
+        return cls(a, b, springs, tuple(s.now for s in springs), line, over, foreseen)
 
     def __call__(self, bodies: BodyStates, t: float, total: WrenchSum) -> None:
         on_A, on_B = self.line(bodies[self.a], bodies[self.b], t, self.now)
@@ -255,6 +342,31 @@ class Springs(LatchingSystem):
             for push, it in zip(pushes.springs, over, strict=True):
                 spent[push.number] = float(it)
         return spent
+
+    def times_to_kinks(
+        self, context: Context, later: BodyStates, moment: float
+    ) -> tuple[float, float]:
+        """Return in which time the next pad reaches a kink of its spring's force, s.
+
+        A corner of its profile, the end of its stroke, or where it lifts off; infinite
+        if none does. Of springs by displacement, as bodies move now and a moment later.
+
+        Args:
+            context: of this system.
+            later: the bodies then.
+            moment: s.
+
+        Returns:
+            Of kinks, and of ends that are jumps.
+        """
+        bodies = self._forces.read_bodies(context)
+        times = [
+            foreseen.times(bodies, later, moment)
+            for pushes in self._forces.eval(context)
+            for foreseen in pushes.foreseen
+        ]
+        kinks, jumps = zip(*times, strict=True) if times else ((), ())
+        return min(kinks, default=math.inf), min(jumps, default=math.inf)
 
     def _calc_forces(self, context: Context, output: BasicVector) -> None:
         forces = [0.0] * len(self._laws)

@@ -249,6 +249,21 @@ def push_displacement(
     return dot(axis_W, r_A) - mated, dot(axis_W, v_APad)
 
 
+def time_to_go(left: float, speed: float, acceleration: float) -> float:
+    """Return in which time what is left of a way is gone, s; infinite if it is not.
+
+    Args:
+        left: m; 0 or less if it is gone.
+        speed: m/s.
+        acceleration: m/s^2.
+    """
+    if left <= 0.0:
+        return 0.0
+    square = speed * speed + 2.0 * acceleration * left
+    steepness = speed + math.sqrt(max(square, 0.0))
+    return 2.0 * left / steepness if square >= 0.0 < steepness else math.inf
+
+
 def positive_part(x: Scalar) -> Scalar:
     """Return the larger of x and 0, of floats and of lanes."""
     return 0.5 * (x + abs(x))

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
-from pydrake.systems.framework import Context, EventStatus
+from pydrake.systems.framework import Context, DiagramBuilder, EventStatus
 from scipy.optimize import brentq
 
 from drakesep.systems.argument_types import typed
@@ -33,7 +33,10 @@ from drakesep.systems.model.run import (
 from drakesep.systems.model.separation import Attachment, Pair, Separation
 from drakesep.systems.sampling import NANOSECOND, find_breaks, sample_times
 from drakesep.systems.simulation.contact_log import ContactLog
+from drakesep.systems.simulation.error_control import error_control
+from drakesep.systems.simulation.foresight import Foresight
 from drakesep.systems.simulation.recorder import Recorder
+from drakesep.systems.simulation.state_notice import StateNotice
 
 
 _MOST_STEPS, _MOST_EVALUATIONS = 100_000, 3_000_000
@@ -41,11 +44,8 @@ _MOST_STEPS, _MOST_EVALUATIONS = 100_000, 3_000_000
 that no launcher has it would take days. What is counted is the same on any machine."""
 _FIRST_STEP = 1e-3
 """Tried at the start, s."""
-_LEFT = 1e-7
-"""Time until a release by motion from which on it is searched, s."""
-_RECONTACT_STEP = 5e-3
-"""The largest where parts may push each other, s: in free flight error control would
-step over a contact."""
+_STEPS_PER_PUSH = 12
+"""At least, of springs by time."""
 
 
 @typed
@@ -59,8 +59,13 @@ class Simulation:
     def __init__(self, separation: Separation, integration: Integration | None = None):
         self.separation = separation
         self.integration = integration or Integration()
+        builder = DiagramBuilder()
+        self._notice = builder.AddSystem(StateNotice())
         # Momentum is summed after a run: what is integrated costs at every step.
-        self._system = SeparationSystem(separation, motion_analysis=False)
+        self._system: SeparationSystem = builder.AddSystem(
+            SeparationSystem(separation, motion_analysis=False)
+        )
+        self._diagram = builder.Build()
         self._read = self._system.parameters_read(separation)
 
     def reads(self, names: Iterable[str]) -> bool:
@@ -84,9 +89,11 @@ class Simulation:
         """
         separation = with_values(self.separation, values or {})
         check_read(values or {}, self._read, "a Drake system")
-        context = self._system.CreateDefaultContext()
+        whole = self._diagram.CreateDefaultContext()
+        context = self._system.GetMyMutableContextFromRoot(whole)
         self._system.set_separation(context, separation)
-        simulator = self._make_simulator(context)
+        self._notice.watch(whole)
+        simulator = self._make_simulator(whole)
         try:
             contacts = ContactLog(self._system, context)
             recorder, releases = self._advance(simulator, context, separation, contacts)
@@ -113,6 +120,7 @@ class Simulation:
         finally:
             # It knows the simulator: a circle through C++, which is never freed.
             simulator.clear_monitor()
+            self._notice.watch(None)
         integrator = simulator.get_mutable_integrator()
         return Run(
             separation=separation,
@@ -131,20 +139,13 @@ class Simulation:
     def _make_simulator(self, context: Context) -> Simulator:
         # New for every run: a used integrator remembers its last step size.
         context.SetAccuracy(self.integration.accuracy)
-        if self.integration.scheme == "bogacki_shampine3":
-            # It evaluates at the end of a step. If that is rejected, Drake sets time
-            # and state back, but tells caches of time alone (drake 1.51.1).
-            context.DisableCaching()
-            forces = self._system.forces  # of which all that moves depends on time
-            self._system.GetMutableSubsystemContext(forces, context).EnableCaching()
-        max_step = self.integration.max_step
-        if self.separation.recontact is not None:
-            max_step = min(max_step, _RECONTACT_STEP)
-        simulator = Simulator(self._system, context)
+        pushed = self.separation.recontact is not None
+        accuracy, max_step = error_control(self.integration, recontact=pushed)
+        simulator = Simulator(self._diagram, context)
         ApplySimulatorConfig(
             SimulatorConfig(
                 integration_scheme=self.integration.scheme,
-                accuracy=self.integration.accuracy,
+                accuracy=accuracy,
                 max_step_size=max_step,
                 use_error_control=True,
             ),
@@ -166,30 +167,22 @@ class Simulation:
         """Fly to the end; return what was recorded, and when attachments let go, s."""
         system = self._system
         released = system.GetOutputPort("released")
-        recorder = Recorder(
-            system,
-            context,
-            kinks_within_steps=separation.recontact is not None
-            or any(not law_of(spring).by_time for spring in separation.springs),
-        )
+        recorder = Recorder(system, context)
         check_effort = _effort_check(simulator, self.integration.time_limit)
-        by_motion = any(a.released_by_motion for a in separation.attachments)
-        approach = _Approach(self.integration.accuracy)
+        ahead = Foresight(system, context, separation, self.integration.accuracy)
 
         def monitor(_: Context) -> EventStatus:
             recorder.note()
             contacts.note()
             check_effort()
-            if by_motion:
-                left = system.time_to_release(context)
-                if left <= 0.0:
-                    return EventStatus.ReachedTermination(system, "release by motion")
-                if approach.is_near(context.get_time(), left):
-                    return EventStatus.ReachedTermination(system, "near a release")
+            if ahead.is_near():
+                return EventStatus.ReachedTermination(system, "near an event")
             return EventStatus.DidNothing()
 
         simulator.set_monitor(monitor)
         simulator.Initialize()
+        integrator = simulator.get_mutable_integrator()
+        largest = integrator.get_maximum_step_size()
         # Steps end at kinks: none straddles one.
         while (now := context.get_time()) < separation.duration:
             releases = _releases(separation, released.Eval(context))
@@ -198,15 +191,32 @@ class Simulation:
                 separation, separation.scheduled_releases | releases, strokes
             )
             stop = next(t for t in stops if t > now + NANOSECOND)
-            if by_motion:
-                stop = min(stop, now + approach.step(system.time_to_release(context)))
+            integrator.set_maximum_step_size(
+                min(largest, _largest_in_push(now, separation, releases, strokes))
+            )
+            foreseen = now + ahead.step()
             recorder.start_piece()
-            simulator.AdvanceTo(stop)
-            recorder.end_piece()
+            simulator.AdvanceTo(foreseen if foreseen < stop - NANOSECOND else stop)
             simulator.AdvancePendingEvents()
         releases = _releases(separation, released.Eval(context))
         names = [attachment.name for attachment in separation.attachments]
         return recorder, dict.fromkeys(names, math.inf) | releases
+
+
+def _largest_in_push(
+    now: float,
+    separation: Separation,
+    releases: Mapping[str, float],
+    stroke_ends: Mapping[str, float],
+) -> float:
+    """Return the largest step while springs by time push, s."""
+    spans = [
+        (releases.get(attachment.name, math.inf), stroke_ends[spring.name])
+        for attachment, spring in separation.pushing
+        if spring.name in stroke_ends
+    ]
+    lengths = [end - start for start, end in spans if start <= now < end - NANOSECOND]
+    return min(lengths, default=math.inf) / _STEPS_PER_PUSH
 
 
 def _effort_check(simulator: Simulator, time_limit: float) -> Callable[[], None]:
@@ -244,36 +254,6 @@ def _effort_check(simulator: Simulator, time_limit: float) -> Callable[[], None]
     return check
 
 
-class _Approach:
-    """How a release by motion is approached, whose time is foreseen from its pace.
-
-    A step that straddles it has its time searched by bisection, twenty tries of some
-    steps each: so it is to be a short one.
-    """
-
-    def __init__(self, accuracy: float):
-        # Drake's search ends within a hundredth of the accuracy, in seconds.
-        self._least = max(_LEFT, 0.01 * accuracy)
-        self._last = 0.0
-
-    def is_near(self, now: float, left: float) -> bool:
-        """Return whether a release may lie within the next step.
-
-        Args:
-            now: where a step has ended, s.
-            left: time until the release, s.
-        """
-        step, self._last = now - self._last, now
-        return self._least < left < 2.0 * step
-
-    def step(self, left: float) -> float:
-        """Return how long to go on, s: until just before it, and then well beyond it.
-
-        Drake ends the process when what it searches lies at the end of `AdvanceTo`.
-        """
-        return 0.99 * left if left > self._least else 3.0 * self._least
-
-
 def _releases(separation: Separation, released: Array) -> dict[str, float]:
     """Return when each attachment let go, s, of those that did."""
     return {
@@ -298,13 +278,11 @@ def _find_stroke_ends(
     """
     held = [name for name, release in releases.items() if math.isinf(release)]
     ends = separation.timed_stroke_ends(releases)
-    times = recorder.step_times()
-    steps = times, recorder.bodies(times)
     for attachment, spring in separation.pushing:
         release = releases[attachment.name]
         if not law_of(spring).by_time and math.isfinite(release):
             ends[spring.name] = _find_stroke_end(
-                separation, recorder, steps, attachment, spring, release
+                separation, recorder, attachment, spring, release
             )
         # The model knows when scheduled releases are; not those at an angle.
         if ends.get(spring.name, math.inf) >= separation.duration:
@@ -318,7 +296,6 @@ def _find_stroke_ends(
 def _find_stroke_end(
     separation: Separation,
     recorder: Recorder,
-    steps: tuple[Array, list[BodyState]],
     attachment: Attachment,
     spring: Pusher,
     release: float,
@@ -328,7 +305,6 @@ def _find_stroke_end(
     Args:
         separation: as it was flown.
         recorder: of its run.
-        steps: times at which steps ended, and the bodies' motion at these.
         attachment: of the spring.
         spring: the spring.
         release: when the attachment let go, s.
@@ -337,26 +313,31 @@ def _find_stroke_end(
     place = push_place(separation, attachment, spring)
     stroke = law_of(spring).end(spring, math)
 
-    def left(bodies: Any) -> Any:
-        displacement, _ = push_displacement(bodies[a], bodies[b], *place)
-        return stroke - displacement
+    def left(bodies: Any) -> tuple[Any, Any]:
+        displacement, speed = push_displacement(bodies[a], bodies[b], *place)
+        return stroke - displacement, speed
 
-    times, bodies = steps
+    times = recorder.step_times()
     first = np.searchsorted(times, release)
     times = times[first:]
-    beyond = np.flatnonzero(left(bodies)[first:] <= 0.0)
+    ahead, speed = (x[first:] for x in left(recorder.bodies_at_steps))
+    # Where a step has ended there, it is known to a nanosecond.
+    soon = NANOSECOND * np.abs(speed)
+    beyond = np.flatnonzero(ahead <= soon)
     if not beyond.size:
         return math.inf
-    if beyond[0] == 0:
-        return release  # it was past its stroke when it was let go
-    t0, t1 = times[beyond[0] - 1 : beyond[0] + 1]
+    k = beyond[0]
+    if k == 0 or ahead[k] >= -soon[k]:
+        return float(times[k])  # the first: it was past its stroke when it was let go
     # What it is given as arguments is free at once; what a closure holds, much later.
-    end = brentq(_left_at, t0, t1, args=(left, recorder), xtol=NANOSECOND)
+    end = brentq(
+        _left_at, *times[k - 1 : k + 1], args=(left, recorder), xtol=NANOSECOND
+    )
     return float(end)
 
 
 def _left_at(t: float, left: Callable[[Any], Any], recorder: Recorder) -> float:
-    return float(left(recorder.bodies_at(t)))
+    return float(left(recorder.bodies_at(t))[0])
 
 
 def _with_contacts(

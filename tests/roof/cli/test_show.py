@@ -168,7 +168,7 @@ def test_first_lines(shown):
         "orbit: circular, 640 km",
         "attitude [2.0, -3.0, 4.0] deg",
         "rate [0.5, -0.4, 0.3] deg/s",
-        "run: 0.8 s with runge_kutta3 at accuracy 1e-06",
+        "run: 0.8 s with runge_kutta5 at accuracy 1e-06",
     ):
         assert text in motion
 

@@ -79,7 +79,8 @@ def test_a_stuck_spring_ends_a_step_and_those_beside_it_do_not():
     w = math.sqrt(4 * 1200.0 / (reduced_mass(separation) * 0.1))
     # a hundredth of the accuracy, and what that of the motion makes of it
     assert lost.stroke_ends[first] == pytest.approx(math.pi / 3.0 / w, abs=1e-8)
-    assert lost.steps < 1.3 * whole.steps  # four searches double them
+    # Other ends are foreseen, with a few steps each; four searches take four times all.
+    assert lost.steps < 2.0 * whole.steps
 
 
 def test_energy_balance_in_generic_motion():

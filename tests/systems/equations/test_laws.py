@@ -13,7 +13,7 @@ from drakesep.systems import vectors
 from drakesep.systems.equations import gravity as gravity_laws
 from drakesep.systems.equations import joints as joint_laws
 from drakesep.systems.equations import relative_motion as motion_laws
-from drakesep.systems.equations.pushers import push_wrenches
+from drakesep.systems.equations.pushers import push_wrenches, time_to_go
 from drakesep.systems.equations.springs import law_of
 from drakesep.systems.model.orbit import EARTH_MU
 from drakesep.systems.model.springs import Spring
@@ -71,6 +71,31 @@ def test_springs_of_a_pair_are_the_sum_of_each():
         scale = 1e-12 * np.abs(forces).sum() * 5.0  # round-off of forces times arms
         assert wrench.force == pytest.approx(sign * vectors_W.sum(axis=0), abs=scale)
         assert wrench.torque == pytest.approx(sign * moment, abs=scale)
+
+
+@given(st.floats(1e-6, 1e2), st.floats(0.0, 50.0), st.floats(-5.0, 50.0))
+def test_time_until_a_way_is_gone(t, speed, acceleration):
+    """Of v t + a t^2 / 2, as long as it goes that way."""
+    left = speed * t + 0.5 * acceleration * t * t
+    if speed + acceleration * t > 1e-3 * (speed + 1.0):  # turns back after that
+        # round-off of the square root, by how much of the speed is left
+        assert time_to_go(left, speed, acceleration) == pytest.approx(t, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("left", "speed", "acceleration", "time"),
+    [
+        (0.0, 1.0, 0.0, 0.0),
+        (-0.1, 1.0, 0.0, 0.0),
+        (1.0, 0.0, 0.0, math.inf),
+        (1.0, -1.0, 0.0, math.inf),
+        (1.0, 1.0, -0.6, math.inf),  # it turns back at 0.83
+        (1.0, 0.0, 2.0, 1.0),
+        (1.0, -1.0, 4.0, 1.0),  # back and forth
+    ],
+)
+def test_a_way_that_is_gone_or_never(left, speed, acceleration, time):
+    assert time_to_go(left, speed, acceleration) == time
 
 
 def test_joint_feels_the_deviation_and_its_rate():

@@ -29,8 +29,8 @@ def test_impulse_of_equation_5():
     )
     given = run.motion.linear_momentum_change[-1]
     # Gauss's quadrature of a cosine, in 64 intervals and more: to round-off. Across, by
-    # what B turns while joints hold it: a stack at rest, to the integration's 1e-6.
-    assert given == pytest.approx([impulse, 0.0, 0.0], rel=1e-12, abs=1e-6)
+    # what B turns while joints hold it: a stack at rest, to the integration's 1e-7 rad.
+    assert given == pytest.approx([impulse, 0.0, 0.0], rel=1e-12, abs=1e-7 * impulse)
 
 
 @pytest.mark.parametrize("law", ["time", "linear", "table", "damped"])
