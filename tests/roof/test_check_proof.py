@@ -59,16 +59,31 @@ def test_a_free_top_keeps_its_rate(tmp_path, capsys):
     claim = record["claims"][0]
     [term] = claim["quantity"]["terms"]
     term |= {"field": "rate", "pieces": [0, 4]}
-    claim |= {
-        "bound": hexadecimal(0.02 * (1 + 1e-12)),
-        "found": hexadecimal(0.02 * (1 - 1e-12)),
-    }
     claim |= {"at": [hexadecimal(x) for x in (0, 0, 1)]}
     claim["tree"] = [["leaf", None]]
-    status, said = outcome(record, tmp_path, capsys)
-    assert status == 0, said
-    claim |= {"bound": hexadecimal(0.0199), "found": hexadecimal(0.0198)}
-    assert outcome(record, tmp_path, capsys)[0] == 1
+    for springs in (record["problem"]["springs"], []):
+        record["problem"]["springs"] = springs
+        claim |= {
+            "bound": hexadecimal(0.02 * (1 + 1e-12)),
+            "found": hexadecimal(0.02 * (1 - 1e-12)),
+        }
+        status, said = outcome(record, tmp_path, capsys)
+        assert status == 0, said
+        claim |= {"bound": hexadecimal(0.0199), "found": hexadecimal(0.0198)}
+        assert outcome(record, tmp_path, capsys)[0] == 1
+
+
+@pytest.mark.parametrize("a", [(1.0, 3.0), (-3.0, -1.0), (-2.0, 3.0)])
+def test_products_hold_what_balls_about_zero_hold(a):
+    """Of an end that is known to a half, whatever it is."""
+    from flint import arb
+
+    from drakesep.check_proof.intervals import product
+
+    end = arb(0.0, 0.5)
+    low, high = product((arb(a[0]), arb(a[1])), (end, end))
+    exact = [x * y for x in a for y in (-0.5, 0.5)]
+    assert low.lower() <= min(exact) and max(exact) <= high.upper()
 
 
 def _tilted(record: dict[str, Any]) -> tuple[int, float]:
