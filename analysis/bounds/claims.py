@@ -266,12 +266,14 @@ def _window(
     if not isinstance(metric.when, Window):
         first, last = pieces_between(grid, early(metric.when), late(metric.when))
         if isinstance(metric.when, float) or metric.when is Moment.END:
-            first = last  # the short piece that ends there
+            last = first  # the short piece that ends there
         return first, last
     start, end = metric.when.start, metric.when.end
     first, last = pieces_between(grid, early(start), late(end))
     if at_once:
-        first = last = min(max(first, grid.push), last)
+        # A piece with a time that belongs to the window whatever the parameters are.
+        surely, _ = pieces_between(grid, early(end), early(end))
+        first = last = min(max(first, grid.push), surely)
     return first, last
 
 
