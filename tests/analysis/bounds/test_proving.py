@@ -143,7 +143,7 @@ def stacked() -> Separation:
 
 
 def on_another_carrier() -> Separation:
-    """A third body is pushed from the upper one, which no spring pushes and may spin."""
+    """A third body is pushed from the upper one, which nothing pushes, and may spin."""
     bodies = three_bodies()
     lower, upper, third = bodies.bodies
     fourth = dataclasses.replace(third, name="fourth", p_ABo=(-1.0, -0.9, -1.2))
