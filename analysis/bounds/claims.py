@@ -174,6 +174,7 @@ def claim_of(
                     last=window[1],
                     blocks=blocks,
                     since="separation" if _since_separation(metric) else "first",
+                    until="separation" if _until_separation(metric) else "last",
                     moment=not isinstance(metric.when, Window),
                 )
                 for signal in signals
@@ -249,6 +250,10 @@ def _blocks(window: tuple[int, int], grid: Grid) -> tuple[int, ...]:
 def _since_separation(metric: Metric) -> bool:
     when = metric.when[0] if isinstance(metric.when, Window) else metric.when
     return when is Moment.SEPARATION
+
+
+def _until_separation(metric: Metric) -> bool:
+    return isinstance(metric.when, Window) and metric.when.end is Moment.SEPARATION
 
 
 def _window(

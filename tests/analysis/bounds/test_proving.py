@@ -219,6 +219,16 @@ def test_what_is_reached_until_separation_is_reached_before_the_earliest():
     assert bounds.proven[f"lowest_{name}"].value <= reached
 
 
+def test_what_is_found_until_separation_is_found_before_it():
+    """By its end a spring of Eq. 5 has moved bodies as far, however strong it is."""
+    pair = pushed_on_axis(generic_pair(initial=InitialMotion()))
+    case = AnalysisCase(separation=pair, tolerances={"spring_1.force_max": 400.0})
+    name = "longitudinal_displacement_max_until_separation"
+    bound = prove_bounds(case, [(name, "highest")], FAST).proven[f"highest_{name}"]
+    way = 0.1 * 110.0 * (1.0 / 700.0 + 1.0 / 1200.0)
+    assert bound.found <= way <= bound.value
+
+
 @pytest.mark.parametrize("which", REFUSED)
 def test_what_is_not_covered_is_refused_by_name(which):
     separation, tolerances, word = REFUSED[which]
