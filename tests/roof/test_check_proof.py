@@ -267,6 +267,11 @@ FAULTS: dict[str, tuple[Callable[[Record], Any], int, str]] = {
         1,
         "not inside the box",
     ),
+    "group of no choices": (
+        lambda r: _claim(r).update(tree=[["split", [[], [0]], None], ["leaf", None]]),
+        1,
+        "wanted choices in each group",
+    ),
     "axis left out": (
         lambda r: _problem(r)["parameters"][0].update(scale=hexadecimal(0)),
         2,
