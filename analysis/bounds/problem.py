@@ -371,7 +371,11 @@ def _check_springs(problem: BoundProblem) -> None:
             pushes &= least > _MARGIN * abs(number.value)
         if not pushes:
             raise NotCovered(f"{spring.name}: bounds cover springs that all push")
-        (force, _), (_, stroke), (_, mass), (lost, _) = ends
+        (force, _), (_, stroke), (_, mass), (lost, most_lost) = ends
+        if not -_MARGIN < lost <= most_lost < 1.0:
+            raise NotCovered(
+                f"{spring.name}: bounds cover lost parts of strokes from 0 to below 1"
+            )
         last = math.acos(max(lost, 0.0)) * math.sqrt(mass * stroke / force)
         if not last < problem.duration * (1.0 - _MARGIN):
             raise NotCovered(

@@ -184,6 +184,16 @@ def test_the_order_of_bodies_does_not_matter():
     assert problem_of(turned, box) == problem_of(pair, box)
 
 
+def test_no_less_than_nothing_of_a_stroke_is_lost():
+    """A box may be grown beyond what there is."""
+    name = "spring_1.lost_stroke"
+    stuck = with_values(generic_pair(), {name: 0.5})
+    box = ToleranceBox.around(stuck, {name: 0.3})
+    problem_of(stuck, box)
+    with pytest.raises(NotCovered, match="lost parts of strokes from 0 to below 1"):
+        problem_of(stuck, box.grown(2.0))
+
+
 LATE = Sides(minus=0.0, plus=0.01)
 WEAK = {"spring_1.force_max": 1e-10}
 REFUSED = {
