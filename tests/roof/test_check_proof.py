@@ -297,6 +297,11 @@ FAULTS: dict[str, tuple[Callable[[Record], Any], int, str]] = {
     "NaN": (lambda r: _claim(r).update(bound="nan"), 2, "wanted a finite number"),
     "infinity": (lambda r: _claim(r).update(bound="inf"), 2, "wanted a finite number"),
     "decimal number": (lambda r: _claim(r).update(bound=1.0), 2, "hexadecimal float"),
+    "first body off the origin": (
+        lambda r: _problem(r)["bodies"][0].update(offset=[value(0.1)] * 3),
+        2,
+        "problem.bodies[0]: wanted one that stands where the stack does",
+    ),
     "rotation altered": (
         lambda r: _problem(r)["attitude"].__setitem__(1, hexadecimal(1e-6)),
         2,
