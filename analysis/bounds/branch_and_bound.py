@@ -491,7 +491,7 @@ def _sure(
     """Return which pieces (boxes, pieces) a term may, and surely does, look at."""
     pieces = np.arange(term.first, term.last + 1)
     starts, ends = grid.times[pieces], grid.times[pieces + 1]
-    if term.since == "first":
+    if (term.since, term.until) == ("first", "last"):
         every = np.ones((boxes.count, len(pieces)), dtype=bool)
         return every, every
     separation = stroke_ends(boxes, [term.signal.pair])
@@ -499,6 +499,8 @@ def _sure(
     if term.moment:
         may = (ends >= early) & (starts <= late)
         return may, may
+    if term.until == "separation":
+        return starts <= late, ends <= early
     return ends >= early, starts >= late
 
 

@@ -174,6 +174,7 @@ def claim_of(
                     last=window[1],
                     blocks=blocks,
                     since="separation" if _since_separation(metric) else "first",
+                    until="separation" if _until_separation(metric) else "last",
                     moment=not isinstance(metric.when, Window),
                 )
                 for signal in signals
@@ -251,6 +252,10 @@ def _since_separation(metric: Metric) -> bool:
     return when is Moment.SEPARATION
 
 
+def _until_separation(metric: Metric) -> bool:
+    return isinstance(metric.when, Window) and metric.when.end is Moment.SEPARATION
+
+
 def _window(
     metric: Metric, problem: BoundProblem, grid: Grid, pair: int, *, at_once: bool
 ) -> tuple[int, int]:
@@ -266,12 +271,14 @@ def _window(
     if not isinstance(metric.when, Window):
         first, last = pieces_between(grid, early(metric.when), late(metric.when))
         if isinstance(metric.when, float) or metric.when is Moment.END:
-            first = last  # the short piece that ends there
+            last = first  # the short piece that ends there
         return first, last
     start, end = metric.when.start, metric.when.end
     first, last = pieces_between(grid, early(start), late(end))
     if at_once:
-        first = last = min(max(first, grid.push), last)
+        # A piece with a time that belongs to the window whatever the parameters are.
+        surely, _ = pieces_between(grid, early(end), early(end))
+        first = last = min(max(first, grid.push), surely)
     return first, last
 
 

@@ -5,6 +5,7 @@ What is not covered is refused by name.
 """
 
 import functools
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
@@ -14,6 +15,7 @@ from drakesep.systems.checks import InputError, Vector3
 from drakesep.systems.equations.mated_stack import nominal_place
 from drakesep.systems.equations.pushers import from_x_axis, push_place
 from drakesep.systems.model.carriers import carriers
+from drakesep.systems.model.magnitudes import MAGNITUDES
 from drakesep.systems.model.orbit import Orbit
 from drakesep.systems.model.parameter_table import ROLL_PITCH_YAW, XYZ, with_axis
 from drakesep.systems.model.parameters import (
@@ -167,9 +169,10 @@ def problem_of(separation: Separation, box: ToleranceBox) -> BoundProblem:
             raise NotCovered(f"{name}: bounds do not cover its tolerance")
     columns = [box.names.index(name) for name in indices]
     number = functools.partial(_number, parameters(separation), indices)
-    bodies = separation.bodies
+    bodies = sorted(separation.bodies, key=lambda body: body.name != separation.A)
     names = [body.name for body in bodies]
     pairs = _pairs(separation)
+    _check_carriers(separation, pairs, number)
     pushing = [(a, s) for a, s in separation.pushing if isinstance(s, Spring)]
     problem = BoundProblem(
         duration=separation.duration,
@@ -213,7 +216,7 @@ def problem_of(separation: Separation, box: ToleranceBox) -> BoundProblem:
         rate=_vector(number, f"{STACK}.rate"),
         gravity=_gravity(separation.orbit),
     )
-    _check_forces(problem)
+    _check_springs(problem)
     return problem
 
 
@@ -265,6 +268,18 @@ def _spin(
         axis=attachment.joint.x_axis_A,
         place=_vector(number, f"{attachment.name}.position"),
     )
+
+
+def _check_carriers(
+    separation: Separation,
+    pairs: Collection[tuple[str, str]],
+    number: functools.partial[Number],
+) -> None:
+    """Refuse carriers that spin: what they carry does not spin with them."""
+    for A, _ in pairs:
+        may_spin = separation.spins_on(separation.body(A)) is not None
+        if may_spin and number(f"{A}.spin") != Number(0.0):
+            raise NotCovered(f"{A}: bounds do not cover the spin of what others leave")
 
 
 def _reference(separation: Separation, A: str, B: str) -> Vector3:
@@ -347,19 +362,37 @@ def _check_attachment(attachment: Attachment) -> None:
         raise NotCovered(f"{spring.name}: bounds cover springs of Eq. 5 alone")
 
 
-def _check_forces(problem: BoundProblem) -> None:
+def _check_springs(problem: BoundProblem) -> None:
+    """Refuse springs that may not push, or whose strokes may not end in the run."""
     for spring in problem.springs:
-        for number in (spring.force_max, spring.stroke, spring.design_mass):
-            least = number.value
-            if number.parameter is not None:
-                p = problem.parameters[number.parameter]
-                least = p.nominal + p.scale * p.lower
-            if not least > 1e-6 * abs(number.value):
-                raise NotCovered(f"{spring.name}: bounds cover springs that all push")
+        ends = [_ends(problem, number) for number in spring.law]
+        pushes = ends[0][0] >= MAGNITUDES["force"].least
+        for (least, _), number in zip(ends[:3], spring.law, strict=False):
+            pushes &= least > _MARGIN * abs(number.value)
+        if not pushes:
+            raise NotCovered(f"{spring.name}: bounds cover springs that all push")
+        (force, _), (_, stroke), (_, mass), (lost, most_lost) = ends
+        if not -_MARGIN < lost <= most_lost < 1.0:
+            raise NotCovered(
+                f"{spring.name}: bounds cover lost parts of strokes from 0 to below 1"
+            )
+        last = math.acos(max(lost, 0.0)) * math.sqrt(mass * stroke / force)
+        if not last < problem.duration * (1.0 - _MARGIN):
+            raise NotCovered(
+                f"{spring.name}: bounds cover springs whose strokes end within the run"
+            )
+
+
+def _ends(problem: BoundProblem, number: Number) -> tuple[float, float]:
+    """Return the least and the greatest value of a number."""
+    if number.parameter is None:
+        return number.value, number.value
+    p = problem.parameters[number.parameter]
+    return p.nominal + p.scale * p.lower, p.nominal + p.scale * p.upper
 
 
 _MARGIN = 1e-6
-"""Of the least distance from the Earth: far more than rounding."""
+"""Relative: far more than rounding."""
 
 
 def _gravity(orbit: Orbit | None) -> Gravity | None:

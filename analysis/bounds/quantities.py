@@ -73,6 +73,8 @@ class Term:
     """Last one."""
     since: Literal["first", "separation"] = "first"
     """What it begins with: its first piece, or separation, somewhere in its pieces."""
+    until: Literal["last", "separation"] = "last"
+    """What it ends with."""
     blocks: tuple[int, ...] = ()
     """Of a sum of peaks: pieces, counted from the first, at which blocks of time begin,
     and the end of the last block."""

@@ -345,6 +345,7 @@ def _problem(record: object, grid: list[float]) -> Problem:
     if len({p.name for p in parameters}) < len(parameters):
         raise Unreadable("problem.parameters: two have the same name")
     bodies = _bodies(top, parameters)
+    _check_first(bodies)
     pairs = [
         _pair(p, f"problem.pairs[{j}]", parameters, len(bodies))
         for j, p in enumerate(items(top["pairs"], "problem.pairs"))
@@ -434,6 +435,24 @@ def _bodies(top: dict[str, Any], parameters: list[Parameter]) -> list[Body]:
             )
         )
     return bodies
+
+
+def _check_first(bodies: list[Body]) -> None:
+    """The stack is placed in the axes of its first body (section 8)."""
+    if not bodies:
+        raise Unreadable("problem.bodies: none")
+    first = bodies[0]
+    upright = all(
+        x is (ONE if a == b else NONE)
+        for a, row in enumerate(first.R_S)
+        for b, x in enumerate(row)
+    )
+    still = all(v == Value(0.0, None) for v in (*first.turn, *first.offset))
+    if not (upright and still) or any(first.origin_S):
+        raise Unreadable(
+            "problem.bodies[0]: wanted one that stands where the stack does, got one"
+            " with a place or a turn of its own"
+        )
 
 
 def _pair(record: object, name: str, parameters: list[Parameter], bodies: int) -> Pair:

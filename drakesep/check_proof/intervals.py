@@ -58,8 +58,8 @@ def minus(a: Interval, b: Interval) -> Interval:
 def times(a: Interval, row: Sequence[Interval]) -> list[Interval]:
     """Return the products of an interval with each of a row.
 
-    Where a sign is not certain because a ball about zero holds it, the product chosen
-    is one whose ball holds zero too, beyond which the exact one is not.
+    Where a sign is not certain because a ball about zero holds it, the product with the
+    end of larger magnitude is chosen: its ball reaches as far as either may.
     """
     low, high = a
     out = []
@@ -74,7 +74,7 @@ def times(a: Interval, row: Sequence[Interval]) -> list[Interval]:
             else:
                 p, q = b
                 out.append(
-                    ((low if p >= ZERO else high) * p, (high if q >= ZERO else low) * q)
+                    ((low if p >= ZERO else high) * p, (low if q <= ZERO else high) * q)
                 )
     elif high <= ZERO:
         for b in row:
@@ -83,7 +83,7 @@ def times(a: Interval, row: Sequence[Interval]) -> list[Interval]:
             else:
                 p, q = b
                 out.append(
-                    ((low if q >= ZERO else high) * q, (high if p >= ZERO else low) * p)
+                    ((high if q <= ZERO else low) * q, (high if p >= ZERO else low) * p)
                 )
     else:
         for b in row:

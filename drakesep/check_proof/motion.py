@@ -569,6 +569,8 @@ class Motion:
         nothing = [[self.constants.zero] * 3] * self.problem.pieces
         S = [nothing for _ in self.bodies]
         for j, pushing in enumerate(self.pushing):
+            if not pushing.springs:
+                continue
             a, b = pushing.pair.carrier, pushing.pair.leaver
             X = [turned(Q, w) for Q, w in zip(x.Q[j], k.relative[j], strict=True)]
             on_B, on_A = pushing.delayed(X, k.Y[j], self.setting)

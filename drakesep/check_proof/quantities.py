@@ -281,7 +281,7 @@ def _direction(y: Jet, x: Jet) -> Jet:
     low, high = y[0]
     value = (
         (low / (high_x if low >= ZERO else low_x)).atan(),
-        (high / (low_x if high >= ZERO else high_x)).atan(),
+        (high / (high_x if high <= ZERO else low_x)).atan(),
     )
     over = inverse(plus(square(x[0]), square(y[0])))
     by_y = times(product(x[0], over), y[1:])

@@ -58,15 +58,16 @@ def cosine_and_sine(angle: Jet) -> tuple[Jet, Jet]:
 
 
 _QUARTER = arb.pi() / 2
-NEARLY = 1e-9  # of half turns: what is so near to a whole one may be it
+NEARLY = 1e-9  # of angles in half turns: what is so near to a whole one may be it
 
 
 def cosine(x: Interval) -> Interval:
     """Enclose cosines: of both ends, and 1 or -1 where x may hold a whole half turn."""
     ends = x[0].cos(), x[1].cos()
     low, high = ends[0].min(ends[1]), ends[0].max(ends[1])
-    first = math.ceil(float((x[0] / arb.pi()).lower()) - NEARLY)
-    last = math.floor(float((x[1] / arb.pi()).upper()) + NEARLY)
-    for k in range(first, last + 1):
+    turns = float((x[0] / arb.pi()).lower()), float((x[1] / arb.pi()).upper())
+    nearly = NEARLY * (1 + max(map(abs, turns)))
+    first, last = math.ceil(turns[0] - nearly), math.floor(turns[1] + nearly)
+    for k in range(first, min(last, first + 1) + 1):  # two in turn are both
         low, high = (low, arb(1)) if k % 2 == 0 else (arb(-1), high)
     return low, high

@@ -139,6 +139,8 @@ class Walk:
             tuple(index(c, "choice", count) for c in items(group, "group of choices"))
             for group in items(listed, "groups of choices")
         ]
+        if not all(groups):
+            raise Unreadable("wanted choices in each group, got none")
         apart = {c for group in groups for c in group}
         rest = tuple(c for c in place.chosen if c not in apart)
         if rest:

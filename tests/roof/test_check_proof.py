@@ -59,16 +59,31 @@ def test_a_free_top_keeps_its_rate(tmp_path, capsys):
     claim = record["claims"][0]
     [term] = claim["quantity"]["terms"]
     term |= {"field": "rate", "pieces": [0, 4]}
-    claim |= {
-        "bound": hexadecimal(0.02 * (1 + 1e-12)),
-        "found": hexadecimal(0.02 * (1 - 1e-12)),
-    }
     claim |= {"at": [hexadecimal(x) for x in (0, 0, 1)]}
     claim["tree"] = [["leaf", None]]
-    status, said = outcome(record, tmp_path, capsys)
-    assert status == 0, said
-    claim |= {"bound": hexadecimal(0.0199), "found": hexadecimal(0.0198)}
-    assert outcome(record, tmp_path, capsys)[0] == 1
+    for springs in (record["problem"]["springs"], []):
+        record["problem"]["springs"] = springs
+        claim |= {
+            "bound": hexadecimal(0.02 * (1 + 1e-12)),
+            "found": hexadecimal(0.02 * (1 - 1e-12)),
+        }
+        status, said = outcome(record, tmp_path, capsys)
+        assert status == 0, said
+        claim |= {"bound": hexadecimal(0.0199), "found": hexadecimal(0.0198)}
+        assert outcome(record, tmp_path, capsys)[0] == 1
+
+
+@pytest.mark.parametrize("a", [(1.0, 3.0), (-3.0, -1.0), (-2.0, 3.0)])
+def test_products_hold_what_balls_about_zero_hold(a):
+    """Of an end that is known to a half, whatever it is."""
+    from flint import arb
+
+    from drakesep.check_proof.intervals import product
+
+    end = arb(0.0, 0.5)
+    low, high = product((arb(a[0]), arb(a[1])), (end, end))
+    exact = [x * y for x in a for y in (-0.5, 0.5)]
+    assert low.lower() <= min(exact) and max(exact) <= high.upper()
 
 
 def _tilted(record: dict[str, Any]) -> tuple[int, float]:
@@ -252,6 +267,11 @@ FAULTS: dict[str, tuple[Callable[[Record], Any], int, str]] = {
         1,
         "not inside the box",
     ),
+    "group of no choices": (
+        lambda r: _claim(r).update(tree=[["split", [[], [0]], None], ["leaf", None]]),
+        1,
+        "wanted choices in each group",
+    ),
     "axis left out": (
         lambda r: _problem(r)["parameters"][0].update(scale=hexadecimal(0)),
         2,
@@ -277,6 +297,11 @@ FAULTS: dict[str, tuple[Callable[[Record], Any], int, str]] = {
     "NaN": (lambda r: _claim(r).update(bound="nan"), 2, "wanted a finite number"),
     "infinity": (lambda r: _claim(r).update(bound="inf"), 2, "wanted a finite number"),
     "decimal number": (lambda r: _claim(r).update(bound=1.0), 2, "hexadecimal float"),
+    "first body off the origin": (
+        lambda r: _problem(r)["bodies"][0].update(offset=[value(0.1)] * 3),
+        2,
+        "problem.bodies[0]: wanted one that stands where the stack does",
+    ),
     "rotation altered": (
         lambda r: _problem(r)["attitude"].__setitem__(1, hexadecimal(1e-6)),
         2,

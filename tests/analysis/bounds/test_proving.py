@@ -18,12 +18,14 @@ from drakesep.analysis import AnalysisCase, Requirement
 from drakesep.analysis.bounds.branch_and_bound import Effort, Prover
 from drakesep.analysis.bounds.claims import claim_of
 from drakesep.analysis.bounds.grid import make_grid
-from drakesep.analysis.bounds.problem import problem_of
+from drakesep.analysis.bounds.problem import NotCovered, problem_of
 from drakesep.analysis.bounds.proving import ProofSettings, prove_bounds
 from drakesep.analysis.tolerances.box import ToleranceBox
 from drakesep.analysis.tolerances.sides import Sides
+from drakesep.systems.model.joints import Joint
+from drakesep.systems.model.orbit import Orbit
 from drakesep.systems.model.parameters import with_values
-from drakesep.systems.model.separation import InitialMotion, Separation
+from drakesep.systems.model.separation import InitialMotion, Pair, Separation
 
 
 FAST = ProofSettings(gap=0.02, seconds=20.0, push=8, coast=4)
@@ -140,18 +142,101 @@ def stacked() -> Separation:
     return dataclasses.replace(bodies, attachments=tuple(attachments))
 
 
+def on_another_carrier() -> Separation:
+    """A third body is pushed from the upper one, which nothing pushes, and may spin."""
+    bodies = three_bodies()
+    lower, upper, third = bodies.bodies
+    fourth = dataclasses.replace(third, name="fourth", p_ABo=(-1.0, -0.9, -1.2))
+    hinge, *_, port = bodies.attachments
+    berth = dataclasses.replace(port, name="berth", B="fourth", p_AoPad_A=fourth.p_ABo)
+    berth = dataclasses.replace(berth, spring=hinge.spring)
+    turning = Joint(type="revolute", rigid=True)
+    hinge = dataclasses.replace(hinge, spring=None, joint=turning)
+    port = dataclasses.replace(port, A="upper")
+    return dataclasses.replace(
+        bodies,
+        bodies=(lower, upper, third, fourth),
+        attachments=tuple(
+            dataclasses.replace(a, release_time=0.0) for a in (hinge, port, berth)
+        ),
+        B="fourth",
+        others=(Pair(A="upper", B="third"),),
+    )
+
+
+def test_a_carrier_that_spins_is_refused():
+    """What it carries does not spin with it: their places do not stay as they are."""
+    separation = on_another_carrier()
+    spins, no_bound = {"upper.spin": 0.1}, "upper: bounds do not cover the spin"
+    problem_of(separation, ToleranceBox.around(separation, {}))
+    with pytest.raises(NotCovered, match=no_bound):
+        problem_of(separation, ToleranceBox.around(separation, spins))
+    spinning = with_values(separation, spins)
+    with pytest.raises(NotCovered, match=no_bound):
+        problem_of(spinning, ToleranceBox.around(spinning, {}))
+
+
+def test_the_order_of_bodies_does_not_matter():
+    """Gravity's bound is about the CG at rest, which is that of the stack's first A."""
+    pair = generic_pair(orbit=Orbit(radius=7.0e6))
+    turned = dataclasses.replace(pair, bodies=pair.bodies[::-1])
+    box = ToleranceBox.around(pair, {"upper.mass": 20.0})
+    assert problem_of(turned, box) == problem_of(pair, box)
+
+
+def test_no_less_than_nothing_of_a_stroke_is_lost():
+    """A box may be grown beyond what there is."""
+    name = "spring_1.lost_stroke"
+    stuck = with_values(generic_pair(), {name: 0.5})
+    box = ToleranceBox.around(stuck, {name: 0.3})
+    problem_of(stuck, box)
+    with pytest.raises(NotCovered, match="lost parts of strokes from 0 to below 1"):
+        problem_of(stuck, box.grown(2.0))
+
+
 LATE = Sides(minus=0.0, plus=0.01)
+WEAK = {"spring_1.force_max": 1e-10}
 REFUSED = {
     "stays": (staged_pair(), {}, "loads"),
     "displacement": (by_displacement(generic_pair()), {}, "Eq. 5"),
     "late": (generic_pair(release_times=(0.0, 0.1)), {}, "t = 0"),
     "when": (generic_pair(), {"attachment_1.release_time": LATE}, "release_time"),
+    "no force": (with_values(generic_pair(), WEAK), {}, "springs that all push"),
+    "long": (
+        generic_pair(duration=0.16),
+        {"spring_1.stroke": 0.01, "spring_1.design_mass": 10.0},
+        "whose strokes end within the run",
+    ),
     "on a displaced one": (
         stacked(),
         {"upper.mated_offset_x": 0.01},
         "third: bounds do not cover what hangs on a body that is displaced",
     ),
 }
+
+
+def test_what_is_reached_until_separation_is_reached_before_the_earliest():
+    """A free top's rates grow on after the spring, whose end varies."""
+    initial = InitialMotion(w_WA_A=(0.2, -0.3, 0.25))
+    pair = pushed_on_axis(generic_pair(initial=initial, duration=0.4))
+    case = AnalysisCase(separation=pair, tolerances={"spring_1.design_mass": 60.0})
+    name = "rate_max_until_separation_x"
+    bounds = prove_bounds(case, [(name, "lowest")], FAST)
+    early = with_values(pair, {"spring_1.design_mass": 50.0})
+    times = np.array([0.0, early.springs[0].duration, pair.duration])
+    start, reached, end = oracle.fly(early, times).rate[:, 0]
+    assert start < reached < end
+    assert bounds.proven[f"lowest_{name}"].value <= reached
+
+
+def test_what_is_found_until_separation_is_found_before_it():
+    """By its end a spring of Eq. 5 has moved bodies as far, however strong it is."""
+    pair = pushed_on_axis(generic_pair(initial=InitialMotion()))
+    case = AnalysisCase(separation=pair, tolerances={"spring_1.force_max": 400.0})
+    name = "longitudinal_displacement_max_until_separation"
+    bound = prove_bounds(case, [(name, "highest")], FAST).proven[f"highest_{name}"]
+    way = 0.1 * 110.0 * (1.0 / 700.0 + 1.0 / 1200.0)
+    assert bound.found <= way <= bound.value
 
 
 @pytest.mark.parametrize("which", REFUSED)
