@@ -284,9 +284,8 @@ def _direction(y: Jet, x: Jet) -> Jet:
         (high / (low_x if high >= ZERO else high_x)).atan(),
     )
     over = inverse(plus(square(x[0]), square(y[0])))
-    by_y = times(product(x[0], over), y[1:])
-    by_x = times(product(y[0], over), x[1:])
-    return [value, *jet_minus(by_y, by_x)]
+    turned = jet_minus(times(x[0], y[1:]), times(y[0], x[1:]))
+    return [value, *times(over, turned)]
 
 
 def _arcsine(x: Jet) -> Jet:

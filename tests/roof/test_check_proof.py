@@ -21,9 +21,11 @@ from certificates import (
     push,
     value,
 )
+from flint import arb
 
 import drakesep.check_proof
 from drakesep.check_proof.command import main
+from drakesep.check_proof.quantities import _direction
 
 
 def outcome(
@@ -381,3 +383,14 @@ def test_without_flint_it_says_what_it_needs(tmp_path):
     )
     assert told.returncode == 2
     assert told.stderr == "check_proof needs python-flint: pip install python-flint\n"
+
+
+def test_the_derivative_of_an_angle_keeps_the_sign_of_its_numerator():
+    """atan2(y, x)' = (x y' - y x') / (x^2 + y^2): its divisor is divided by once."""
+    y, x = [(0.3, 0.4), (0.4, 0.4)], [(0.85, 0.95), (0.75, 0.8)]
+    _, (low, high) = _direction(*([(arb(a), arb(b)) for a, b in jet] for jet in (y, x)))
+    least, most = 0.85 * 0.4 - 0.4 * 0.8, 0.95 * 0.4 - 0.3 * 0.75
+    over = 1 / (0.4**2 + 0.95**2), 1 / (0.3**2 + 0.85**2)
+    # The products of the ends; 1e-12 is far more than rounding.
+    assert float(low) == pytest.approx(least * over[0], rel=1e-12)
+    assert float(high) == pytest.approx(most * over[1], rel=1e-12)
