@@ -258,10 +258,12 @@ class _Search:
     def run(self) -> Proof:
         self._climb()
         self._push(self._root)
-        while self._queue and not self._exhausted:
+        while self._queue:  # the whole box is looked at, however little time there is
             count = min(self._effort.batch, len(self._queue))
             self._look([heapq.heappop(self._queue)[2] for _ in range(count)])
             self._report()
+            if self._exhausted:
+                break
         left = [node.bound for _, _, node in self._queue]
         aim = max([self._aim, *left])
         for _, _, node in self._queue:
@@ -333,7 +335,7 @@ class _Search:
                 if point.tobytes() not in seen:
                     seen.add(point.tobytes())
                     new.append(point)
-            if not new:
+            if not new or self._exhausted:
                 break
             at = np.array(new[: self._effort.batch])
             look = self._prover.look(self._quantity, at, at, self._all)

@@ -209,7 +209,11 @@ def _proven(
             proof = prover.prove(claim.quantity, effort, points, told)
             on_proof(name, proof)
         if not math.isfinite(proof.bound):
-            not_covered[name] = f"{metric}: no enclosure of the motion was found"
+            not_covered[name] = (
+                f"{metric}: no enclosure of the motion was found in"
+                f" {settings.seconds:g} s; there may be one in more time, or of"
+                " narrower tolerances or a shorter run"
+            )
             continue
         proven[name] = Bound(
             claim=claim,

@@ -330,3 +330,13 @@ def test_a_proof_that_is_cut_short_is_a_bound_of_what_it_knows():
     for leaf in leaves(proof.tree):  # each was looked at, and is below the bound
         assert leaf.centre is not None
         assert leaf.bound <= proof.bound
+
+
+def test_however_little_time_there_is_the_whole_box_is_bounded():
+    pair = generic_pair()
+    box = ToleranceBox.around(pair, {"upper.cg_y": 0.01, "upper.cg_z": 0.01})
+    problem = problem_of(pair, box)
+    grid = make_grid(problem, 8, 4)
+    claim = claim_of(pair, problem, grid, "rate_max_after_separation_x", "highest")
+    proof = Prover(problem, grid).prove(claim.quantity, Effort(seconds=1e-9))
+    assert proof.found < proof.bound < math.inf
