@@ -311,9 +311,9 @@ class _Search:
 
     def _least(self, points: Array, look: Look) -> Array:
         """Return what the quantity surely is at points."""
-        if self._quantity.kind != "peak" or len(self._quantity.terms) > 1:
+        term, *others = self._quantity.terms
+        if self._quantity.kind != "peak" or others or term.window:
             return look.least
-        [term] = self._quantity.terms
         value = look.options.value
         boxes = Boxes(self._prover.problem, points, points)
         may, does = _sure(term, boxes, self._prover.grid)
@@ -322,7 +322,10 @@ class _Search:
             least = np.where(may[:, None], by_sign, np.inf).min(-1)
         else:
             least = np.where(does[:, None], by_sign, -np.inf).max(-1)
-        return np.asarray(least.max(-1))
+        most = least.max(-1)
+        return np.asarray(
+            np.maximum(most, 0.0) if _MAGNITUDE <= {*term.signs} else most
+        )
 
     def _climb(self) -> None:
         """Go from corner to corner to where the quantity is large."""
@@ -481,6 +484,8 @@ def _close_above(node: Node) -> None:
         above.close()
 
 
+_MAGNITUDE = {1, -1}
+"""Signs with which a peak is one of a magnitude, and never below zero."""
 _LEAST_ROOM = 0.1
 """Part of the gap that is left for boxes, above what points have."""
 _CLIMBS = 6

@@ -83,6 +83,9 @@ class Term:
     its sign or by its mean; None: nowhere."""
     levels: tuple[float, ...] = ()
     """Of an integral of a square: between them its signal's mean lies, from there."""
+    window: tuple[int, int] | None = None
+    """First and last piece of what is the least over a window, which is at most what it
+    is in the one that is looked at; None: it is what is looked at."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,6 +149,13 @@ def least(
 
     Of one peak it is so if the whole of its window is looked at.
     """
+    window = quantity.terms[0].window
+    if window is not None:
+        [term] = quantity.terms
+        every = dataclasses.replace(term, first=window[0], last=window[1])
+        value = options(enclosure, grid, Quantity(kind="peak", terms=(every,))).value
+        by_sign = value.lo.reshape(len(value.lo), len(term.signs), -1)
+        return np.asarray(by_sign.max(1).min(-1))
     if quantity.kind == "peak":
         return np.asarray(found.value.lo.max(-1))
     plain = [dataclasses.replace(term, coast=None) for term in quantity.terms]
