@@ -139,6 +139,8 @@ class Walk:
             tuple(index(c, "choice", count) for c in items(group, "group of choices"))
             for group in items(listed, "groups of choices")
         ]
+        if not all(groups):
+            raise Unreadable("wanted choices in each group, got none in one")
         apart = {c for group in groups for c in group}
         rest = tuple(c for c in place.chosen if c not in apart)
         if rest:
@@ -180,10 +182,10 @@ class Walk:
         if not isinstance(faces, dict) or not faces:
             raise Unreadable(f"wanted faces by coordinate, got {faces!r:.60}")
         child = box = place.box
-        moved = tuple(int(key) if key.isdecimal() else -1 for key in faces)
-        for key, i in zip(faces, moved, strict=True):
-            if i not in box.live:
-                raise NotVerified(f"coordinate {key} does not vary in the box")
+        named = {str(i): i for i in box.live}
+        if unknown := [key for key in faces if key not in named]:
+            raise NotVerified(f"coordinate {unknown[0]:.20} does not vary in the box")
+        moved = tuple(named[key] for key in faces)
         slopes = self._slopes_above_bound(place, moved)
         for k, (i, face) in enumerate(zip(moved, faces.values(), strict=True)):
             name = self.problem.parameters[i].name

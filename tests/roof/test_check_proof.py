@@ -324,6 +324,18 @@ FAULTS: dict[str, tuple[Callable[[Record], Any], int, str]] = {
         2,
         "not known are thrust",
     ),
+    "group without choices": (
+        lambda r: _claim(r).update(
+            tree=[["split", [[0], []], None], *_claim(r)["tree"], ["leaf", None]]
+        ),
+        1,
+        "wanted choices in each group",
+    ),
+    "face of a coordinate that is none": (
+        lambda r: _claim(r)["tree"].__setitem__(2, ["collapse", {"9" * 5000: "upper"}]),
+        1,
+        "does not vary",
+    ),
     "found where it is not": (
         lambda r: _claim(r).update(at=[hexadecimal(-1), hexadecimal(1)]),
         1,
