@@ -207,6 +207,7 @@ class Prover:
         ]
         return new if most[1] <= most[0] * (1.0 + _LOST) else quantity
 
+    @np.errstate(over="ignore", invalid="ignore")  # what is not finite proves nothing
     def prove(
         self,
         quantity: Quantity,

@@ -186,6 +186,8 @@ def _signal(enclosure: Enclosure, term: Term) -> Jet:
     """Return a signal over the pieces that a term looks at."""
     signal = term.signal
     field = _field(enclosure, signal)
+    if signal.field == "angle" and not term.moment:
+        field = [_followed(x) for x in field]
     vector = [x[..., term.first : term.last + 1] for x in field]
     constants = [entry(x) for x in signal.vector]
     match signal.law:
@@ -256,6 +258,15 @@ def _angles(enclosure: Enclosure, j: int) -> list[Jet]:
         _less_arcsine(M(2, 0)),
         _angle_of(M(1, 0), M(0, 0)),
     ]
+
+
+def _followed(angle: Jet) -> Jet:
+    """Return an angle that goes on beyond half a turn: NaN once it may have left.
+
+    It is known as long as it has been within a right angle since the start.
+    """
+    lost = np.isnan(np.cumsum(angle.lo[0], -1))
+    return Jet(np.where(lost, np.nan, angle.lo), np.where(lost, np.nan, angle.hi))
 
 
 def _angle_of(y: Jet, x: Jet) -> Jet:
