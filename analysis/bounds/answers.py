@@ -27,6 +27,8 @@ BOUNDED = "bounded"
 """Of an objective, which has no limit: there is a bound."""
 CONTRADICTED = "contradicted"
 """A run is beyond the bound: one of the two is wrong."""
+_ROUNDING = 1e-12
+"""In SI: what runs and enclosures make of zero is nearer to it."""
 BY_ENCLOSURE = "enclosure"
 """That told what is surely attained, where no run is at hand."""
 
@@ -91,8 +93,11 @@ class ProvenAnswer:
 
     @property
     def gap(self) -> float:
-        """By how much the bound is beyond the worst found, as a share of that."""
-        if self.bound is None or not self.found:
+        """By how much the bound is beyond the worst found, as a share of that.
+
+        NaN: there is no bound, or what is found is zero but for rounding.
+        """
+        if self.bound is None or abs(self.found) < _ROUNDING:
             return math.nan
         return self._beyond(self.value, self.found) / abs(self.found)
 

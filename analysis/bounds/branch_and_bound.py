@@ -207,6 +207,7 @@ class Prover:
         ]
         return new if most[1] <= most[0] * (1.0 + _LOST) else quantity
 
+    @np.errstate(over="ignore", invalid="ignore")  # what is not finite proves nothing
     def prove(
         self,
         quantity: Quantity,
@@ -258,10 +259,12 @@ class _Search:
     def run(self) -> Proof:
         self._climb()
         self._push(self._root)
-        while self._queue and not self._exhausted:
+        while self._queue:  # the whole box is looked at, however little time there is
             count = min(self._effort.batch, len(self._queue))
             self._look([heapq.heappop(self._queue)[2] for _ in range(count)])
             self._report()
+            if self._exhausted:
+                break
         left = [node.bound for _, _, node in self._queue]
         aim = max([self._aim, *left])
         for _, _, node in self._queue:
@@ -309,9 +312,9 @@ class _Search:
 
     def _least(self, points: Array, look: Look) -> Array:
         """Return what the quantity surely is at points."""
-        if self._quantity.kind != "peak" or len(self._quantity.terms) > 1:
+        term, *others = self._quantity.terms
+        if self._quantity.kind != "peak" or others or term.window:
             return look.least
-        [term] = self._quantity.terms
         value = look.options.value
         boxes = Boxes(self._prover.problem, points, points)
         may, does = _sure(term, boxes, self._prover.grid)
@@ -320,7 +323,10 @@ class _Search:
             least = np.where(may[:, None], by_sign, np.inf).min(-1)
         else:
             least = np.where(does[:, None], by_sign, -np.inf).max(-1)
-        return np.asarray(least.max(-1))
+        most = least.max(-1)
+        return np.asarray(
+            np.maximum(most, 0.0) if _MAGNITUDE <= {*term.signs} else most
+        )
 
     def _climb(self) -> None:
         """Go from corner to corner to where the quantity is large."""
@@ -333,7 +339,7 @@ class _Search:
                 if point.tobytes() not in seen:
                     seen.add(point.tobytes())
                     new.append(point)
-            if not new:
+            if not new or self._exhausted:
                 break
             at = np.array(new[: self._effort.batch])
             look = self._prover.look(self._quantity, at, at, self._all)
@@ -479,6 +485,8 @@ def _close_above(node: Node) -> None:
         above.close()
 
 
+_MAGNITUDE = {1, -1}
+"""Signs with which a peak is one of a magnitude, and never below zero."""
 _LEAST_ROOM = 0.1
 """Part of the gap that is left for boxes, above what points have."""
 _CLIMBS = 6

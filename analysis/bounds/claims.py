@@ -156,7 +156,9 @@ def claim_of(
     kind, signs, at_once = _how(metric.functional, wanted, name)
     if at_once and len(signals) > 1:
         raise NotCovered(f"{side} {name}: bounds cover its other side alone")
-    window = _window(metric, problem, grid, pair, at_once=at_once)
+    window = over = _window(metric, problem, grid, pair)
+    if at_once:
+        window = (_one_piece(metric, problem, grid, pair, over[0]),) * 2
     if kind != "peak" and window != (0, len(grid.times) - 2):
         raise NotCovered(f"{name}: bounds cover integrals over whole runs")
     of_sum = kind == "peak" and len(signals) > 1
@@ -176,6 +178,7 @@ def claim_of(
                     since="separation" if _since_separation(metric) else "first",
                     until="separation" if _until_separation(metric) else "last",
                     moment=not isinstance(metric.when, Window),
+                    window=over if at_once else None,
                 )
                 for signal in signals
             ),
@@ -257,7 +260,7 @@ def _until_separation(metric: Metric) -> bool:
 
 
 def _window(
-    metric: Metric, problem: BoundProblem, grid: Grid, pair: int, *, at_once: bool
+    metric: Metric, problem: BoundProblem, grid: Grid, pair: int
 ) -> tuple[int, int]:
     """Return the first and last piece that may belong to a metric's time."""
     stroke = last_stroke(problem, [pair])
@@ -269,17 +272,31 @@ def _window(
         return _seconds(when, problem.duration, stroke.latest)
 
     if not isinstance(metric.when, Window):
-        first, last = pieces_between(grid, early(metric.when), late(metric.when))
-        if isinstance(metric.when, float) or metric.when is Moment.END:
-            last = first  # the short piece that ends there
-        return first, last
+        return pieces_between(grid, early(metric.when), late(metric.when))
     start, end = metric.when.start, metric.when.end
-    first, last = pieces_between(grid, early(start), late(end))
-    if at_once:
-        # A piece with a time that belongs to the window whatever the parameters are.
-        surely, _ = pieces_between(grid, early(end), early(end))
-        first = last = min(max(first, grid.push), surely)
-    return first, last
+    return pieces_between(grid, early(start), late(end))
+
+
+def _one_piece(
+    metric: Metric, problem: BoundProblem, grid: Grid, pair: int, first: int
+) -> int:
+    """Return a piece with a time that belongs to a window whatever parameters are.
+
+    As springs have pushed, if that is in it.
+
+    Args:
+        metric: of the window.
+        problem: of the separation.
+        grid: of time.
+        pair: the metric's.
+        first: piece that may belong to it.
+    """
+    when = metric.when
+    assert isinstance(when, Window)
+    earliest = last_stroke(problem, [pair]).earliest
+    end = _seconds(when.end, problem.duration, earliest)
+    surely, _ = pieces_between(grid, end, end)
+    return min(max(first, grid.push), surely)
 
 
 def _seconds(when: Time, duration: float, separation: float) -> float:
@@ -295,7 +312,7 @@ def _seconds(when: Time, duration: float, separation: float) -> float:
 
 
 def moments(names: Iterable[str]) -> list[float]:
-    """Return the times, in seconds, at which metrics look.
+    """Return the times, in seconds, at which metrics look, where they are known.
 
     Args:
         names: of metrics.
@@ -303,6 +320,8 @@ def moments(names: Iterable[str]) -> list[float]:
     found = []
     for name in names:
         when = metric_named(name).when
+        if when in (Moment.START, Moment.RELEASE):
+            found.append(0.0)
         times = when[:2] if isinstance(when, Window) else (when,)
         found += [t for t in times if isinstance(t, float)]
     return sorted({*found})

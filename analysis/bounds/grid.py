@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drakesep.analysis.bounds.box import Boxes, whole_box
-from drakesep.analysis.bounds.intervals import Interval, down, up
+from drakesep.analysis.bounds.intervals import Interval, up
 from drakesep.analysis.bounds.problem import BoundProblem
 from drakesep.systems.arrays import Array
 
@@ -68,7 +68,8 @@ def make_grid(
         problem: with the springs.
         push: pieces while springs may push, or a few more.
         coast: pieces after that, or a few more.
-        moments: times between, each of which is to be the end of a short piece, s.
+        moments: times, each of which is to be the end of a short piece, s; of 0 it is
+            the beginning.
     """
     T = problem.duration
     first, latest = last_stroke(problem, range(len(problem.pairs)))
@@ -76,16 +77,17 @@ def make_grid(
     times = [*np.linspace(0.0, first, push + 1), *np.linspace(ended, T, coast + 1)]
     times += [*np.linspace(first, ended, _ENDING + 1)]
     for moment in (*moments, T):
-        times += [moment, max(moment - _SHORT * T, 0.0)]
+        times += [moment, moment - _SHORT * T if moment > 0.0 else _SHORT * T]
     grid = np.unique(np.clip(times, 0.0, T))
     return Grid(grid, int(np.searchsorted(grid, ended)))
 
 
 def pieces_between(grid: Grid, start: float, end: float) -> tuple[int, int]:
-    """Return the first and the last piece that may hold a time from one to another."""
-    times = grid.times
-    low, high = float(down(np.array(start))), float(up(np.array(end)))
-    first = int(np.searchsorted(times, low, side="right")) - 1
-    last = int(np.searchsorted(times, high, side="left")) - 1
-    most = len(times) - 2
-    return min(max(first, 0), most), min(max(last, first, 0), most)
+    """Return the first and the last piece that may hold a time from one to another.
+
+    Of one moment at which a piece ends it is that piece.
+    """
+    last = int(np.searchsorted(grid.times, end, side="left")) - 1
+    first = min(int(np.searchsorted(grid.times, start, side="right")) - 1, last)
+    most = len(grid.times) - 2
+    return min(max(first, 0), most), min(max(last, 0), most)

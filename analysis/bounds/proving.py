@@ -162,19 +162,22 @@ def prove_bounds(
     settings = settings or ProofSettings()
     asked = asked_of(case) if asked is None else asked
     names = [claim_name(metric, side) for metric, side in asked]
+    of_runs = [metric for metric, _ in asked if not _measured_apart(metric)]
     try:
         problem = problem_of(case.separation, case.box)
+        grid = make_grid(problem, settings.push, settings.coast, moments(of_runs))
+        prover = Prover(problem, grid)
     except NotCovered as why:
         reasons = dict.fromkeys(names, str(why))
         return Bounds(problem=None, grid=None, proven={}, not_covered=reasons)
     return _proven(
-        case, problem, asked, settings, starts, known or {}, on_proof, on_progress
+        case, prover, asked, settings, starts, known or {}, on_proof, on_progress
     )
 
 
 def _proven(
     case: AnalysisCase,
-    problem: BoundProblem,
+    prover: Prover,
     asked: Sequence[tuple[str, Side]],
     settings: ProofSettings,
     starts: Iterable[Mapping[str, float]],
@@ -182,10 +185,7 @@ def _proven(
     on_proof: Callable[[str, Proof], None],
     on_progress: Callable[[str, Progress], None],
 ) -> Bounds:
-    of_runs = [metric for metric, _ in asked if not _measured_apart(metric)]
-    grid = make_grid(problem, settings.push, settings.coast, moments(of_runs))
-    prover = Prover(problem, grid)
-    box = case.box
+    problem, grid, box = prover.problem, prover.grid, case.box
     columns = [box.names.index(p.name) for p in problem.parameters]
     points = [box.clipped(box.scaled(values))[columns] for values in starts]
     proven: dict[str, Bound] = {}
@@ -209,7 +209,11 @@ def _proven(
             proof = prover.prove(claim.quantity, effort, points, told)
             on_proof(name, proof)
         if not math.isfinite(proof.bound):
-            not_covered[name] = f"{metric}: no enclosure of the motion was found"
+            not_covered[name] = (
+                f"{metric}: no enclosure of the motion was found in"
+                f" {settings.seconds:g} s; there may be one in more time, or of"
+                " narrower tolerances or a shorter run"
+            )
             continue
         proven[name] = Bound(
             claim=claim,

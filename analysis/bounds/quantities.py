@@ -85,6 +85,9 @@ class Term:
     its sign or by its mean; None: nowhere."""
     levels: tuple[float, ...] = ()
     """Of an integral of a square: between them its signal's mean lies, from there."""
+    window: tuple[int, int] | None = None
+    """First and last piece of what is the least over a window, which is at most what it
+    is in the one that is looked at; None: it is what is looked at."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -148,6 +151,13 @@ def least(
 
     Of one peak it is so if the whole of its window is looked at.
     """
+    window = quantity.terms[0].window
+    if window is not None:
+        [term] = quantity.terms
+        every = dataclasses.replace(term, first=window[0], last=window[1])
+        value = options(enclosure, grid, Quantity(kind="peak", terms=(every,))).value
+        by_sign = value.lo.reshape(len(value.lo), len(term.signs), -1)
+        return np.asarray(by_sign.max(1).min(-1))
     if quantity.kind == "peak":
         return np.asarray(found.value.lo.max(-1))
     plain = [dataclasses.replace(term, coast=None) for term in quantity.terms]
@@ -178,6 +188,8 @@ def _signal(enclosure: Enclosure, term: Term) -> Jet:
     """Return a signal over the pieces that a term looks at."""
     signal = term.signal
     field = _field(enclosure, signal)
+    if signal.field == "angle" and not term.moment:
+        field = [_followed(x) for x in field]
     vector = [x[..., term.first : term.last + 1] for x in field]
     constants = [entry(x) for x in signal.vector]
     match signal.law:
@@ -248,6 +260,15 @@ def _angles(enclosure: Enclosure, j: int) -> list[Jet]:
         _less_arcsine(M(2, 0)),
         _angle_of(M(1, 0), M(0, 0)),
     ]
+
+
+def _followed(angle: Jet) -> Jet:
+    """Return an angle that goes on beyond half a turn: NaN once it may have left.
+
+    It is known as long as it has been within a right angle since the start.
+    """
+    lost = np.isnan(np.cumsum(angle.lo[0], -1))
+    return Jet(np.where(lost, np.nan, angle.lo), np.where(lost, np.nan, angle.hi))
 
 
 def _angle_of(y: Jet, x: Jet) -> Jet:

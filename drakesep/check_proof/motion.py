@@ -451,6 +451,7 @@ class Motion:
         box: Box,
         live: list[int],
         start: "Motion | None" = None,
+        more: int = 0,
     ):
         self.setting = setting
         self.problem = setting.problem
@@ -463,6 +464,8 @@ class Motion:
             Pushing(j, setting, self.constants) for j in range(len(self.problem.pairs))
         ]
         self.state = self._enclosed(self._start(start))
+        for _ in range(more):
+            self.state = self._applied(self.state)
         self.kinematics = self._kinematics(self.state)
 
     def _enclosed(self, state: State) -> State:

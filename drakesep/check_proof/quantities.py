@@ -226,7 +226,8 @@ def _signal(term: Term, motion: Motion) -> list[Vector]:
         return motion.velocity_of_cg(term.pair)
     if term.field == "relative_position":
         return motion.way_of_cg(term.pair)
-    return _angles(motion.problem.pairs[term.pair].leaver, motion)
+    wanted = range(3) if term.component is None else [term.component]
+    return _angles(motion.problem.pairs[term.pair].leaver, motion, wanted)
 
 
 def _of_law(term: Term, x: Vector, motion: Motion) -> Jet:
@@ -250,8 +251,11 @@ def _across(v: list[Interval]) -> Matrix:
     ]
 
 
-def _angles(b: int, motion: Motion) -> list[Vector]:
-    """Return roll, pitch and yaw on each piece."""
+def _angles(b: int, motion: Motion, wanted: Sequence[int]) -> list[Vector]:
+    """Return roll, pitch and yaw on each piece; zero for those that nobody wants.
+
+    Of these one may be beyond 90 deg.
+    """
     body, constants = motion.problem.bodies[b], motion.constants
     attitude = rotation(constants.vector(motion.problem.attitude))
     meant = constant(transposed(body.R_S), constants.zero)
@@ -263,13 +267,10 @@ def _angles(b: int, motion: Motion) -> list[Vector]:
             column[c] = [plus(ONE, column[c][0]), *column[c][1:]]
             columns.append(applied(fixed, column))
         M = transposed(columns)
-        out.append(
-            [
-                _direction(M[2][1], M[2][2]),
-                jet_negative(_arcsine(M[2][0])),
-                _direction(M[1][0], M[0][0]),
-            ]
-        )
+        angles = [constants.zero] * 3
+        for c in wanted:
+            angles[c] = _ANGLES[c](M)
+        out.append(angles)
     return out
 
 
@@ -284,9 +285,8 @@ def _direction(y: Jet, x: Jet) -> Jet:
         (high / (high_x if high <= ZERO else low_x)).atan(),
     )
     over = inverse(plus(square(x[0]), square(y[0])))
-    by_y = times(product(x[0], over), y[1:])
-    by_x = times(product(y[0], over), x[1:])
-    return [value, *jet_minus(by_y, by_x)]
+    turned = jet_minus(times(x[0], y[1:]), times(y[0], x[1:]))
+    return [value, *times(over, turned)]
 
 
 def _arcsine(x: Jet) -> Jet:
@@ -296,3 +296,10 @@ def _arcsine(x: Jet) -> Jet:
     cosine = square(x[0])
     slope = inverse(((1 - cosine[1]).sqrt(), (1 - cosine[0]).sqrt()))
     return [(low.asin(), high.asin()), *times(slope, x[1:])]
+
+
+_ANGLES: Sequence[Callable[[list[Vector]], Jet]] = (
+    lambda M: _direction(M[2][1], M[2][2]),
+    lambda M: jet_negative(_arcsine(M[2][0])),
+    lambda M: _direction(M[1][0], M[0][0]),
+)

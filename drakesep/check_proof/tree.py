@@ -28,15 +28,20 @@ class Motions:
         self._values = lru_cache(maxsize=200)(self._with_values)
         self._slopes = lru_cache(maxsize=6)(self._with_slopes)
 
-    def on(self, box: Box, by: tuple[int, ...] = ()) -> Motion:
-        """Return the motion on a box, with its derivatives by some coordinates."""
-        return self._slopes(box, by) if by else self._values(box)
+    def on(self, box: Box, by: tuple[int, ...] = (), more: int = 0) -> Motion:
+        """Return the motion on a box, with its derivatives by some coordinates.
 
-    def _with_values(self, box: Box) -> Motion:
-        return Motion(self.setting, box, [])
+        What is enclosed is enclosed anew from there so many times more: each time it is
+        no wider.
+        """
+        return self._slopes(box, by, more) if by else self._values(box, more)
 
-    def _with_slopes(self, box: Box, by: tuple[int, ...]) -> Motion:
-        return Motion(self.setting, box, [*by], start=self.on(box))
+    def _with_values(self, box: Box, more: int) -> Motion:
+        return Motion(self.setting, box, [], more=more)
+
+    def _with_slopes(self, box: Box, by: tuple[int, ...], more: int) -> Motion:
+        start = self.on(box, more=more)
+        return Motion(self.setting, box, [*by], start=start, more=more)
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,9 @@ class Place:
         return replace(self, box=box, path=f"{self.path} > {step}")
 
 
+SHARPER = 4  # times that an enclosure is enclosed anew where it does not suffice
+
+
 class Walk:
     """A walk through the tree of one claim."""
 
@@ -62,6 +70,7 @@ class Walk:
         self.bound = arb(claim.bound)
         self.nodes = iter(claim.tree)
         self.count = 0
+        self.more = 0
         self._of_terms = lru_cache(maxsize=6)(self._alternatives)
 
     def verify(self) -> None:
@@ -76,7 +85,7 @@ class Walk:
                 raise NotVerified(f"{place.path}: a node is missing") from None
             self.count += 1
             try:
-                waiting += self._visited(node, place)
+                waiting += self._visited_twice(node, place)
             except (NotVerified, Unreadable) as failure:
                 name = node[0] if isinstance(node, list) and node else node
                 raise NotVerified(
@@ -84,6 +93,16 @@ class Walk:
                 ) from None
         if next(self.nodes, None) is not None:
             raise NotVerified(f"after node {self.count}: nodes that belong to no box")
+
+    def _visited_twice(self, node: object, place: Place) -> list[Place]:
+        """Visit a node; once more, with sharper enclosures, if it does not hold."""
+        try:
+            return self._visited(node, place)
+        except NotVerified:
+            self.more = SHARPER
+            return self._visited(node, place)
+        finally:
+            self.more = 0
 
     def _visited(self, node: object, place: Place) -> list[Place]:
         """Look whether a node holds; return the places below it, the last one first."""
@@ -109,10 +128,12 @@ class Walk:
         raise Unreadable(f"wanted leaf, collapse, split or cut, got {node!r:.60}")
 
     def _options(self, place: Place, by: tuple[int, ...] = ()) -> list[Jet]:
-        return options(self._of_terms(place.box, by), place.chosen)
+        return options(self._of_terms(place.box, by, self.more), place.chosen)
 
-    def _alternatives(self, box: Box, by: tuple[int, ...]) -> list[Alternatives]:
-        return alternatives(self.claim, self.motions.on(box, by))
+    def _alternatives(
+        self, box: Box, by: tuple[int, ...], more: int
+    ) -> list[Alternatives]:
+        return alternatives(self.claim, self.motions.on(box, by, more))
 
     def _holds(self, place: Place, star: tuple[float, ...]) -> None:
         """Raise NotVerified unless all options looked at are at most the bound."""
@@ -140,7 +161,7 @@ class Walk:
             for group in items(listed, "groups of choices")
         ]
         if not all(groups):
-            raise Unreadable("wanted choices in each group, got none")
+            raise Unreadable("wanted choices in each group, got none in one")
         apart = {c for group in groups for c in group}
         rest = tuple(c for c in place.chosen if c not in apart)
         if rest:
@@ -182,10 +203,10 @@ class Walk:
         if not isinstance(faces, dict) or not faces:
             raise Unreadable(f"wanted faces by coordinate, got {faces!r:.60}")
         child = box = place.box
-        moved = tuple(int(key) if key.isdecimal() else -1 for key in faces)
-        for key, i in zip(faces, moved, strict=True):
-            if i not in box.live:
-                raise NotVerified(f"coordinate {key} does not vary in the box")
+        named = {str(i): i for i in box.live}
+        if unknown := [key for key in faces if key not in named]:
+            raise NotVerified(f"coordinate {unknown[0]:.20} does not vary in the box")
+        moved = tuple(named[key] for key in faces)
         slopes = self._slopes_above_bound(place, moved)
         for k, (i, face) in enumerate(zip(moved, faces.values(), strict=True)):
             name = self.problem.parameters[i].name

@@ -1,5 +1,7 @@
 """What the command line prints of what is proven."""
 
+import math
+
 import pandas as pd
 from rich.console import Console
 
@@ -15,38 +17,44 @@ def print_proofs(console: Console, study: Proofs) -> None:
         words = f"Nothing is proven of {study.case.name}: {study.why_nothing}."
         console.print(words, markup=False)
         return
-    frame = study.table[study.table["verdict"] != NOT_COVERED]
+    frame = study.table
     bodies = [pair.B for pair in study.case.separation.pairs]
-    names = requirement_names_and_limits(frame, bodies)
-    asked = zip(names["requirement"], frame["objective"], strict=True)
+    told = requirement_names_and_limits(frame, bodies)
+    asked = zip(told["requirement"], frame["objective"], strict=True)
+    names = [name or other for name, other in asked]
     of_objective = frame["requirement"] == ""
     lines = pd.DataFrame(
         {
-            "requirement or objective": [name or other for name, other in asked],
+            "requirement or objective": names,
             "limit": [
                 unit if alone else limit
                 for limit, unit, alone in zip(
-                    names["limit"], frame["unit"], of_objective, strict=True
+                    told["limit"], frame["unit"], of_objective, strict=True
                 )
             ],
             "found": frame["found"],
             "proven bound": frame["proven_bound"],
-            "gap %": frame["gap_percent"].map("{:.2f}".format),
+            "gap %": frame["gap_percent"].map(_percent),
             "proven": frame["verdict"],
         }
     )
     title = "Proven bounds, beside the worst found"
-    print_frame(console, title, lines, whole=True)
-    for row in study.table.to_dict("records"):
-        if row["verdict"] not in (PROVEN_MET, BOUNDED):
-            name = f"{row['requirement']} {row['axis']}".strip() or row["objective"]
-            console.print(
-                f"{row['verdict'].capitalize()}: {name}: {row['reason']}.", markup=False
-            )
+    covered = frame["verdict"] != NOT_COVERED
+    print_frame(console, title, lines[covered], whole=True)
+    for name, verdict, reason in zip(
+        names, frame["verdict"], frame["reason"], strict=True
+    ):
+        if verdict not in (PROVEN_MET, BOUNDED):
+            words = f"{verdict.capitalize()}: {name}: {reason}."
+            console.print(words, markup=False)
     console.print(
         "No run within the tolerances is beyond a proven bound: at any corner and "
         "anywhere between, in inertias that no body can have, too."
     )
+
+
+def _percent(gap: float) -> str:
+    return "" if math.isnan(gap) else f"{gap:.2f}"
 
 
 def print_proven(console: Console, study: Proofs) -> None:

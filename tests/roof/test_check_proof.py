@@ -21,9 +21,13 @@ from certificates import (
     push,
     value,
 )
+from flint import arb
 
 import drakesep.check_proof
+from drakesep.check_proof.certificate import certificate
 from drakesep.check_proof.command import main
+from drakesep.check_proof.quantities import _direction
+from drakesep.check_proof.tree import SHARPER, Motions
 
 
 def outcome(
@@ -347,6 +351,18 @@ FAULTS: dict[str, tuple[Callable[[Record], Any], int, str]] = {
         2,
         "not known are thrust",
     ),
+    "group without choices": (
+        lambda r: _claim(r).update(
+            tree=[["split", [[0], []], None], *_claim(r)["tree"], ["leaf", None]]
+        ),
+        1,
+        "wanted choices in each group",
+    ),
+    "face of a coordinate that is none": (
+        lambda r: _claim(r)["tree"].__setitem__(2, ["collapse", {"9" * 5000: "upper"}]),
+        1,
+        "does not vary",
+    ),
     "found where it is not": (
         lambda r: _claim(r).update(at=[hexadecimal(-1), hexadecimal(1)]),
         1,
@@ -406,3 +422,45 @@ def test_without_flint_it_says_what_it_needs(tmp_path):
     )
     assert told.returncode == 2
     assert told.stderr == "check_proof needs python-flint: pip install python-flint\n"
+
+
+def test_the_derivative_of_an_angle_keeps_the_sign_of_its_numerator():
+    """atan2(y, x)' = (x y' - y x') / (x^2 + y^2): its divisor is divided by once."""
+    y, x = [(0.3, 0.4), (0.4, 0.4)], [(0.85, 0.95), (0.75, 0.8)]
+    _, (low, high) = _direction(*([(arb(a), arb(b)) for a, b in jet] for jet in (y, x)))
+    least, most = 0.85 * 0.4 - 0.4 * 0.8, 0.95 * 0.4 - 0.3 * 0.75
+    over = 1 / (0.4**2 + 0.95**2), 1 / (0.3**2 + 0.85**2)
+    # The products of the ends; 1e-12 is far more than rounding.
+    assert float(low) == pytest.approx(least * over[0], rel=1e-12)
+    assert float(high) == pytest.approx(most * over[1], rel=1e-12)
+
+
+def test_an_angle_is_verified_where_another_is_beyond_a_right_angle(tmp_path, capsys):
+    """The stack stands still, rolled by 0.2, yawed by 2 rad; roll alone is claimed."""
+    record = push(TIGHT)
+    record["problem"]["attitude"] = [value(0.2), value(0.0), value(2.0)]
+    claim = record["claims"][0]
+    [term] = claim["quantity"]["terms"]
+    term |= {"field": "angle", "pieces": [0, 4]}
+    claim |= {"bound": hexadecimal(0.2 + 1e-12), "found": hexadecimal(0.2 - 1e-12)}
+    claim["tree"] = [["leaf", None]]
+    status, said = outcome(record, tmp_path, capsys)
+    assert status == 0, said
+    term |= {"component": 2}
+    status, said = outcome(record, tmp_path, capsys)
+    assert status == 1 and "beyond 90 deg" in said
+
+
+def test_what_is_enclosed_anew_is_within_what_was_enclosed():
+    record = push(TIGHT)
+    # Beside both CGs, so that bodies turn while it pushes.
+    record["problem"]["springs"][0]["place"] = [value(0), value(0.3), value(0)]
+    problem = certificate(record).problem
+    first, anew = (Motions(problem).on(problem.root, (), n) for n in (0, SHARPER))
+    narrower = 0
+    for wide, sharp in zip(first.state.Q[0], anew.state.Q[0], strict=True):
+        for a, b in ((0, 1), (1, 0)):
+            (low, high), (least, most) = wide[a][b][0], sharp[a][b][0]
+            assert low <= least and most <= high
+            narrower += bool(low < least and most < high)
+    assert narrower

@@ -6,6 +6,7 @@ import pytest
 from drakesep.analysis.bounds.grid import Grid
 from drakesep.analysis.bounds.integrals import by_mean, by_sign
 from drakesep.analysis.bounds.jets import Jet
+from drakesep.analysis.bounds.quantities import _followed
 
 
 GRID = Grid(np.linspace(0.0, 2.0, 41), 10)
@@ -51,3 +52,11 @@ def test_of_a_constant_the_cell_of_its_mean_is_all_of_its_square():
     below = 0.5 * 0.49 + 1.5 * (2.0 * 0.5 * 0.7 - 0.25)
     assert found.value.hi[0, 0] == pytest.approx(below, rel=1e-12)
     assert found.slopes.lo[0, 0, 1] == pytest.approx(2.0 * 2.0 * 0.7, rel=1e-12)
+
+
+def test_an_angle_is_not_known_again_once_it_may_have_left():
+    """Over time it goes on beyond half a turn: a whole one later it is another."""
+    values = np.array([[[0.1, np.nan, 0.2]], [[1.0, np.nan, 1.0]]])
+    angle = _followed(Jet(values, values))
+    assert np.isfinite(angle.lo[..., 0]).all()
+    assert np.isnan(angle.lo[..., 1:]).all() and np.isnan(angle.hi[..., 1:]).all()
