@@ -111,7 +111,11 @@ WORST_CASE_FILES = (
                 "What told it to the searches: `batch`, by its metrics; or whole runs, "
                 "`batch, run by run` or `Drake, run by run`.",
             ),
-            Column("run_by_run", "", "How many whole runs that took; 0 by metrics."),
+            Column(
+                "run_by_run",
+                "",
+                "How many whole runs were asked for, known ones again; 0 by metrics.",
+            ),
             Column("{search}", SAME, "The worst that this search found."),
             Column("starts", "", "Of the ascents."),
             Column("ended_there", "", "How many of them ended at the worst case."),
