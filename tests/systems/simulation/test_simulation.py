@@ -139,6 +139,19 @@ def test_kinks_at_the_same_time_as_a_jump():
     assert speed == pytest.approx(math.sqrt(2.0 * energy * lightness), abs=1e-7)
 
 
+@pytest.mark.parametrize("apart", [1e-15, 9e-10])
+def test_releases_within_a_nanosecond_are_as_if_at_once(apart):
+    """No step straddles the second: it would be told as if all of it came after."""
+    separation = generic_pair(release_times=(0.1, 0.1), joint=Joint(rigid=True))
+    at_once = Simulation(separation).run().trajectory
+    second = Simulation(separation).run({"attachment_2.release_time": 0.1 + apart})
+    assert second.releases["attachment_2"] == 0.1 + apart
+    states = second.trajectory.states
+    assert second.trajectory.time == pytest.approx(at_once.time, abs=1e-9)
+    # Samples a nanosecond apart, at 2 m/s or less; steps err by 1e-7.
+    assert states == pytest.approx(at_once.states, abs=1e-6)
+
+
 @pytest.mark.parametrize("law", ["time", "displacement"])
 def test_between_steps_as_by_hand(law):
     """Springs of both laws push as X (1 - cos w t), then bodies go straight on.
