@@ -42,17 +42,32 @@ def find_breaks(
         releases: when each attachment let go, s, by its name.
         stroke_ends: when each spring reached its stroke, s, by its name.
     """
-    kinks = [*releases.values(), *stroke_ends.values()]  # infinite: never
-    for load in separation.loads:
-        begin = 0.0 if load.after is None else releases.get(load.after, math.inf)
-        kinks += [begin + load.start + kink for kink in load.kinks]
     end = separation.duration
     breaks = [0.0]
-    for t in sorted(kinks):
+    for t in find_kinks(separation, releases, stroke_ends):
         # Kinks a nanosecond apart are one: nothing moves between them.
         if t - breaks[-1] > NANOSECOND and end - t > NANOSECOND:
             breaks.append(t)
     return (*breaks, end)
+
+
+def find_kinks(
+    separation: Separation,
+    releases: Mapping[str, float],
+    stroke_ends: Mapping[str, float],
+) -> list[float]:
+    """Return when forces have kinks, however close, increasing, s; infinite: never.
+
+    Args:
+        separation: as it was flown.
+        releases: when each attachment let go, s, by its name.
+        stroke_ends: when each spring reached its stroke, s, by its name.
+    """
+    kinks = [*releases.values(), *stroke_ends.values()]
+    for load in separation.loads:
+        begin = 0.0 if load.after is None else releases.get(load.after, math.inf)
+        kinks += [begin + load.start + kink for kink in load.kinks]
+    return sorted(kinks)
 
 
 def sample_times(

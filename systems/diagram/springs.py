@@ -37,6 +37,11 @@ from drakesep.systems.sampling import NANOSECOND
 from drakesep.systems.vectors import Ops, Vector
 
 
+_SOON, _WELL_BEFORE = 1e-4, 0.9
+"""A lift-off, foreseen by a line, is approached to so much of the time until it, until
+it is within a tenth of a millisecond: forces curve."""
+
+
 class PushRow(NamedTuple):
     """A pusher in a Context."""
 
@@ -129,7 +134,8 @@ class _Foreseen(NamedTuple):
                 for pace in ((at, speed), (at_later, speed_later))
             )
             if (gone := force - force_later) != 0.0:
-                times.append(force * moment / gone)
+                lift = force * moment / gone
+                times.append(lift if lift < _SOON else _WELL_BEFORE * lift)
         kink = min((t for t in times if t > NANOSECOND), default=math.inf)
         if not self.ends_in_jump:
             return kink, math.inf

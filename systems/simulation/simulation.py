@@ -31,7 +31,7 @@ from drakesep.systems.model.run import (
     Trajectory,
 )
 from drakesep.systems.model.separation import Attachment, Pair, Separation
-from drakesep.systems.sampling import NANOSECOND, find_breaks, sample_times
+from drakesep.systems.sampling import NANOSECOND, find_breaks, find_kinks, sample_times
 from drakesep.systems.simulation.contact_log import ContactLog
 from drakesep.systems.simulation.error_control import error_control
 from drakesep.systems.simulation.foresight import Foresight
@@ -187,10 +187,12 @@ class Simulation:
         while (now := context.get_time()) < separation.duration:
             releases = _releases(separation, released.Eval(context))
             strokes = separation.timed_stroke_ends(releases)
-            stops = find_breaks(
+            kinks = find_kinks(
                 separation, separation.scheduled_releases | releases, strokes
             )
-            stop = next(t for t in stops if t > now + NANOSECOND)
+            # Also of one a nanosecond after another: what follows begins after it.
+            ahead_of_now = (t for t in kinks if t > now)
+            stop = min(next(ahead_of_now, math.inf), separation.duration)
             integrator.set_maximum_step_size(
                 min(largest, _largest_in_push(now, separation, releases, strokes))
             )

@@ -7,7 +7,7 @@ import resource
 import numpy as np
 import oracle
 import pytest
-from separations import GENERIC, by_displacement, coaxial, generic_pair, vega
+from separations import FREE, GENERIC, by_displacement, coaxial, generic_pair, vega
 
 from drakesep.systems.diagram.wrenches import Forces
 from drakesep.systems.model.integration import SCHEMES, Integration
@@ -119,6 +119,21 @@ def test_steps_end_at_kinks_that_are_foreseen(law):
     assert np.abs(apart).max() < 5e-7
 
 
+def test_steps_end_where_a_force_that_curves_lifts_off():
+    """One step that straddled the lift-off would err by 6e-6."""
+    profile = ((0.0, 0.73), (0.07, 1.0), (0.48, 0.01), (0.68, 0.63), (1.0, 0.5))
+    separation = by_displacement(
+        generic_pair(release_times=(0.0, 0.0), joint=FREE, duration=3.0),
+        profile=profile,
+        damping=50.0,
+    )
+    run = Simulation(separation).run()
+    tight = Simulation(separation, Integration(accuracy=1e-11)).run()
+    apart = run.trajectory.states[-1] - tight.trajectory.states[-1]
+    # A hundred steps of 1e-7, errors of either sign.
+    assert np.abs(apart).max() < 1e-6
+
+
 def test_kinks_at_the_same_time_as_a_jump():
     """Pads side by side: two springs end as they are spent, two with force left.
 
@@ -137,6 +152,19 @@ def test_kinks_at_the_same_time_as_a_jump():
     speed = run.motion.relative_velocity[-1, 0]
     # The jump is found within 1e-8 s, of 720 N on half a ton.
     assert speed == pytest.approx(math.sqrt(2.0 * energy * lightness), abs=1e-7)
+
+
+@pytest.mark.parametrize("apart", [1e-15, 9e-10])
+def test_releases_within_a_nanosecond_are_as_if_at_once(apart):
+    """No step straddles the second: it would be told as if all of it came after."""
+    separation = generic_pair(release_times=(0.1, 0.1), joint=Joint(rigid=True))
+    at_once = Simulation(separation).run().trajectory
+    second = Simulation(separation).run({"attachment_2.release_time": 0.1 + apart})
+    assert second.releases["attachment_2"] == 0.1 + apart
+    states = second.trajectory.states
+    assert second.trajectory.time == pytest.approx(at_once.time, abs=1e-9)
+    # Samples a nanosecond apart, at 2 m/s or less; steps err by 1e-7.
+    assert states == pytest.approx(at_once.states, abs=1e-6)
 
 
 @pytest.mark.parametrize("law", ["time", "displacement"])
