@@ -117,6 +117,8 @@ class Boxes:
             turned(transposed(self.orientation(b)), rate) for b in self.problem.bodies
         ]
         for pair in self.problem.pairs:
+            if pair.spin is None:
+                continue
             spin = turned(transposed(self.mating(pair).R0), self.spin(pair))
             of_bodies[pair.B] = plus(of_bodies[pair.B], spin)
         return of_bodies

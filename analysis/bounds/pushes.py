@@ -62,11 +62,6 @@ class _Spring(NamedTuple):
     axis_B: AffineVector
     """The same in B while mated."""
 
-    @property
-    def moments(self) -> "_Moments":
-        """Of this spring alone."""
-        return _Moments.of([self])
-
 
 class _Moments(NamedTuple):
     """What makes torques of springs out of integrals of Q' and y': (6), (7)."""
@@ -95,6 +90,8 @@ class _Group(NamedTuple):
     kernel: NominalKernel
     springs: list[_Spring]
     moments: _Moments
+    of_each: list[_Moments]
+    """Of each spring alone."""
 
 
 class Pushes:
@@ -150,7 +147,10 @@ class Pushes:
         on_A, on_B = [], []
         for group in groups:
             integrals = [(group.kernel(moved), group.moments)]
-            integrals += [(s.deviation(moved), s.moments) for s in group.springs]
+            integrals += [
+                (s.deviation(moved), alone)
+                for s, alone in zip(group.springs, group.of_each, strict=True)
+            ]
             for q, moments in integrals:
                 to_A, to_B = self._torques(j, self._spread(q), moments)
                 on_A.append(to_A)
@@ -185,7 +185,8 @@ class Pushes:
 
     def _group(self, kernel: NominalKernel, members: Sequence[int]) -> _Group:
         springs = [self._spring(k, kernel) for k in members]
-        return _Group(kernel, springs, _Moments.of(springs))
+        of_each = [_Moments.of([spring]) for spring in springs]
+        return _Group(kernel, springs, _Moments.of(springs), of_each)
 
     def _spring(self, k: int, kernel: NominalKernel) -> _Spring:
         boxes, spring = self._boxes, self._problem.springs[k]
